@@ -1,0 +1,80 @@
+"""What a campaign holds in memory: runs of named channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One finding of the check.
+
+    `row` counts data rows from 1 (the header is row 0); None when the
+    finding concerns a whole column or file.
+    """
+
+    severity: str  # "error" | "warning"
+    file: str
+    message: str
+    row: int | None = None
+    column: str | None = None
+
+    def __str__(self) -> str:
+        place = self.file
+        if self.row is not None:
+            place += f", row {self.row}"
+        if self.column is not None:
+            place += f", column {self.column}"
+        return f"{self.severity}: {place}: {self.message}"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One recording: equally long channels, SI units in their names."""
+
+    file: str
+    contact: bool
+    motion: str
+    repeat_of: str | None
+    split: str  # "fit" | "validation"
+    channels: dict[str, np.ndarray]
+
+    @property
+    def name(self) -> str:
+        """File name without its ending."""
+        return Path(self.file).stem
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """Sample times, shape (N,), s."""
+        return self.channels["time_s"]
+
+    def stack(self, columns: list[str] | tuple[str, ...]) -> np.ndarray:
+        """The named columns side by side, shape (N, len(columns))."""
+        return np.column_stack([self.channels[c] for c in columns])
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A checked campaign folder."""
+
+    path: Path
+    device: str
+    rate_hz: float
+    subject: str
+    runs: tuple[Run, ...]
+    nominal: dict[str, float] = field(default_factory=dict)
+    control: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[Problem, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """The folder's name."""
+        return self.path.name
+
+    def split(self, split: str) -> tuple[Run, ...]:
+        """Runs of one split, "fit" or "validation"."""
+        return tuple(run for run in self.runs if run.split == split)

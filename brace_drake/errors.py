@@ -1,0 +1,25 @@
+"""Exceptions of the package: every one is meant for the caller to read."""
+
+
+class BraceError(Exception):
+    """Base of all errors that brace_drake raises on purpose."""
+
+
+class ScenarioError(BraceError, ValueError):
+    """A scenario file or value is missing, malformed or out of range."""
+
+
+class CampaignError(BraceError, ValueError):
+    """A recorded campaign cannot be used; the message names the place."""
+
+
+class EffectError(BraceError, ValueError):
+    """An effect is unknown, registered twice, or given bad parameters."""
+
+
+class FitError(BraceError, RuntimeError):
+    """A fit could not be set up or its solver failed."""
+
+
+class OutputError(BraceError, RuntimeError):
+    """A result could not be written."""

@@ -1,0 +1,20 @@
+"""The only module that knows where models and scenarios lie on disk."""
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+def _data_root(name: str) -> Path:
+    installed = _PACKAGE / "_data" / name
+    return installed if installed.is_dir() else _PACKAGE.parent / name
+
+
+def sdf_path(name: str) -> Path:
+    """Path of a model in `sdf/`, from the source tree or from the wheel."""
+    return _data_root("sdf") / name
+
+
+def scenario_path(name: str) -> Path:
+    """Path of a scenario in `diagrams/`, source tree or wheel."""
+    return _data_root("diagrams") / name
