@@ -1,0 +1,1 @@
+"""LeafSystems of the twin; each declares ports and state around a law."""

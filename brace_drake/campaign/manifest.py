@@ -1,0 +1,282 @@
+"""The campaign.yaml of a campaign: what was recorded, run by run."""
+
+from __future__ import annotations
+
+import posixpath
+import sys
+from dataclasses import dataclass, field
+
+import yaml
+
+from brace_drake.campaign.columns import DEVICES, LEG_BENCH, PAD_BENCH
+from brace_drake.campaign.findings import error, quoted, warning
+from brace_drake.campaign.recording import Problem
+
+MANIFEST = "campaign.yaml"
+FORMAT = "brace-campaign/1"
+SPLITS = ("fit", "validation")
+
+_NOMINAL_KEYS = {
+    LEG_BENCH: ("mass_kg", "viscous_N_s_m"),
+    PAD_BENCH: ("stiffness_N_m", "damping_N_s_m"),
+}
+_CONTROL_KEYS = ("kp_1_s", "kv_N_s_m", "force_limit_N")
+_REQUIRED_RUN_KEYS = ("file", "contact", "motion", "split")
+
+
+@dataclass(frozen=True)
+class RunEntry:
+    """One item of `runs`; a value that was unusable is its default."""
+
+    file: str | None = None
+    contact: bool = True
+    motion: str = ""
+    repeat_of: str | None = None
+    split: str = "fit"
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """The usable content of a campaign.yaml.
+
+    Attributes:
+        device: A key of DEVICES, None when it was unusable.
+        rate_hz: Sampling rate, None when it was unusable.
+        subject: Free text.
+        entries: The runs, in the file's order.
+        nominal: Nominal parameters of the device, SI units in the names.
+        control: Parameters of the drive's controller, likewise.
+    """
+
+    device: str | None = None
+    rate_hz: float | None = None
+    subject: str = ""
+    entries: tuple[RunEntry, ...] = ()
+    nominal: dict[str, float] = field(default_factory=dict)
+    control: dict[str, float] = field(default_factory=dict)
+
+
+def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
+    """Parses campaign.yaml.
+
+    Returns:
+        What could be used of it, None when it is no YAML mapping; and every
+        problem found.
+    """
+    try:
+        content = yaml.safe_load(data.decode("utf-8-sig"))
+    except UnicodeDecodeError as e:
+        line = data[: e.start].count(b"\n") + 1
+        return None, [_error(f"line {line}: not UTF-8 text")]
+    except yaml.YAMLError as e:
+        return None, [_error(_describe_yaml_error(e))]
+    except (ValueError, RecursionError) as e:
+        # PyYAML lets these through for impossible dates and deep nesting.
+        return None, [_error(f"unreadable YAML: {e}")]
+    if not isinstance(content, dict):
+        return None, [
+            _error(f"must hold a mapping of keys, found {quoted(content)}")
+        ]
+    problems: list[Problem] = []
+    device = _parse_head(content, problems)
+    rate_hz = content.get("rate_hz")
+    if not _is_positive(rate_hz):
+        problems.append(
+            _error(_wanted("rate_hz", "a positive number", rate_hz))
+        )
+        rate_hz = None
+    manifest = Manifest(
+        device=device,
+        rate_hz=rate_hz if rate_hz is None else float(rate_hz),
+        subject=str(content.get("subject") or ""),
+        nominal=_parse_nominal(content, device, problems),
+        control=_parse_control(content, device, problems),
+        entries=_parse_runs(content, problems),
+    )
+    return manifest, problems
+
+
+def _error(message: str) -> Problem:
+    return error(MANIFEST, message)
+
+
+def _wanted(name: str, wanted: str, value: object) -> str:
+    if value is None:
+        return f"{name} is missing: it must be {wanted}"
+    return f"{name} must be {wanted}, got {quoted(value)}"
+
+
+def _describe_yaml_error(e: yaml.YAMLError) -> str:
+    mark = getattr(e, "problem_mark", None)
+    reason = getattr(e, "problem", None) or str(e)
+    reason = " ".join(reason.split())
+    if mark is None:
+        return f"unreadable YAML: {reason}"
+    return f"unreadable YAML in line {mark.line + 1}: {reason}"
+
+
+def _is_positive(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return 0 < value <= sys.float_info.max
+
+
+def _parse_head(content: dict, problems: list[Problem]) -> str | None:
+    """Checks `format` and returns the device, None when it is unknown."""
+    if content.get("format") != FORMAT:
+        problems.append(
+            _error(_wanted("format", quoted(FORMAT), content.get("format")))
+        )
+    device = content.get("device")
+    if isinstance(device, str) and device in DEVICES:
+        return device
+    names = "one of " + ", ".join(f"{name!r}" for name in DEVICES)
+    problems.append(_error(_wanted("device", names, device)))
+    return None
+
+
+def _parse_numbers(
+    content: dict,
+    section: str,
+    required: tuple[str, ...],
+    optional: tuple[str, ...],
+    problems: list[Problem],
+) -> dict[str, float]:
+    """The positive numbers of one section, with its faults reported."""
+    values = content.get(section) or {}
+    if not isinstance(values, dict):
+        problems.append(_error(_wanted(section, "a mapping", values)))
+        return {}
+    numbers = {}
+    for key in (*required, *optional):
+        if _is_positive(values.get(key)):
+            numbers[key] = float(values[key])
+        elif key in required or values.get(key) is not None:
+            name = f"{section}.{key}"
+            problems.append(
+                _error(_wanted(name, "a positive number", values.get(key)))
+            )
+    return numbers
+
+
+def _parse_nominal(
+    content: dict, device: str | None, problems: list[Problem]
+) -> dict[str, float]:
+    keys = _NOMINAL_KEYS.get(device, ())
+    if device == LEG_BENCH:
+        return _parse_numbers(content, "nominal", keys, (), problems)
+    return _parse_numbers(content, "nominal", (), keys, problems)
+
+
+def _parse_control(
+    content: dict, device: str | None, problems: list[Problem]
+) -> dict[str, float]:
+    if device != LEG_BENCH or content.get("control") is None:
+        return {}
+    gains, limit = _CONTROL_KEYS[:2], _CONTROL_KEYS[2:]
+    return _parse_numbers(content, "control", gains, limit, problems)
+
+
+def _parse_runs(content: dict, problems: list[Problem]) -> tuple[RunEntry, ...]:
+    runs = content.get("runs")
+    if not isinstance(runs, list) or not runs:
+        found = None if runs == [] else runs
+        problems.append(_error(_wanted("runs", "a list of runs", found)))
+        return ()
+    entries = tuple(
+        _parse_run(run, number, problems)
+        for number, run in enumerate(runs, start=1)
+    )
+    _check_files(entries, problems)
+    _check_repeats(entries, problems)
+    _check_splits(entries, problems)
+    return entries
+
+
+def _parse_run(run: object, number: int, problems: list[Problem]) -> RunEntry:
+    """One entry; its faults go to `problems`, usable values are kept."""
+    if not isinstance(run, dict):
+        problems.append(_error(_wanted(f"run {number}", "a mapping", run)))
+        return RunEntry()
+    place = f"run {number}"
+    if isinstance(run.get("file"), str):
+        place += f" ({quoted(run['file'])[1:-1]})"
+    missing = [key for key in _REQUIRED_RUN_KEYS if run.get(key) is None]
+    if missing:
+        problems.append(_error(f"{place} has no {', '.join(missing)}"))
+    kinds = {"file": str, "contact": bool, "motion": str, "repeat_of": str}
+    names = {str: "text", bool: "true or false"}
+    values = {}
+    for key, kind in kinds.items():
+        value = run.get(key)
+        if isinstance(value, kind) and value != "":
+            values[key] = value
+        elif value is not None:
+            wanted = _wanted(key, names[kind], value)
+            problems.append(_error(f"{place}: {wanted}"))
+    split = run.get("split")
+    if split in SPLITS:
+        values["split"] = split
+    elif split is not None:
+        wanted = _wanted("split", " or ".join(SPLITS), split)
+        problems.append(_error(f"{place}: {wanted}"))
+    return RunEntry(**values)
+
+
+def leaves_folder(file: str) -> bool:
+    """Whether a run's path points outside its campaign's folder."""
+    path = posixpath.normpath(file.replace("\\", "/"))
+    return posixpath.isabs(path) or path.split("/")[0] in ("..", ".")
+
+
+def same_file(one: str, other: str) -> bool:
+    """Whether two run paths mean the same file."""
+    return posixpath.normpath(one) == posixpath.normpath(other)
+
+
+def _check_files(
+    entries: tuple[RunEntry, ...], problems: list[Problem]
+) -> None:
+    seen: dict[str, int] = {}
+    for number, entry in enumerate(entries, start=1):
+        if entry.file is None:
+            continue
+        if leaves_folder(entry.file):
+            problems.append(
+                error(entry.file, "the path leaves the campaign's folder")
+            )
+        first = seen.setdefault(posixpath.normpath(entry.file), number)
+        if first != number:
+            message = f"duplicate file: runs {first} and {number} share it"
+            problems.append(error(entry.file, message))
+
+
+def _check_repeats(
+    entries: tuple[RunEntry, ...], problems: list[Problem]
+) -> None:
+    files = [entry.file for entry in entries if entry.file is not None]
+    for number, entry in enumerate(entries, start=1):
+        if entry.repeat_of is None:
+            continue
+        place = f"run {number} ({entry.file}): repeat_of"
+        if not any(same_file(entry.repeat_of, file) for file in files):
+            problems.append(
+                _error(f"{place} names no run: {quoted(entry.repeat_of)}")
+            )
+        elif entry.file and same_file(entry.repeat_of, entry.file):
+            problems.append(_error(f"{place} names the run itself"))
+
+
+def _check_splits(
+    entries: tuple[RunEntry, ...], problems: list[Problem]
+) -> None:
+    splits = {entry.split for entry in entries}
+    if "fit" not in splits:
+        problems.append(_error("no run has split: fit, nothing to learn from"))
+    if "validation" not in splits:
+        problems.append(
+            warning(
+                MANIFEST,
+                "no run has split: validation, no claim can be tested",
+            )
+        )

@@ -1,0 +1,48 @@
+"""The command `brace-drake check`: is a campaign fit for use?"""
+
+from __future__ import annotations
+
+import argparse
+
+from brace_drake.campaign import CheckCampaign
+from brace_drake.campaign.findings import counted
+
+_EPILOG = """\
+example:
+  brace-drake check campaigns/monday
+
+Prints one line per problem. Ends with status 0 when there is no error
+(warnings are allowed) and with 2 when there is one.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `check` to the command line."""
+    parser = subparsers.add_parser(
+        "check",
+        help="find every problem of a recorded campaign",
+        description="Finds every problem of a recorded campaign.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "campaign",
+        metavar="CAMPAIGN",
+        help="folder with campaign.yaml and its recordings",
+    )
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Prints the problems and a summary; 2 when there are errors, else 0."""
+    problems = CheckCampaign(args.campaign)
+    for problem in problems:
+        print(problem)
+    errors = sum(problem.severity == "error" for problem in problems)
+    warnings = len(problems) - errors
+    verdict = "not usable" if errors else "usable"
+    print(
+        f"{args.campaign}: {verdict}, {counted(errors, 'error')}, "
+        f"{counted(warnings, 'warning')}"
+    )
+    return 2 if errors else 0

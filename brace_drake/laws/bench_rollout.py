@@ -1,0 +1,191 @@
+"""A whole run of the bench in one compiled call.
+
+The same laws in the same order as the Drake diagram of `brace_drake.station`,
+which remains the reference (a test holds both together); this is what fits
+and diagnoses, thousands of runs, call.
+"""
+
+import numpy as np
+from numba import boolean, float64, int64, njit, types
+
+from brace_drake.laws import blocks, controller, legs
+from brace_drake.laws.hooks import (
+    MAX_EFFECTS,
+    PLUG_POINTS,
+    matrix,
+    stack_type,
+    vector,
+    vectors,
+)
+from brace_drake.laws.rigid_body import step_free_body
+
+# Columns of the log.
+NUM_LOGGED = 19
+
+
+@njit(cache=True)
+def _write_row(row, u, readings, with_torso, virtual):
+    for k in range(6):
+        row[k] = u[k]
+    for i in range(12):
+        row[6 + i] = readings[i]
+    if not with_torso:
+        row[15:18] = 0.0
+    row[18] = virtual
+
+
+@njit(
+    int64(
+        float64,
+        int64,
+        int64,
+        boolean,
+        matrix,
+        types.UniTuple(matrix, 4),
+        types.UniTuple(vector, 8),
+        vectors,
+        matrix,
+        vector,
+        *[stack_type(point) for point in PLUG_POINTS],
+        vectors,
+        *[vectors] * len(PLUG_POINTS),
+        matrix,
+    ),
+    cache=True,
+    error_model="numpy",
+)
+def rollout_bench(
+    dt,
+    steps_per_tick,
+    ticks_per_sample,
+    with_torso,
+    desired,
+    anchors,
+    laws,
+    bodies_mass,
+    noise,
+    bodies,
+    drive,
+    compression,
+    contact,
+    torso,
+    ring,
+    sensing,
+    parameters,
+    drive_memory,
+    compression_memory,
+    contact_memory,
+    torso_memory,
+    ring_memory,
+    sensing_memory,
+    log,
+):
+    """Simulates one run and writes its log.
+
+    Args:
+        dt: Plant step, s.
+        steps_per_tick, ticks_per_sample: Plant steps in a control period,
+            control periods in a logged sample.
+        with_torso: Whether the torso is there.
+        desired: Reference y, y', y'' at each tick (ticks, 3).
+        anchors: p_WB, p_RT of the plant, then as the controller knows them.
+        laws: Rest position (3), viscous (6), contact (6), posture (12), pose
+            estimator (5), impedance (5), inverse dynamics (10), resolution
+            (2).
+        bodies_mass: Mass, moments (3), weight of ring and torso (5,).
+        noise: Reading noise at each tick (ticks, 12), or (0, 12).
+        bodies: Initial q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,), updated.
+        drive ... sensing: Laws of the effects at each plug point.
+        parameters: Parameters of each effect.
+        drive_memory ... sensing_memory: Their states, updated.
+        log: Output (samples, 19): commands (6), N; lengths (6), m; force
+            (3), N; marker (3), m; virtual position, m.
+
+    Returns:
+        -1 when all went well, else the tick at which the run broke down.
+    """
+    p_WB, p_RT, p_WB_known, p_RT_known = anchors
+    rest, viscous, contact_law, posture_law = laws[0], laws[1], laws[2], laws[3]
+    q_WR, p_WR, q_WT, p_WT = bodies[0:4], bodies[4:7], bodies[7:11], bodies[11:14]
+    V_WR, V_WT = bodies[14:20], bodies[20:26]
+    mass_R, mass_T = bodies_mass[0], bodies_mass[1]
+    J, pose = np.empty((6, 6)), np.empty(6)
+    lengths, rates, f, u = np.empty(6), np.empty(6), np.zeros(6), np.zeros(6)
+    F_R, F_T, f_T = np.zeros(6), np.zeros(6), np.zeros(3)
+    pads, ideal, readings = np.empty((2, 17)), np.zeros(12), np.zeros(12)
+    pose_memory = np.zeros(controller.NUM_POSE_MEMORY)
+    pose_memory[0:3] = rest
+    pose_memory[3] = 1.0
+    impedance = np.zeros(controller.NUM_IMPEDANCE_MEMORY)
+    estimate = np.zeros(19)
+    no_noise = np.empty(0)
+    period = dt * steps_per_tick
+    for tick in range(desired.shape[0]):
+        for sub in range(steps_per_tick):
+            t = tick * period + sub * dt
+            blocks.calc_ring_kinematics(
+                q_WR, p_WR, V_WR, p_WB, p_RT, lengths, rates, J
+            )
+            F_R[:] = 0.0
+            F_T[:] = 0.0
+            if with_torso:
+                blocks.add_hooked_pads(
+                    t, dt, bodies, contact_law, pads, compression, contact,
+                    parameters, compression_memory, contact_memory,
+                    F_R, F_T, f_T,
+                )  # fmt: skip
+            if sub == 0:
+                ideal[0:6] = lengths
+                ideal[6:9] = f_T
+                for i in range(3):
+                    ideal[9 + i] = p_WT[i] - rest[i]
+                readings[:] = ideal
+                for e in range(MAX_EFFECTS):
+                    sensing[e](
+                        t, period, u, readings[0:6], readings[6:9],
+                        parameters[e], sensing_memory[e],
+                    )  # fmt: skip
+                blocks.read_instruments(
+                    laws[7],
+                    noise[tick] if noise.shape[0] > 0 else no_noise,
+                    readings,
+                )
+                good = controller.estimate_pose(
+                    readings[0:6], laws[4], p_WB_known, p_RT_known,
+                    pose_memory, estimate,
+                )  # fmt: skip
+                controller.filter_impedance(
+                    readings[7], desired[tick], laws[5], impedance
+                )
+                if not (good and controller.calc_leg_commands(
+                    estimate, impedance, laws[6], p_WB_known, p_RT_known, u
+                )):  # fmt: skip
+                    return tick
+                if tick % ticks_per_sample == 0:
+                    row = log[tick // ticks_per_sample]
+                    _write_row(row, u, readings, with_torso, impedance[1])
+            blocks.calc_leg_forces(u, viscous, rates, f)
+            for e in range(MAX_EFFECTS):
+                drive[e](
+                    t, dt, u, lengths, rates, f, parameters[e], drive_memory[e]
+                )
+            legs.add_leg_wrench(J, f, F_R)
+            blocks.calc_displacement(q_WR, p_WR, rest, pose)
+            for e in range(MAX_EFFECTS):
+                ring[e](
+                    t, dt, pose[0:3], pose[3:6], V_WR, F_R,
+                    parameters[e], ring_memory[e],
+                )  # fmt: skip
+            F_R[5] -= mass_R[4]
+            if with_torso:
+                blocks.add_posture(bodies, rest, posture_law, pose, F_T)
+                for e in range(MAX_EFFECTS):
+                    torso[e](
+                        t, dt, pose[0:3], pose[3:6], V_WT, F_T,
+                        parameters[e], torso_memory[e],
+                    )  # fmt: skip
+                step_free_body(q_WT, p_WT, V_WT, mass_T, F_T, dt)
+            step_free_body(q_WR, p_WR, V_WR, mass_R, F_R, dt)
+        if not abs(p_WR[1]) + abs(p_WT[1]) < 1.0:
+            return tick
+    return -1

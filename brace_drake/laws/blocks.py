@@ -1,0 +1,179 @@
+"""Blocks of the bench: nominal laws put together, and with their effects.
+
+The nominal forms are what a LeafSystem calls where no effect sits at its plug
+points. The hooked forms are the same with the effects' laws in between; they
+are compiled into the rollout (a LeafSystem calls the effects one by one, as
+handing functions to compiled code costs more than the laws themselves).
+"""
+
+import numpy as np
+from numba import njit
+
+from brace_drake.laws import contact, legs, posture
+from brace_drake.laws.hooks import MAX_EFFECTS
+from brace_drake.laws.reading import read_instrument
+from brace_drake.laws.rotation import (
+    quaternion_to_matrix,
+    quaternion_to_rotation_vector,
+)
+
+_compile = {"cache": True, "error_model": "numpy"}
+
+
+@njit(**_compile)
+def calc_ring_kinematics(q_WR, p_WR, V_WR, p_WB, p_RT, lengths, rates, J):
+    """Writes leg lengths, rates and Jacobian of a ring (see `legs`)."""
+    R_WR = np.empty((3, 3))
+    quaternion_to_matrix(q_WR, R_WR)
+    legs.calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J)
+    legs.calc_leg_rates(J, V_WR[0:3], V_WR[3:6], rates)
+
+
+@njit(**_compile)
+def calc_leg_forces(u, viscous, rates, f):
+    """Writes the force of each leg, f = u - viscous l', N, all (n,)."""
+    for k in range(f.shape[0]):
+        f[k] = u[k] - viscous[k] * rates[k]
+
+
+@njit(**_compile)
+def calc_pad(pad, bodies, law, o):
+    """Writes the geometry of one pad and d, d' of its contact.
+
+    Args:
+        pad: 0 at +y, 1 at -y.
+        bodies: q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,).
+        law: Stiffness, damping, friction, regularisation speed, pad offset,
+            preload (6,).
+        o: Output (17,): `contact.calc_compression`, then d, d', then a place
+            for the normal force.
+    """
+    R_WR, R_WT = np.empty((3, 3)), np.empty((3, 3))
+    quaternion_to_matrix(bodies[0:4], R_WR)
+    quaternion_to_matrix(bodies[7:11], R_WT)
+    contact.calc_compression(
+        1.0 - 2.0 * pad,
+        law[4],
+        law[5],
+        bodies[4:7],
+        R_WR,
+        bodies[14:20],
+        bodies[11:14],
+        R_WT,
+        bodies[20:26],
+        o,
+    )
+    o[14] = o[0]
+    o[15] = o[1]
+
+
+@njit(**_compile)
+def calc_pad_normal_force(law, o):
+    """Writes N = k d + c d', not yet cut at zero, from d, d' in o (17,)."""
+    o[16] = contact.normal_force(o[14], o[15], law[0], law[1])
+
+
+@njit(**_compile)
+def add_pad_force(pad, law, o, F_R_W, F_T_W, f_T_W):
+    """Adds the forces of one pad, none where it is off or would pull.
+
+    Args:
+        pad, law, o: As in `calc_pad`, with N in its place.
+        F_R_W, F_T_W: Spatial forces (6,), torque first, added to.
+        f_T_W: Force of the ring on the torso (3,), added to.
+    """
+    if o[14] > 0.0 and o[16] > 0.0:
+        contact.add_pad_forces(
+            1.0 - 2.0 * pad, o[16], law[2], law[3], o, F_R_W, F_T_W, f_T_W
+        )
+
+
+@njit(**_compile)
+def add_nominal_pads(bodies, law, pads, F_R_W, F_T_W, f_T_W):
+    """Both pads without effects; f_T_W (3,) is overwritten."""
+    f_T_W[:] = 0.0
+    for pad in range(2):
+        calc_pad(pad, bodies, law, pads[pad])
+        calc_pad_normal_force(law, pads[pad])
+        add_pad_force(pad, law, pads[pad], F_R_W, F_T_W, f_T_W)
+
+
+@njit(**_compile)
+def calc_displacement(q, p, rest, pose):
+    """Writes displacement from rest (3), m, and rotation vector (3), rad."""
+    for i in range(3):
+        pose[i] = p[i] - rest[i]
+    quaternion_to_rotation_vector(q, pose[3:6])
+
+
+@njit(**_compile)
+def add_posture(bodies, rest, law, pose, F_T_W):
+    """Adds the posture's bushing force to F_T_W (6,), torque first.
+
+    `law` (12,) as in `posture.add_posture_force`; `pose` (6,) takes the
+    torso's displacement and rotation vector.
+    """
+    calc_displacement(bodies[7:11], bodies[11:14], rest, pose)
+    posture.add_posture_force(
+        pose[0:3], pose[3:6], bodies[20:26], law, F_T_W
+    )
+
+
+@njit(**_compile)
+def read_instruments(resolution, noise, out):
+    """Turns ideal values into readings, in place.
+
+    Args:
+        resolution: Of lengths, m, and forces, N; 0 is not rounded (2,).
+        noise: Of lengths, force and marker (12,); empty: exact readings,
+            neither noisy nor rounded.
+        out: Lengths (6), m, force (3), N, marker (3), m: (12,).
+    """
+    if noise.shape[0] == 0:
+        return
+    for i in range(6):
+        out[i] = read_instrument(out[i], noise[i], resolution[0])
+    for i in range(6, 9):
+        out[i] = read_instrument(out[i], noise[i], resolution[1])
+    for i in range(9, 12):
+        out[i] += noise[i]
+
+
+@njit(**_compile)
+def add_hooked_pads(
+    t,
+    dt,
+    bodies,
+    law,
+    pads,
+    compression,
+    contact_laws,
+    parameters,
+    compression_memory,
+    contact_memory,
+    F_R_W,
+    F_T_W,
+    f_T_W,
+):
+    """`add_nominal_pads` with the effects at `compression` and `contact`."""
+    f_T_W[:] = 0.0
+    for pad in range(2):
+        o = pads[pad]
+        calc_pad(pad, bodies, law, o)
+        for e in range(MAX_EFFECTS):
+            compression[e](
+                t, dt, pad, o[14:16], parameters[e], compression_memory[e]
+            )
+        calc_pad_normal_force(law, o)
+        for e in range(MAX_EFFECTS):
+            contact_laws[e](
+                t,
+                dt,
+                pad,
+                o[14:16],
+                law,
+                o[16:17],
+                parameters[e],
+                contact_memory[e],
+            )
+        add_pad_force(pad, law, o, F_R_W, F_T_W, f_T_W)

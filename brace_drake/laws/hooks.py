@@ -1,0 +1,103 @@
+"""Plug points: where an effect may enter the twin, and with what signature.
+
+A plug point is a place in a block's law that an effect's own law may change,
+always in place, after the nominal law has written its value. The same
+compiled function serves the LeafSystem and the compiled rollout. `p` are the
+effect's parameters and `x` the states it keeps at this plug point, which it
+advances by one step; both belong to the caller.
+
+    drive        (t, dt, u, l, l_dot, f, p, x)
+        Leg forces f (n,), N, from the held commands u (n,), leg lengths l
+        and rates l_dot. Every plant step.
+    compression  (t, dt, pad, d, p, x)
+        Compression and its rate d (2,), m and m/s, of one pad, before the
+        contact law. Every plant step and pad.
+    contact      (t, dt, pad, d, law, N, p, x)
+        Normal force N (1,), N, of one pad before it is cut at zero; `law` is
+        the block's parameter vector. Every plant step and pad.
+    torso        (t, dt, p_T, r_T, V, F, p, x)
+        Spatial force F (6,), torque first, on the torso from its displacement
+        p_T, rotation vector r_T and velocity V = [w; v]. Every plant step.
+    ring         (t, dt, p_R, r_R, V, F, p, x)
+        The same for the ring.
+    sensing      (t, h, u, l, F, p, x)
+        Ideal readings, leg lengths l (n,), m, and force F (3,), N, before
+        noise and rounding, given the commands u held so far. Every tick.
+"""
+
+import warnings
+
+from numba import float64, int64, njit, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
+
+vector = float64[::1]
+
+SIGNATURES = {
+    "drive": types.void(float64, float64, *[vector] * 6),
+    "compression": types.void(float64, float64, int64, *[vector] * 3),
+    "contact": types.void(float64, float64, int64, *[vector] * 5),
+    "torso": types.void(float64, float64, *[vector] * 6),
+    "ring": types.void(float64, float64, *[vector] * 6),
+    "sensing": types.void(float64, float64, *[vector] * 5),
+}
+PLUG_POINTS = tuple(SIGNATURES)
+
+# The twin carries up to this many effects at once.
+MAX_EFFECTS = 2
+
+# First-class functions are what lets one compiled rollout serve all effects.
+warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
+
+
+def plug(point: str):
+    """Decorator: compiles a law for a plug point."""
+    return njit(SIGNATURES[point], cache=True, error_model="numpy")
+
+
+def stack_type(point: str):
+    """Numba type of the fixed-size stack of laws at a plug point."""
+    return types.UniTuple(types.FunctionType(SIGNATURES[point]), MAX_EFFECTS)
+
+
+@plug("drive")
+def _no_drive(t, dt, u, l, l_dot, f, p, x):  # noqa: E741 (l: leg length)
+    pass
+
+
+@plug("compression")
+def _no_compression(t, dt, pad, d, p, x):
+    pass
+
+
+@plug("contact")
+def _no_contact(t, dt, pad, d, law, N, p, x):
+    pass
+
+
+@plug("torso")
+def _no_torso(t, dt, p_T, r_T, V, F, p, x):
+    pass
+
+
+@plug("ring")
+def _no_ring(t, dt, p_R, r_R, V, F, p, x):
+    pass
+
+
+@plug("sensing")
+def _no_sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
+    pass
+
+
+NO_LAW = {
+    "drive": _no_drive,
+    "compression": _no_compression,
+    "contact": _no_contact,
+    "torso": _no_torso,
+    "ring": _no_ring,
+    "sensing": _no_sensing,
+}
+
+matrix = float64[:, ::1]
+# One parameter vector for each effect; one state vector for each at a point.
+vectors = types.UniTuple(vector, MAX_EFFECTS)

@@ -1,0 +1,129 @@
+"""A bench scenario as the number arrays that the laws take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
+from brace_drake.scenario.bench import BenchScenario, JointCircle
+
+
+@dataclass(frozen=True)
+class BenchNumbers:
+    """Arrays of the bench; the plant's may differ from the controller's.
+
+    Attributes:
+        rest: Position of Ro and To in W at rest (3,), m.
+        p_WB, p_RT: Anchors of the plant (6, 3), m.
+        p_WB_known, p_RT_known: Anchors as the controller knows them.
+        viscous: Of each leg (6,), N s/m.
+        contact: Stiffness, damping, friction, regularisation speed, pad
+            offset, preload (6,).
+        posture: K (3), D (3), K_r (3), D_r (3): (12,).
+        ring, torso: Mass, moments (3), weight (5,).
+        estimator: Rest position (3), period, velocity gain (5,).
+        impedance: M_d, C_d, K_d, force gain, period (5,).
+        inverse_dynamics: kp, kd, diagonal of M (6), weight, limit (10,).
+        resolution: Of lengths, m, and forces, N (2,).
+        noise_sigma: Of lengths (6), force (3), marker (3): (12,).
+    """
+
+    rest: np.ndarray
+    p_WB: np.ndarray
+    p_RT: np.ndarray
+    p_WB_known: np.ndarray
+    p_RT_known: np.ndarray
+    viscous: np.ndarray
+    contact: np.ndarray
+    posture: np.ndarray
+    ring: np.ndarray
+    torso: np.ndarray
+    estimator: np.ndarray
+    impedance: np.ndarray
+    inverse_dynamics: np.ndarray
+    resolution: np.ndarray
+    noise_sigma: np.ndarray
+
+    def with_changes(self, **arrays: np.ndarray) -> BenchNumbers:
+        """A copy with some arrays replaced."""
+        return replace(self, **arrays)
+
+
+def circle_points(circle: JointCircle, height: float) -> np.ndarray:
+    """Points of a joint circle at a height, shape (n, 3), m."""
+    angles = np.deg2rad(circle.angles_deg)
+    x, y = circle.radius * np.cos(angles), circle.radius * np.sin(angles)
+    return np.column_stack([x, y, np.full_like(x, height)])
+
+
+def pack_bench(scenario: BenchScenario) -> BenchNumbers:
+    """Arrays of the nominal twin that a scenario describes."""
+    stage, ring, torso = scenario.stage, scenario.ring, scenario.torso
+    contact, control = scenario.contact, scenario.control
+    sensors, period = scenario.sensors, 1.0 / scenario.control.rate
+    rest = np.array([0.0, 0.0, stage.upper_height])
+    p_WB = circle_points(stage.lower, stage.lower_height)
+    p_RT = circle_points(stage.upper, 0.0)
+    weight = ring.mass * scenario.gravity
+    velocity_gain = low_pass_gain_cutoff(control.velocity_cutoff_hz, period)
+    return BenchNumbers(
+        rest=rest,
+        p_WB=p_WB,
+        p_RT=p_RT,
+        p_WB_known=p_WB,
+        p_RT_known=p_RT,
+        viscous=np.full(6, scenario.leg.viscous),
+        contact=np.array(
+            [
+                contact.stiffness,
+                contact.damping,
+                contact.friction,
+                contact.friction_regularization,
+                contact.pad_offset,
+                contact.preload,
+            ]
+        ),
+        posture=np.concatenate(
+            [
+                torso.posture_stiffness,
+                torso.posture_damping,
+                torso.posture_rot_stiffness,
+                torso.posture_rot_damping,
+            ]
+        ),
+        ring=np.array([ring.mass, *ring.inertia, weight]),
+        torso=np.array([torso.mass, *torso.inertia, 0.0]),
+        estimator=np.array([*rest, period, velocity_gain]),
+        impedance=np.array(
+            [
+                control.desired_mass,
+                control.desired_damping,
+                control.desired_stiffness,
+                low_pass_gain_tau(control.force_filter_tau, period),
+                period,
+            ]
+        ),
+        inverse_dynamics=np.array(
+            [
+                control.kp,
+                control.kd,
+                *[ring.mass] * 3,
+                *ring.inertia,
+                weight,
+                scenario.leg.force_limit,
+            ]
+        ),
+        resolution=np.array(
+            [sensors.leg_length_resolution, sensors.force_resolution]
+        ),
+        noise_sigma=np.repeat(
+            [
+                sensors.leg_length_noise,
+                sensors.force_noise,
+                sensors.marker_noise,
+            ],
+            [6, 3, 3],
+        ),
+    )
