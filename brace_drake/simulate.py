@@ -16,12 +16,13 @@ def SimulateBench(station: BenchStation, duration: float) -> np.ndarray:
         marker (3), m; virtual position, m.
     """
     simulator = Simulator(station.diagram)
-    simulator.AdvanceTo(duration)
+    # A little further, so that the last sample is among the events.
+    simulator.AdvanceTo(duration + 1e-6)
     context = simulator.get_context()
     logs = {
         name: sink.FindLog(context).data().T
         for name, sink in station.sinks.items()
     }
     return np.hstack(
-        [logs["leg_command"], logs["readings"], logs["virtual"][:, 1:2]]
+        [logs["leg_command"], logs["readings"], logs["memory"][:, [-3]]]
     )

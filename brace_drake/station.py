@@ -9,8 +9,6 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import (
-    Adder,
-    ConstantVectorSource,
     Demultiplexer,
     LogVectorOutput,
     TrajectorySource,
@@ -22,15 +20,15 @@ from brace_drake.laws.plug_in import PlugIn
 from brace_drake.plant import AddBenchPlant
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
-from brace_drake.systems.controller import (
+from brace_drake.systems.bench_forces import BenchForces
+from brace_drake.systems.controller_blocks import (
     BraceInverseDynamics,
-    CommandHold,
     ImpedanceFilter,
     PoseEstimator,
+    TickHold,
 )
 from brace_drake.systems.instruments import BenchInstruments
-from brace_drake.systems.leg_drives import LegDrives
-from brace_drake.systems.torso_interaction import TorsoInteraction
+from brace_drake.systems.pic_controller import PicController
 
 
 @dataclass
@@ -39,7 +37,9 @@ class BenchStation:
 
     Exported ports of the diagram: input `noise` (12,), standard normal draws
     that hold for a control tick (unconnected: exact readings); outputs
-    `leg_command`, `readings`, `virtual`, `plant_state`.
+    `plant_state` and, of the last tick, `leg_command` (6,), `readings` (12,)
+    and `memory` of the controller, which ends in the filtered force and the
+    virtual position, velocity, acceleration.
     """
 
     diagram: Diagram
@@ -64,82 +64,74 @@ def MakeBenchStation(
     plug_ins = plug_ins or {}
     numbers = numbers or pack_bench(scenario)
     builder = DiagramBuilder()
-    # Bodies.
+    # Bodies, and the forces on them.
     plant = AddBenchPlant(builder, scenario)
-    state = plant.get_state_output_port()
-    # Forces on them.
-    legs, pad_force = _AddForces(builder, plant, scenario, numbers, plug_ins)
+    forces = _AddForces(builder, plant, scenario, numbers, plug_ins)
     # What the instruments read.
     instruments = builder.AddNamedSystem(
-        "instruments",
-        BenchInstruments(numbers, plug_ins, scenario.torso.present),
+        "instruments", BenchInstruments(numbers, plug_ins)
     )
-    builder.Connect(
-        legs.GetOutputPort("length"), instruments.GetInputPort("leg_length")
-    )
-    builder.Connect(pad_force, instruments.GetInputPort("pad_force"))
-    builder.Connect(state, instruments.GetInputPort("plant_state"))
+    measured = forces.GetOutputPort("measured")
+    builder.Connect(measured, instruments.GetInputPort("measured"))
+    readings = instruments.GetOutputPort("readings")
     # Reference and controller.
-    command, held, virtual = _AddController(
-        builder, instruments, numbers, reference
-    )
-    builder.Connect(held, legs.GetInputPort("command"))
-    builder.Connect(held, instruments.GetInputPort("held_command"))
+    source = builder.AddNamedSystem("reference", TrajectorySource(reference))
+    add = _CONTROLLERS[scenario.control.layout]
+    ports = add(builder, readings, source.get_output_port(), numbers)
+    command = ports["leg_command"]
+    builder.Connect(command, forces.GetInputPort("leg_command"))
+    builder.Connect(command, instruments.GetInputPort("previous_command"))
     # Ports and logs.
     builder.ExportInput(instruments.GetInputPort("noise"), "noise")
-    outputs = {
-        "leg_command": command,
-        "readings": instruments.GetOutputPort("readings"),
-        "virtual": virtual,
-    }
+    builder.ExportOutput(plant.get_state_output_port(), "plant_state")
     sinks = {}
-    for name, port in outputs.items():
+    for name, port in ports.items():
         builder.ExportOutput(port, name)
         sinks[name] = LogVectorOutput(
             port, builder, scenario.sensors.log_period
         )
-    builder.ExportOutput(state, "plant_state")
     diagram = builder.Build()
     diagram.set_name("bench_station")
     return BenchStation(diagram, plant, sinks)
 
 
-def _AddForces(builder, plant, scenario, numbers, plug_ins):
-    """Adds legs and torso interaction; returns the legs and the pad force."""
-    with_torso = scenario.torso.present
-    step = plant.time_step()
-    legs = builder.AddNamedSystem(
-        "legs", LegDrives(numbers, plug_ins, step, with_torso)
+def _AddForces(builder, plant, scenario, numbers, plug_ins) -> BenchForces:
+    """Adds legs, posture and pads and connects them with the plant."""
+    forces = builder.AddNamedSystem(
+        "forces",
+        BenchForces(
+            numbers,
+            plug_ins,
+            plant.time_step(),
+            with_torso=scenario.torso.present,
+            with_pads=scenario.torso.present
+            and scenario.contact.model == "linear",
+        ),
     )
-    state = plant.get_state_output_port()
-    builder.Connect(state, legs.GetInputPort("plant_state"))
-    applied = plant.get_applied_generalized_force_input_port()
-    if not with_torso:
-        builder.Connect(legs.GetOutputPort("generalized_force"), applied)
-        none = builder.AddNamedSystem(
-            "no_pad_force", ConstantVectorSource(np.zeros(3))
-        )
-        return legs, none.get_output_port()
-    interaction = builder.AddNamedSystem(
-        "torso_interaction",
-        TorsoInteraction(numbers, plug_ins, step, with_contact=True),
+    builder.Connect(
+        plant.get_state_output_port(), forces.GetInputPort("plant_state")
     )
-    builder.Connect(state, interaction.GetInputPort("plant_state"))
-    total = builder.AddNamedSystem("generalized_force", Adder(2, 12))
-    for i, system in enumerate((legs, interaction)):
-        builder.Connect(
-            system.GetOutputPort("generalized_force"), total.get_input_port(i)
-        )
-    builder.Connect(total.get_output_port(), applied)
-    return legs, interaction.GetOutputPort("pad_force")
+    builder.Connect(
+        forces.GetOutputPort("generalized_force"),
+        plant.get_applied_generalized_force_input_port(),
+    )
+    return forces
 
 
-def _AddController(builder, instruments, numbers, reference):
-    """Adds the controller; returns command, held command, virtual ports."""
+def _AddPicController(builder, readings, desired, numbers):
+    """Adds the controller as one system; returns its ports by role."""
+    pic = builder.AddNamedSystem("pic_controller", PicController(numbers))
+    builder.Connect(readings, pic.GetInputPort("readings"))
+    builder.Connect(desired, pic.GetInputPort("desired"))
+    roles = ("leg_command", "readings", "memory")
+    return {role: pic.GetOutputPort(role) for role in roles}
+
+
+def _AddControllerBlocks(builder, readings, desired, numbers):
+    """Adds the controller block by block; returns its ports by role."""
     split = builder.AddNamedSystem(
         "readings_split", Demultiplexer(np.array([6, 3, 3]))
     )
-    source = builder.AddNamedSystem("reference", TrajectorySource(reference))
     estimator = builder.AddNamedSystem(
         "pose_estimator", PoseEstimator(numbers)
     )
@@ -150,20 +142,30 @@ def _AddController(builder, instruments, numbers, reference):
         "inverse_dynamics", BraceInverseDynamics(numbers)
     )
     hold = builder.AddNamedSystem(
-        "command_hold", CommandHold(numbers.estimator[3])
+        "tick_hold", TickHold(numbers.estimator[3])
     )
-    builder.Connect(instruments.GetOutputPort("readings"), split.get_input_port())
-    builder.Connect(split.get_output_port(0), estimator.GetInputPort("leg_length"))
-    builder.Connect(split.get_output_port(1), impedance.GetInputPort("force"))
-    builder.Connect(source.get_output_port(), impedance.GetInputPort("desired"))
-    builder.Connect(
-        estimator.GetOutputPort("estimated_state"),
-        dynamics.GetInputPort("estimated_state"),
-    )
-    builder.Connect(
-        impedance.GetOutputPort("virtual"), dynamics.GetInputPort("virtual")
-    )
-    command = dynamics.GetOutputPort("command")
-    builder.Connect(command, hold.GetInputPort("command"))
-    held = hold.GetOutputPort("held_command")
-    return command, held, impedance.GetOutputPort("virtual")
+    for source, target in (
+        (readings, split.get_input_port()),
+        (split.get_output_port(0), estimator.GetInputPort("leg_length")),
+        (split.get_output_port(1), impedance.GetInputPort("force")),
+        (desired, impedance.GetInputPort("desired")),
+        (
+            estimator.GetOutputPort("estimated_state"),
+            dynamics.GetInputPort("estimated_state"),
+        ),
+        (
+            impedance.GetOutputPort("virtual"),
+            dynamics.GetInputPort("virtual"),
+        ),
+        (dynamics.GetOutputPort("command"), hold.GetInputPort("command")),
+        (readings, hold.GetInputPort("readings")),
+    ):
+        builder.Connect(source, target)
+    return {
+        "leg_command": hold.GetOutputPort("leg_command"),
+        "readings": hold.GetOutputPort("readings"),
+        "memory": impedance.GetOutputPort("held_virtual"),
+    }
+
+
+_CONTROLLERS = {"pic": _AddPicController, "blocks": _AddControllerBlocks}

@@ -41,8 +41,8 @@ def _write_row(row, u, readings, with_torso, virtual):
         int64,
         boolean,
         matrix,
-        types.UniTuple(matrix, 4),
-        types.UniTuple(vector, 8),
+        types.UniTuple(matrix, 2),
+        types.UniTuple(vector, 6),
         vectors,
         matrix,
         vector,
@@ -88,10 +88,9 @@ def rollout_bench(
             control periods in a logged sample.
         with_torso: Whether the torso is there.
         desired: Reference y, y', y'' at each tick (ticks, 3).
-        anchors: p_WB, p_RT of the plant, then as the controller knows them.
-        laws: Rest position (3), viscous (6), contact (6), posture (12), pose
-            estimator (5), impedance (5), inverse dynamics (10), resolution
-            (2).
+        anchors: p_WB, p_RT of the plant (6, 3), m.
+        laws: Rest position (3), viscous (6), contact (6), posture (12),
+            controller (56), resolution (2).
         bodies_mass: Mass, moments (3), weight of ring and torso (5,).
         noise: Reading noise at each tick (ticks, 12), or (0, 12).
         bodies: Initial q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,), updated.
@@ -104,8 +103,8 @@ def rollout_bench(
     Returns:
         -1 when all went well, else the tick at which the run broke down.
     """
-    p_WB, p_RT, p_WB_known, p_RT_known = anchors
-    rest, viscous, contact_law, posture_law = laws[0], laws[1], laws[2], laws[3]
+    p_WB, p_RT = anchors
+    rest, viscous, contact_law, posture_law, control_law, resolution = laws
     q_WR, p_WR, q_WT, p_WT = bodies[0:4], bodies[4:7], bodies[7:11], bodies[11:14]
     V_WR, V_WT = bodies[14:20], bodies[20:26]
     mass_R, mass_T = bodies_mass[0], bodies_mass[1]
@@ -113,11 +112,10 @@ def rollout_bench(
     lengths, rates, f, u = np.empty(6), np.empty(6), np.zeros(6), np.zeros(6)
     F_R, F_T, f_T = np.zeros(6), np.zeros(6), np.zeros(3)
     pads, ideal, readings = np.empty((2, 17)), np.zeros(12), np.zeros(12)
-    pose_memory = np.zeros(controller.NUM_POSE_MEMORY)
-    pose_memory[0:3] = rest
-    pose_memory[3] = 1.0
-    impedance = np.zeros(controller.NUM_IMPEDANCE_MEMORY)
-    estimate = np.zeros(19)
+    memory = np.zeros(controller.NUM_MEMORY)
+    memory[0:3] = rest
+    memory[3] = 1.0
+    virtual, estimate = memory[controller.NUM_POSE_MEMORY :], np.zeros(19)
     no_noise = np.empty(0)
     period = dt * steps_per_tick
     for tick in range(desired.shape[0]):
@@ -146,24 +144,17 @@ def rollout_bench(
                         parameters[e], sensing_memory[e],
                     )  # fmt: skip
                 blocks.read_instruments(
-                    laws[7],
+                    resolution,
                     noise[tick] if noise.shape[0] > 0 else no_noise,
                     readings,
                 )
-                good = controller.estimate_pose(
-                    readings[0:6], laws[4], p_WB_known, p_RT_known,
-                    pose_memory, estimate,
-                )  # fmt: skip
-                controller.filter_impedance(
-                    readings[7], desired[tick], laws[5], impedance
-                )
-                if not (good and controller.calc_leg_commands(
-                    estimate, impedance, laws[6], p_WB_known, p_RT_known, u
-                )):  # fmt: skip
+                if not controller.control_tick(
+                    readings, desired[tick], control_law, memory, estimate, u
+                ):
                     return tick
                 if tick % ticks_per_sample == 0:
                     row = log[tick // ticks_per_sample]
-                    _write_row(row, u, readings, with_torso, impedance[1])
+                    _write_row(row, u, readings, with_torso, virtual[1])
             blocks.calc_leg_forces(u, viscous, rates, f)
             for e in range(MAX_EFFECTS):
                 drive[e](

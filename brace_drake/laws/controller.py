@@ -97,3 +97,40 @@ def calc_leg_commands(estimate, impedance, law, p_WB, p_RT, commands):
     quaternion_to_matrix(estimate[15:19], R_WR)
     legs.calc_leg_kinematics(estimate[12:15], R_WR, p_WB, p_RT, lengths, J)
     return control.distribute_to_legs(J, scratch, F, law[9], commands)
+
+
+# The whole controller's memory: pose estimator, then impedance filter.
+NUM_MEMORY = NUM_POSE_MEMORY + NUM_IMPEDANCE_MEMORY
+# Its law: estimator (5), impedance (5), inverse dynamics (10), p_WB, p_RT.
+NUM_LAW = 56
+
+
+@njit(cache=True)
+def control_tick(readings, desired, law, memory, estimate, commands):
+    """All three steps of one tick.
+
+    Args:
+        readings: Leg lengths (6), m, force (3), N, marker (3), m.
+        desired: y_d, y_d', y_d'' (3,).
+        law: See NUM_LAW.
+        memory: See NUM_MEMORY, updated.
+        estimate: Output (19,), as `estimate_pose` writes it.
+        commands: Output (6,), N.
+
+    Returns:
+        False where no pose was found or the legs are singular.
+    """
+    p_WB, p_RT = law[20:38].reshape((6, 3)), law[38:56].reshape((6, 3))
+    impedance = memory[NUM_POSE_MEMORY:NUM_MEMORY]
+    good = estimate_pose(
+        readings[0:6],
+        law[0:5],
+        p_WB,
+        p_RT,
+        memory[0:NUM_POSE_MEMORY],
+        estimate,
+    )
+    filter_impedance(readings[7], desired, law[5:10], impedance)
+    return good and calc_leg_commands(
+        estimate, impedance, law[10:20], p_WB, p_RT, commands
+    )

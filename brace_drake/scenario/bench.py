@@ -87,8 +87,13 @@ class Contact:
 
 @dataclass
 class Control:
-    """Position-based impedance control on inverse dynamics."""
+    """Position-based impedance control on inverse dynamics.
 
+    `layout` is "pic", the controller as one system, or "blocks", a system for
+    each of its laws; both compute the same.
+    """
+
+    layout: str = "pic"
     rate: float = 1000.0  # Hz
     kp: float = 1600.0  # 1/s^2
     kd: float = 80.0  # 1/s

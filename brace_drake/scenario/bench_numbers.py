@@ -46,6 +46,18 @@ class BenchNumbers:
     resolution: np.ndarray
     noise_sigma: np.ndarray
 
+    @property
+    def controller_law(self) -> np.ndarray:
+        """The controller's numbers as one vector (56,)."""
+        arrays = (
+            self.estimator,
+            self.impedance,
+            self.inverse_dynamics,
+            self.p_WB_known,
+            self.p_RT_known,
+        )
+        return np.concatenate([np.ravel(a) for a in arrays])
+
     def with_changes(self, **arrays: np.ndarray) -> BenchNumbers:
         """A copy with some arrays replaced."""
         return replace(self, **arrays)

@@ -5,27 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    EventStatus,
-    LeafSystem,
-)
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.laws import blocks
 from brace_drake.laws.plug_in import PlugIn, idle
 from brace_drake.scenario.bench_numbers import BenchNumbers
 from brace_drake.systems.hosting import EffectHost
+from brace_drake.systems.ticks import DeclareTick
 
 
 class BenchInstruments(LeafSystem):
     """Readings at a tick: ideal value, effects, noise, rounding.
 
     Input ports:
-        leg_length: True lengths (6,), m.
-        pad_force: Force of the ring on the torso in W (3,), N.
-        plant_state: Ring (13,), or ring and torso as the plant orders them.
-        held_command: Commands held so far (6,), N.
+        measured: True leg lengths (6), m, force of the ring on the torso (3),
+            N, displacement of the torso (3), m: (12,).
+        previous_command: Commands of the last tick (6,), N.
         noise: Standard normal draws of the tick (12,); left unconnected the
             readings are exact and not rounded.
 
@@ -36,25 +31,17 @@ class BenchInstruments(LeafSystem):
     `sensing`, whose states advance once in each tick.
     """
 
-    def __init__(
-        self,
-        numbers: BenchNumbers,
-        plug_ins: Mapping[str, PlugIn],
-        with_torso: bool,
-    ):
+    def __init__(self, numbers: BenchNumbers, plug_ins: Mapping[str, PlugIn]):
         super().__init__()
-        self._period, self._rest = numbers.estimator[3], numbers.rest
-        self._with_torso = with_torso
-        self._ports = [
+        self._period = numbers.estimator[3]
+        self._measured_port, self._previous_port, self._noise_port = (
             self.DeclareVectorInputPort(name, size)
             for name, size in (
-                ("leg_length", 6),
-                ("pad_force", 3),
-                ("plant_state", 26 if with_torso else 13),
-                ("held_command", 6),
+                ("measured", 12),
+                ("previous_command", 6),
                 ("noise", 12),
             )
-        ]
+        )
         self._resolution, self._sigma = (
             int(self.DeclareNumericParameter(BasicVector(a)))
             for a in (numbers.resolution, numbers.noise_sigma)
@@ -66,25 +53,12 @@ class BenchInstruments(LeafSystem):
             "readings", 12, self._CalcReadings
         )
         if not self._host.is_idle:
-            self.DeclarePeriodicUnrestrictedUpdateEvent(
-                self._period, 0.0, self._Advance
-            )
-        self._ideal, self._readings = np.zeros(12), np.empty(12)
-        self._no_noise = np.empty(0)
+            DeclareTick(self, self._period, self._Advance)
+        self._readings = np.empty(12)
 
     def _Eval(self, context: Context):
-        length, force, state, held, noise = self._ports
-        ideal = self._ideal
-        ideal[0:6] = length.Eval(context)
-        ideal[6:9] = force.Eval(context)
-        if self._with_torso:
-            ideal[9:12] = state.Eval(context)[11:14] - self._rest
-        draws = self._no_noise
-        if noise.HasValue(context):
-            sigma = context.get_numeric_parameter(self._sigma).CopyToVector()
-            draws = noise.Eval(context) * sigma
         readings = self._readings
-        readings[:] = ideal
+        readings[:] = self._measured_port.Eval(context)
         memory = self._host.memory(context)
         if not self._host.is_idle:
             self._host.apply(
@@ -92,19 +66,20 @@ class BenchInstruments(LeafSystem):
                 memory,
                 context.get_time(),
                 self._period,
-                held.Eval(context).copy(),
+                self._previous_port.Eval(context),
                 readings[0:6],
                 readings[6:9],
             )
-        resolution = context.get_numeric_parameter(self._resolution)
-        blocks.read_instruments(resolution.CopyToVector(), draws, readings)
+        if self._noise_port.HasValue(context):
+            resolution = context.get_numeric_parameter(self._resolution)
+            sigma = context.get_numeric_parameter(self._sigma)
+            noise = self._noise_port.Eval(context) * sigma.value()
+            blocks.read_instruments(resolution.value(), noise, readings)
         return memory
 
     def _CalcReadings(self, context: Context, output: BasicVector) -> None:
         self._Eval(context)
         output.SetFromVector(self._readings)
 
-    def _Advance(self, context: Context, state) -> EventStatus:
-        memory = self._Eval(context)
-        self._host.store(memory, state.get_mutable_discrete_state())
-        return EventStatus.Succeeded()
+    def _Advance(self, context: Context, discrete) -> None:
+        self._host.store(self._Eval(context), discrete)

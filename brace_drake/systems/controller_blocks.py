@@ -1,23 +1,18 @@
-"""The brace's controller: pose estimator, impedance filter, inverse dynamics.
+"""The brace's controller in blocks: estimator, impedance, inverse dynamics.
 
-All three are evaluated at a tick from what they remembered before it, so that
-a chain of them acts without delay; their memories advance in unrestricted
-events because those run before the plant's own discrete step.
+All are evaluated at a tick from what they remembered before it, so that a
+chain of them acts without delay; then their memories advance together.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    EventStatus,
-    LeafSystem,
-)
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.errors import BraceError
 from brace_drake.laws import controller
 from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.systems.ticks import DeclareTick
 
 
 class PoseEstimator(LeafSystem):
@@ -40,7 +35,6 @@ class PoseEstimator(LeafSystem):
 
     def __init__(self, numbers: BenchNumbers):
         super().__init__()
-        self._period = numbers.estimator[3]
         self._length_port = self.DeclareVectorInputPort("leg_length", 6)
         self._law, self._p_WB, self._p_RT = (
             int(self.DeclareNumericParameter(BasicVector(np.ravel(a))))
@@ -56,9 +50,7 @@ class PoseEstimator(LeafSystem):
         self._output = self.DeclareVectorOutputPort(
             "estimated_state", 19, self._CalcEstimate
         )
-        self.DeclarePeriodicUnrestrictedUpdateEvent(
-            self._period, 0.0, self._Advance
-        )
+        DeclareTick(self, numbers.estimator[3], self._Advance)
         self._estimate = np.empty(19)
 
     def _CalcEstimate(self, context: Context, output: BasicVector) -> None:
@@ -78,13 +70,11 @@ class PoseEstimator(LeafSystem):
             )
         output.SetFromVector(self._estimate)
 
-    def _Advance(self, context: Context, state) -> EventStatus:
+    def _Advance(self, context: Context, discrete) -> None:
         estimate = self._output.Eval(context)
-        memory = state.get_mutable_discrete_state(self._memory)
-        memory.SetFromVector(
+        discrete.get_mutable_vector(self._memory).SetFromVector(
             np.concatenate([estimate[12:19], estimate[0:6], estimate[6:12]])
         )
-        return EventStatus.Succeeded()
 
 
 class ImpedanceFilter(LeafSystem):
@@ -98,7 +88,9 @@ class ImpedanceFilter(LeafSystem):
         force: Measured force on the torso in W (3,), N.
 
     Output ports:
-        virtual: Filtered force, y_v, y_v', y_v'' after the tick's update (4,).
+        virtual: Filtered force, y_v, y_v', y_v'' after the update of the tick
+            at hand (4,).
+        held_virtual: The same as of the last tick.
 
     Numeric parameters: law (5,) M_d, C_d, K_d, force gain, period. For any
     positive M_d, C_d, K_d the filter is passive from force to velocity.
@@ -117,9 +109,8 @@ class ImpedanceFilter(LeafSystem):
         self._output = self.DeclareVectorOutputPort(
             "virtual", 4, self._CalcVirtual
         )
-        self.DeclarePeriodicUnrestrictedUpdateEvent(
-            numbers.impedance[4], 0.0, self._Advance
-        )
+        self.DeclareStateOutputPort("held_virtual", self._memory)
+        DeclareTick(self, numbers.impedance[4], self._Advance)
 
     def _CalcVirtual(self, context: Context, output: BasicVector) -> None:
         memory = context.get_discrete_state(self._memory).CopyToVector()
@@ -131,10 +122,10 @@ class ImpedanceFilter(LeafSystem):
         )
         output.SetFromVector(memory)
 
-    def _Advance(self, context: Context, state) -> EventStatus:
-        memory = state.get_mutable_discrete_state(self._memory)
-        memory.SetFromVector(self._output.Eval(context))
-        return EventStatus.Succeeded()
+    def _Advance(self, context: Context, discrete) -> None:
+        discrete.get_mutable_vector(self._memory).SetFromVector(
+            self._output.Eval(context)
+        )
 
 
 class BraceInverseDynamics(LeafSystem):
@@ -187,27 +178,32 @@ class BraceInverseDynamics(LeafSystem):
         output.SetFromVector(self._command)
 
 
-class CommandHold(LeafSystem):
-    """Holds the command of a tick until the next; zero before the first.
-
-    Not Drake's ZeroOrderHold: its discrete event would come after the
-    plant's.
+class TickHold(LeafSystem):
+    """Holds what a tick computed and what it read until the next tick.
 
     Input ports:
         command: (6,), N.
+        readings: (12,).
 
     Output ports:
-        held_command: (6,), N.
+        leg_command, readings: The same as of the last tick.
     """
 
     def __init__(self, period: float):
         super().__init__()
-        self._port = self.DeclareVectorInputPort("command", 6)
-        self._held = self.DeclareDiscreteState(6)
-        self.DeclareStateOutputPort("held_command", self._held)
-        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._Advance)
+        self._held = []
+        for name, output, size in (
+            ("command", "leg_command", 6),
+            ("readings", "readings", 12),
+        ):
+            port = self.DeclareVectorInputPort(name, size)
+            state = self.DeclareDiscreteState(size)
+            self.DeclareStateOutputPort(output, state)
+            self._held.append((port, state))
+        DeclareTick(self, period, self._Advance)
 
-    def _Advance(self, context: Context, state) -> EventStatus:
-        held = state.get_mutable_discrete_state(self._held)
-        held.SetFromVector(self._port.Eval(context))
-        return EventStatus.Succeeded()
+    def _Advance(self, context: Context, discrete) -> None:
+        for port, state in self._held:
+            discrete.get_mutable_vector(state).SetFromVector(
+                port.Eval(context)
+            )
