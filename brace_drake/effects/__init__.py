@@ -1,0 +1,1 @@
+"""The library of effects: one card, one file."""

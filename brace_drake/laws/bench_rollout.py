@@ -52,6 +52,7 @@ def _write_row(row, u, readings, with_torso, virtual):
         matrix,
     ),
     cache=True,
+    nogil=True,
     error_model="numpy",
 )
 def rollout_bench(

@@ -1,0 +1,134 @@
+"""The card of an effect: what it is, where it sits, how it is told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from brace_drake.errors import EffectError
+from brace_drake.laws.hooks import PLUG_POINTS
+
+BLOCKS = ("actuation", "mechanism", "contact", "torso", "sensing")
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """One parameter of an effect.
+
+    Attributes:
+        name: With its unit as the last part, as columns have it.
+        unit: SI.
+        lower, upper: Physical limits; the sign is part of the physics.
+        starts: Values to start a fit from, none of them at a limit.
+        meaning: One line.
+    """
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+    starts: tuple[float, ...]
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A card: physics, parameters, place in the diagram, impostors.
+
+    Attributes:
+        name: Identifier as in a diagnosis.
+        block: actuation, mechanism, contact, torso or sensing.
+        title: A few words for a reader.
+        equation: The law, in plain text.
+        source: Where the law is from.
+        parameters: In the order of the law's vector p.
+        laws: Compiled law for each plug point it uses (see `laws.hooks`).
+        num_states: States that it keeps at each plug point (default 0).
+        modify: For effects that are other numbers of the twin rather than a
+            law: (numbers, values) -> numbers.
+        signature: What it looks like in a recording.
+        impostors: Other effects it is taken for, and what tells them apart.
+        experiment: The motion that shows it best.
+        devices: Where it applies.
+        summary: From the values to those worth reporting, where the
+            parameters themselves are many; identity by default.
+    """
+
+    name: str
+    block: str
+    title: str
+    equation: str
+    source: str
+    parameters: tuple[EffectParameter, ...]
+    signature: str
+    impostors: Mapping[str, str]
+    experiment: str
+    laws: Mapping[str, Callable] = field(default_factory=dict)
+    num_states: Mapping[str, int] = field(default_factory=dict)
+    modify: Callable | None = None
+    devices: tuple[str, ...] = ("bench stage 2",)
+    summary: Callable[[np.ndarray], dict[str, float]] | None = None
+
+    def __post_init__(self):
+        if self.block not in BLOCKS:
+            raise EffectError(
+                f"effect {self.name}: block {self.block!r} is not one of"
+                f" {', '.join(BLOCKS)}"
+            )
+        for point in (*self.laws, *self.num_states):
+            if point not in PLUG_POINTS:
+                raise EffectError(
+                    f"effect {self.name}: no plug point {point!r}; there are"
+                    f" {', '.join(PLUG_POINTS)}"
+                )
+        if not self.laws and self.modify is None:
+            raise EffectError(f"effect {self.name} changes nothing")
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of the parameters in order."""
+        return tuple(p.name for p in self.parameters)
+
+    @property
+    def lower(self) -> np.ndarray:
+        """Lower limits of the parameters."""
+        return np.array([p.lower for p in self.parameters])
+
+    @property
+    def upper(self) -> np.ndarray:
+        """Upper limits of the parameters."""
+        return np.array([p.upper for p in self.parameters])
+
+    def starts(self) -> list[np.ndarray]:
+        """Start vectors: the i-th start of every parameter together."""
+        count = max(len(p.starts) for p in self.parameters)
+        return [
+            np.array(
+                [p.starts[min(i, len(p.starts) - 1)] for p in self.parameters]
+            )
+            for i in range(count)
+        ]
+
+    def vector(self, values: Mapping[str, float]) -> np.ndarray:
+        """The law's parameter vector from named values.
+
+        Raises:
+            EffectError: A name is unknown or missing, or a value outside its
+                limits.
+        """
+        unknown = set(values) - set(self.parameter_names)
+        missing = set(self.parameter_names) - set(values)
+        if unknown or missing:
+            raise EffectError(
+                f"effect {self.name} takes {', '.join(self.parameter_names)};"
+                f" got {', '.join(sorted(values)) or 'none'}"
+            )
+        for p in self.parameters:
+            if not p.lower <= values[p.name] <= p.upper:
+                raise EffectError(
+                    f"effect {self.name}: {p.name} is {values[p.name]:g},"
+                    f" allowed {p.lower:g} to {p.upper:g} {p.unit}"
+                )
+        return np.array([float(values[n]) for n in self.parameter_names])

@@ -1,0 +1,54 @@
+"""Effects put together: what the twin's blocks take."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.effects.card import Effect
+from brace_drake.errors import EffectError
+from brace_drake.laws.hooks import MAX_EFFECTS, NO_LAW, PLUG_POINTS
+from brace_drake.laws.plug_in import PlugIn
+
+Use = tuple[Effect, np.ndarray]
+
+
+def stack_effects(uses: Sequence[Use]) -> dict[str, PlugIn]:
+    """Plug-ins of effects with their parameter vectors, by plug point.
+
+    Raises:
+        EffectError: More effects than the twin carries.
+    """
+    if len(uses) > MAX_EFFECTS:
+        raise EffectError(
+            f"the twin carries at most {MAX_EFFECTS} effects, got {len(uses)}"
+        )
+    idle = MAX_EFFECTS - len(uses)
+    parameters = tuple(
+        [np.ascontiguousarray(p, dtype=float) for _, p in uses]
+        + [np.zeros(1)] * idle
+    )
+    return {
+        point: PlugIn(
+            point,
+            tuple(
+                [e.laws.get(point, NO_LAW[point]) for e, _ in uses]
+                + [NO_LAW[point]] * idle
+            ),
+            parameters,
+            tuple(
+                [np.zeros(max(1, e.num_states.get(point, 0))) for e, _ in uses]
+                + [np.zeros(1)] * idle
+            ),
+        )
+        for point in PLUG_POINTS
+    }
+
+
+def modify_numbers(numbers, uses: Sequence[Use]):
+    """The twin's numbers as the effects have changed them."""
+    for effect, values in uses:
+        if effect.modify is not None:
+            numbers = effect.modify(numbers, values)
+    return numbers

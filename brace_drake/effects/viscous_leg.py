@@ -1,0 +1,36 @@
+"""More (or less) viscous friction in the legs than the data sheet says."""
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.hooks import plug
+
+
+@plug("drive")
+def _law(t, dt, u, l, l_dot, f, p, x):  # noqa: E741 (l: leg length)
+    for k in range(f.shape[0]):
+        f[k] -= p[0] * l_dot[k]
+
+
+CARD = Effect(
+    name="viscous_leg",
+    block="actuation",
+    title="viscous friction of the legs off its data sheet value",
+    equation="f = u - (b + b_x) l'",
+    source="Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
+    parameters=(
+        EffectParameter(
+            "extra_viscous_N_s_m",
+            "N s/m",
+            -40.0,
+            1000.0,
+            (20.0,),
+            "added to the nominal coefficient of every leg",
+        ),
+    ),
+    laws={"drive": _law},
+    signature="a command proportional to leg speed, in free runs too",
+    impostors={
+        "coulomb_friction": "the same at all speeds, steps at reversals",
+        "command_delay": "acts on accelerations and on contact as well",
+    },
+    experiment="free multisine at two amplitudes",
+)

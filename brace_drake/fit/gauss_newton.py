@@ -1,0 +1,151 @@
+"""Bounded nonlinear least squares when residuals come from simulations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+# From many points at once to a residual vector for each, or None.
+Batch = Callable[[Sequence[np.ndarray]], list[np.ndarray | None]]
+
+
+@dataclass(frozen=True)
+class LeastSquaresSolution:
+    """Where a bounded Gauss-Newton search ended.
+
+    Attributes:
+        z: Scaled parameters (n,).
+        residual: There (m,).
+        jacobian: (m, n); rows of residuals, columns of scaled parameters.
+        iterations: Steps taken.
+        converged: Whether the last step was negligible.
+    """
+
+    z: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    iterations: int
+    converged: bool
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+
+def difference_jacobian(
+    batch: Batch,
+    z: np.ndarray,
+    residual: np.ndarray,
+    steps: np.ndarray,
+    upper: np.ndarray,
+    columns: Sequence[int],
+) -> dict[int, np.ndarray]:
+    """Forward differences of the residual along chosen columns.
+
+    A step that would leave the upper limit goes the other way.
+    """
+    signed = np.where(z + steps > upper, -steps, steps)
+    points = []
+    for i in columns:
+        point = z.copy()
+        point[i] += signed[i]
+        points.append(point)
+    return {
+        i: np.zeros_like(residual) if r is None else (r - residual) / signed[i]
+        for i, r in zip(columns, batch(points), strict=True)
+    }
+
+
+def bounded_step(
+    jacobian: np.ndarray,
+    residual: np.ndarray,
+    z: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    radius: np.ndarray,
+) -> np.ndarray:
+    """Least-squares step inside the limits and a box of given radius."""
+    # The normal equations by QR keep the small problem exact and cheap.
+    q, r = np.linalg.qr(np.column_stack([jacobian, residual]))
+    triangle, target = r[:-1, :-1], -r[:-1, -1]
+    low = np.maximum(lower - z, -radius)
+    high = np.minimum(upper - z, radius)
+    high = np.maximum(high, low + 1e-15)
+    return lsq_linear(triangle, target, (low, high), method="bvls").x
+
+
+def solve_gauss_newton(
+    batch: Batch,
+    start: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    steps: np.ndarray,
+    radius: np.ndarray,
+    known: np.ndarray | None = None,
+    refresh: Sequence[int] | None = None,
+    max_iterations: int = 12,
+    tolerance: float = 1e-4,
+    on_iteration: Callable[[int, float], None] | None = None,
+) -> LeastSquaresSolution:
+    """Minimises the sum of squares of a simulated residual in a box.
+
+    Gauss-Newton with forward differences; a step that does not help is halved
+    up to three times. Columns left out of `refresh` keep their `known` value
+    throughout (the chord method), which for columns that hardly change costs a
+    few more iterations and saves most of the simulations.
+
+    Args:
+        batch: Residuals of many points at once.
+        start, lower, upper: Scaled parameters (n,).
+        steps: Of the differences (n,).
+        radius: Largest step of one iteration (n,).
+        known: Jacobian at the start (m, n), where columns are known already.
+        refresh: Columns to difference in every iteration; all by default.
+        max_iterations: Limit.
+        tolerance: On the predicted relative decrease of the cost.
+        on_iteration: Called with iteration and cost.
+
+    Raises:
+        ValueError: The residual could not be evaluated at the start.
+    """
+    z = np.clip(start, lower, upper)
+    (residual,) = batch([z])
+    if residual is None:
+        raise ValueError("the residual cannot be evaluated at the start")
+    columns = list(range(len(z))) if refresh is None else list(refresh)
+    jacobian = np.zeros((len(residual), len(z)))
+    if known is not None:
+        jacobian[:, : known.shape[1]] = known
+    cost, converged, iteration = float(residual @ residual), False, 0
+    for iteration in range(1, max_iterations + 1):
+        if columns:
+            found = difference_jacobian(
+                batch, z, residual, steps, upper, columns
+            )
+            for i, column in found.items():
+                jacobian[:, i] = column
+        step = bounded_step(jacobian, residual, z, lower, upper, radius)
+        trials = [z + step * scale for scale in (1.0, 0.5, 0.25, 0.125)]
+        # The full step almost always helps; try the rest only if not.
+        accepted = None
+        for trial in trials:
+            (at_trial,) = batch([np.clip(trial, lower, upper)])
+            if at_trial is not None and at_trial @ at_trial < cost:
+                accepted = np.clip(trial, lower, upper), at_trial
+                break
+        if accepted is None:
+            converged = True
+            break
+        z, residual = accepted
+        decrease = cost - float(residual @ residual)
+        cost -= decrease
+        if on_iteration:
+            on_iteration(iteration, cost)
+        if decrease < tolerance * max(cost, 1.0):
+            converged = True
+            break
+    return LeastSquaresSolution(z, residual, jacobian, iteration, converged)

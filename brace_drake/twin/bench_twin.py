@@ -1,0 +1,85 @@
+"""The bench's twin as fits and diagnoses see it: values in, channels out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.campaign.recording import Run
+from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.twin.bench_rollout import (
+    CHANNELS,
+    Motion,
+    draw_noise,
+    simulate_bench,
+)
+from brace_drake.twin.reference import reference_at_ticks, reference_of_run
+from brace_drake.twin.subject import bench_subject, with_subject
+
+
+class BenchTwin:
+    """Replays recorded references on the compiled bench.
+
+    Attributes:
+        channels: Names of the columns of what `simulate` returns.
+        subject: Parameters to be estimated for every subject.
+    """
+
+    channels = CHANNELS
+
+    def __init__(self, scenario: BenchScenario, time_step: float | None = None):
+        self.scenario = scenario
+        self.device = scenario.device
+        self.time_step = time_step or scenario.time_step
+        self.numbers = pack_bench(scenario)
+        self.subject = bench_subject(self.numbers)
+
+    def motion(self, run: Run) -> Motion:
+        """The reference of a recorded run at control ticks."""
+        times, samples = reference_of_run(run)
+        rate = self.scenario.control.rate
+        step = np.median(np.diff(times))
+        return Motion(
+            reference_at_ticks(times, samples, rate),
+            run.contact,
+            round(step * rate),
+        )
+
+    def measured(self, run: Run) -> np.ndarray:
+        """The run's recorded channels, shape (N, C)."""
+        return run.stack(self.channels)
+
+    def active(self, run: Run) -> np.ndarray:
+        """Which channels carry information in a run, bool (C,)."""
+        names = np.array(self.channels)
+        return run.contact | ~np.char.startswith(names, "torso")
+
+    def simulate(
+        self,
+        motion: Motion,
+        subject: np.ndarray,
+        uses: Sequence[Use] = (),
+        generator: np.random.Generator | None = None,
+    ) -> np.ndarray:
+        """Closed-loop replay, shape (N, C).
+
+        Args:
+            motion: From `motion`.
+            subject: Values of the subject's parameters.
+            uses: Effects with their parameters.
+            generator: Draws the reading noise; None: exact readings.
+
+        Raises:
+            BraceError: The simulated run broke down.
+        """
+        numbers = with_subject(self.numbers, subject)
+        numbers = modify_numbers(numbers, uses)
+        noise = None
+        if generator is not None:
+            noise = draw_noise(numbers, len(motion.desired), generator)
+        return simulate_bench(
+            numbers, motion, self.time_step, stack_effects(uses), noise
+        )

@@ -1,0 +1,64 @@
+"""What differs from patient to patient, and where it sits in the numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.scenario.bench_numbers import BenchNumbers
+
+
+@dataclass(frozen=True)
+class SubjectParameter:
+    """One parameter to be estimated for every subject.
+
+    Attributes:
+        name: With its unit as the last part.
+        unit: SI.
+        nominal: Value of the scenario.
+        lower, upper: Physical limits.
+    """
+
+    name: str
+    unit: str
+    nominal: float
+    lower: float
+    upper: float
+
+
+# Name, unit, array of BenchNumbers, index in it.
+_PLACES = (
+    ("contact_stiffness_N_m", "N/m", "contact", 0),
+    ("contact_damping_N_s_m", "N s/m", "contact", 1),
+    ("posture_stiffness_y_N_m", "N/m", "posture", 1),
+    ("posture_damping_y_N_s_m", "N s/m", "posture", 4),
+    ("torso_mass_kg", "kg", "torso", 0),
+    ("preload_m", "m", "contact", 5),
+)
+
+# A patient may be that many times softer or stiffer than nominal.
+_SPREAD = 4.0
+
+
+def bench_subject(numbers: BenchNumbers) -> tuple[SubjectParameter, ...]:
+    """Subject parameters of the bench with nominal values and limits."""
+    return tuple(
+        SubjectParameter(
+            name,
+            unit,
+            float(getattr(numbers, array)[i]),
+            float(getattr(numbers, array)[i]) / _SPREAD,
+            float(getattr(numbers, array)[i]) * _SPREAD,
+        )
+        for name, unit, array, i in _PLACES
+    )
+
+
+def with_subject(numbers: BenchNumbers, values: np.ndarray) -> BenchNumbers:
+    """The numbers of a subject, values in the order of `bench_subject`."""
+    changed: dict[str, np.ndarray] = {}
+    for value, (_, _, array, i) in zip(values, _PLACES, strict=True):
+        copy = changed.setdefault(array, getattr(numbers, array).copy())
+        copy[i] = value
+    return numbers.with_changes(**changed)
