@@ -95,8 +95,8 @@ def solve_gauss_newton(
 
     Gauss-Newton with forward differences; a step that does not help is halved
     up to three times. Columns left out of `refresh` keep their `known` value
-    throughout (the chord method), which for columns that hardly change costs a
-    few more iterations and saves most of the simulations.
+    (the chord method) as long as that helps; the search ends only when a step
+    with all columns anew brings nothing.
 
     Args:
         batch: Residuals of many points at once.
@@ -116,36 +116,39 @@ def solve_gauss_newton(
     (residual,) = batch([z])
     if residual is None:
         raise ValueError("the residual cannot be evaluated at the start")
-    columns = list(range(len(z))) if refresh is None else list(refresh)
+    everything = list(range(len(z)))
+    few = everything if refresh is None else list(refresh)
     jacobian = np.zeros((len(residual), len(z)))
     if known is not None:
         jacobian[:, : known.shape[1]] = known
-    cost, converged, iteration = float(residual @ residual), False, 0
+    columns, converged, iteration = few, False, 0
     for iteration in range(1, max_iterations + 1):
-        if columns:
-            found = difference_jacobian(
-                batch, z, residual, steps, upper, columns
-            )
-            for i, column in found.items():
-                jacobian[:, i] = column
+        found = difference_jacobian(batch, z, residual, steps, upper, columns)
+        for i, column in found.items():
+            jacobian[:, i] = column
         step = bounded_step(jacobian, residual, z, lower, upper, radius)
-        trials = [z + step * scale for scale in (1.0, 0.5, 0.25, 0.125)]
-        # The full step almost always helps; try the rest only if not.
-        accepted = None
-        for trial in trials:
-            (at_trial,) = batch([np.clip(trial, lower, upper)])
-            if at_trial is not None and at_trial @ at_trial < cost:
-                accepted = np.clip(trial, lower, upper), at_trial
-                break
-        if accepted is None:
-            converged = True
-            break
-        z, residual = accepted
-        decrease = cost - float(residual @ residual)
-        cost -= decrease
+        cost = float(residual @ residual)
+        accepted = _first_improvement(batch, z, step, cost, lower, upper)
+        decrease = 0.0
+        if accepted is not None:
+            z, residual = accepted
+            decrease = cost - float(residual @ residual)
         if on_iteration:
-            on_iteration(iteration, cost)
-        if decrease < tolerance * max(cost, 1.0):
+            on_iteration(iteration, cost - decrease)
+        small = decrease < tolerance * max(cost, 1.0)
+        if small and len(columns) == len(z):
             converged = True
             break
+        # Old columns have served their turn when they bring no more.
+        columns = everything if small else few
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
+
+
+def _first_improvement(batch, z, step, cost, lower, upper):
+    """The full step or the first of its halves that lowers the cost."""
+    for scale in (1.0, 0.5, 0.25, 0.125):
+        trial = np.clip(z + scale * step, lower, upper)
+        (residual,) = batch([trial])
+        if residual is not None and residual @ residual < cost:
+            return trial, residual
+    return None

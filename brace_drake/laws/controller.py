@@ -13,7 +13,7 @@ from brace_drake.laws.rotation import (
 )
 
 # Sizes of what each step remembers from tick to tick.
-NUM_POSE_MEMORY = 19  # p_WR (3), q_WR (4), X previous (6), V (6)
+NUM_POSE_MEMORY = 20  # p_WR (3), q_WR (4), X previous (6), V (6), started
 NUM_IMPEDANCE_MEMORY = 4  # filtered force, y_v, y_v', y_v''
 
 
@@ -37,6 +37,10 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
     for i in range(3):
         estimate[i] = memory[i] - law[i]
     quaternion_to_rotation_vector(memory[3:7], estimate[3:6])
+    if memory[19] == 0.0:
+        # Before the first tick there is nothing to difference with.
+        memory[19] = 1.0
+        memory[7:13] = estimate[0:6]
     control.update_velocity_estimate(
         estimate[0:6], memory[7:13], memory[13:19], law[4], law[3]
     )

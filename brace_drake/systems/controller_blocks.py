@@ -73,7 +73,7 @@ class PoseEstimator(LeafSystem):
     def _Advance(self, context: Context, discrete) -> None:
         estimate = self._output.Eval(context)
         discrete.get_mutable_vector(self._memory).SetFromVector(
-            np.concatenate([estimate[12:19], estimate[0:6], estimate[6:12]])
+            np.concatenate([estimate[12:19], estimate[0:12], [1.0]])
         )
 
 

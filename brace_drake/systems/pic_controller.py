@@ -25,8 +25,8 @@ class PicController(LeafSystem):
     Output ports, all of the last tick and held until the next:
         leg_command: (6,), N.
         readings: As they were used (12,).
-        memory: p_WR (3), q_WR (4), X (6), X' (6), filtered force, y_v, y_v',
-            y_v'' (23,).
+        memory: p_WR (3), q_WR (4), X (6), X' (6), 1, filtered force, y_v,
+            y_v', y_v'' (24,).
 
     Numeric parameters: law (56,), see `laws.controller`.
     """
