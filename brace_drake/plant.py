@@ -7,7 +7,10 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import (
+    DiscreteContactApproximation,
+    MultibodyPlant,
+)
 from pydrake.systems.framework import DiagramBuilder
 
 from brace_drake.resources import sdf_path
@@ -38,10 +41,21 @@ def AddBenchPlant(
         "plant", MultibodyPlant(time_step=scenario.time_step)
     )
     AddBenchBodies(plant, scenario)
-    # The controller's unrestricted events must come before the plant's step.
+    # Sampled ports would make the plant's step an unrestricted update, whose
+    # copies of all state cost more than the step.
     plant.SetUseSampledOutputPorts(False)
+    if not plant_resolves_contact(scenario):
+        # Nothing is left to the contact solver: take the cheapest.
+        plant.set_discrete_contact_approximation(
+            DiscreteContactApproximation.kTamsi
+        )
     plant.Finalize()
     return plant
+
+
+def plant_resolves_contact(scenario: BenchScenario) -> bool:
+    """Whether pads and torso meet in the plant, not in a computed force."""
+    return scenario.torso.present and scenario.contact.model == "hydroelastic"
 
 
 def AddBenchBodies(plant: MultibodyPlant, scenario: BenchScenario) -> None:

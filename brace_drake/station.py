@@ -9,18 +9,23 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import (
+    ConstantVectorSource,
     Demultiplexer,
     LogVectorOutput,
+    Multiplexer,
+    PassThrough,
     TrajectorySource,
     VectorLogSink,
 )
 from pydrake.trajectories import Trajectory
 
 from brace_drake.laws.plug_in import PlugIn
-from brace_drake.plant import AddBenchPlant
+from brace_drake.plant import AddBenchPlant, plant_resolves_contact
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
+from brace_drake.systems import kernels
 from brace_drake.systems.bench_forces import BenchForces
+from brace_drake.systems.contact_force_hold import ContactForceHold
 from brace_drake.systems.controller_blocks import (
     BraceInverseDynamics,
     ImpedanceFilter,
@@ -37,14 +42,14 @@ class BenchStation:
 
     Exported ports of the diagram: input `noise` (12,), standard normal draws
     that hold for a control tick (unconnected: exact readings); outputs
-    `plant_state` and, of the last tick, `leg_command` (6,), `readings` (12,)
-    and `memory` of the controller, which ends in the filtered force and the
-    virtual position, velocity, acceleration.
+    `plant_state` and, of the last tick, `leg_command` (6,), N, `readings`
+    (12,), and `virtual` (4,): filtered force, virtual position, velocity,
+    acceleration. `sink` logs the last three side by side.
     """
 
     diagram: Diagram
     plant: MultibodyPlant
-    sinks: dict[str, VectorLogSink]
+    sink: VectorLogSink
 
 
 def MakeBenchStation(
@@ -52,6 +57,7 @@ def MakeBenchStation(
     reference: Trajectory,
     plug_ins: Mapping[str, PlugIn] | None = None,
     numbers: BenchNumbers | None = None,
+    noise: Trajectory | None = None,
 ) -> BenchStation:
     """Builds the bench of a scenario that follows a reference.
 
@@ -60,111 +66,153 @@ def MakeBenchStation(
         reference: y_d, y_d', y_d'' as a trajectory of three rows.
         plug_ins: Effects by plug point.
         numbers: The scenario's numbers as effects have changed them.
+        noise: Standard normal draws (12 rows), constant around each tick, in
+            place of the exported port.
     """
     plug_ins = plug_ins or {}
     numbers = numbers or pack_bench(scenario)
     builder = DiagramBuilder()
     # Bodies, and the forces on them.
     plant = AddBenchPlant(builder, scenario)
-    forces = _AddForces(builder, plant, scenario, numbers, plug_ins)
-    # What the instruments read.
-    instruments = builder.AddNamedSystem(
-        "instruments", BenchInstruments(numbers, plug_ins)
+    forces, leg_command = _AddForces(
+        builder, plant, scenario, numbers, plug_ins
     )
-    measured = forces.GetOutputPort("measured")
-    builder.Connect(measured, instruments.GetInputPort("measured"))
-    readings = instruments.GetOutputPort("readings")
-    # Reference and controller.
+    if plant_resolves_contact(scenario):
+        _AddContactForce(builder, plant, forces)
+    # Reference, then instruments and controller.
     source = builder.AddNamedSystem("reference", TrajectorySource(reference))
     add = _CONTROLLERS[scenario.control.layout]
-    ports = add(builder, readings, source.get_output_port(), numbers)
-    command = ports["leg_command"]
-    builder.Connect(command, forces.GetInputPort("leg_command"))
-    builder.Connect(command, instruments.GetInputPort("previous_command"))
+    measured = forces.GetOutputPort("measured")
+    desired = source.get_output_port()
+    ports = add(builder, measured, desired, numbers, plug_ins)
+    builder.Connect(ports["leg_command"], leg_command)
     # Ports and logs.
-    builder.ExportInput(instruments.GetInputPort("noise"), "noise")
+    noise_port = ports.pop("noise")
+    if noise is None:
+        builder.ExportInput(noise_port, "noise")
+    else:
+        draws = builder.AddNamedSystem("draws", TrajectorySource(noise))
+        builder.Connect(draws.get_output_port(), noise_port)
     builder.ExportOutput(plant.get_state_output_port(), "plant_state")
-    sinks = {}
     for name, port in ports.items():
         builder.ExportOutput(port, name)
-        sinks[name] = LogVectorOutput(
-            port, builder, scenario.sensors.log_period
-        )
+    sink = _AddLog(builder, ports.values(), scenario.sensors.log_period)
     diagram = builder.Build()
     diagram.set_name("bench_station")
-    return BenchStation(diagram, plant, sinks)
+    return BenchStation(diagram, plant, sink)
 
 
-def _AddForces(builder, plant, scenario, numbers, plug_ins) -> BenchForces:
-    """Adds legs, posture and pads and connects them with the plant."""
+def _AddForces(builder, plant, scenario, numbers, plug_ins):
+    """Adds legs, posture and pads around the plant.
+
+    Returns:
+        The system, and the input port for the leg commands.
+    """
+    with_torso = scenario.torso.present
     forces = builder.AddNamedSystem(
         "forces",
         BenchForces(
-            numbers,
             plug_ins,
             plant.time_step(),
-            with_torso=scenario.torso.present,
-            with_pads=scenario.torso.present
-            and scenario.contact.model == "linear",
+            with_torso,
+            with_pads=with_torso and not plant_resolves_contact(scenario),
         ),
     )
-    builder.Connect(
-        plant.get_state_output_port(), forces.GetInputPort("plant_state")
+    law = builder.AddNamedSystem(
+        "force_law", ConstantVectorSource(kernels.pack_bench_law(numbers))
     )
+    state = plant.get_state_output_port()
+    inputs = _Join(builder, forces, [state.size(), 6, kernels.NUM_BENCH_LAW])
+    builder.Connect(state, inputs.get_input_port(0))
+    builder.Connect(law.get_output_port(), inputs.get_input_port(2))
     builder.Connect(
         forces.GetOutputPort("generalized_force"),
         plant.get_applied_generalized_force_input_port(),
     )
-    return forces
+    return forces, inputs.get_input_port(1)
 
 
-def _AddPicController(builder, readings, desired, numbers):
+def _Join(builder, system, sizes: list[int]) -> Multiplexer:
+    """Adds a multiplexer in front of a system's port `inputs`."""
+    name = f"{system.get_name()}_inputs"
+    join = builder.AddNamedSystem(name, Multiplexer(sizes))
+    builder.Connect(join.get_output_port(), system.GetInputPort("inputs"))
+    return join
+
+
+def _AddContactForce(builder, plant, forces) -> None:
+    """Adds the reading of the contact force that the plant resolves."""
+    hold = builder.AddNamedSystem("contact_force", ContactForceHold(plant))
+    builder.Connect(
+        plant.get_contact_results_output_port(),
+        hold.GetInputPort("contact_results"),
+    )
+    builder.Connect(
+        hold.GetOutputPort("contact_force"),
+        forces.GetInputPort("contact_force"),
+    )
+
+
+def _AddLog(builder, ports, period: float) -> VectorLogSink:
+    """Logs ports side by side at every period."""
+    row = builder.AddNamedSystem(
+        "log_row", Multiplexer([port.size() for port in ports])
+    )
+    for i, port in enumerate(ports):
+        builder.Connect(port, row.get_input_port(i))
+    return LogVectorOutput(row.get_output_port(), builder, period)
+
+
+def _AddPicController(builder, measured, desired, numbers, plug_ins):
     """Adds the controller as one system; returns its ports by role."""
-    pic = builder.AddNamedSystem("pic_controller", PicController(numbers))
-    builder.Connect(readings, pic.GetInputPort("readings"))
-    builder.Connect(desired, pic.GetInputPort("desired"))
-    roles = ("leg_command", "readings", "memory")
-    return {role: pic.GetOutputPort(role) for role in roles}
-
-
-def _AddControllerBlocks(builder, readings, desired, numbers):
-    """Adds the controller block by block; returns its ports by role."""
-    split = builder.AddNamedSystem(
-        "readings_split", Demultiplexer(np.array([6, 3, 3]))
-    )
-    estimator = builder.AddNamedSystem(
-        "pose_estimator", PoseEstimator(numbers)
-    )
-    impedance = builder.AddNamedSystem(
-        "impedance_filter", ImpedanceFilter(numbers)
-    )
-    dynamics = builder.AddNamedSystem(
-        "inverse_dynamics", BraceInverseDynamics(numbers)
-    )
-    hold = builder.AddNamedSystem(
-        "tick_hold", TickHold(numbers.estimator[3])
-    )
-    for source, target in (
-        (readings, split.get_input_port()),
-        (split.get_output_port(0), estimator.GetInputPort("leg_length")),
-        (split.get_output_port(1), impedance.GetInputPort("force")),
-        (desired, impedance.GetInputPort("desired")),
-        (
-            estimator.GetOutputPort("estimated_state"),
-            dynamics.GetInputPort("estimated_state"),
-        ),
-        (
-            impedance.GetOutputPort("virtual"),
-            dynamics.GetInputPort("virtual"),
-        ),
-        (dynamics.GetOutputPort("command"), hold.GetInputPort("command")),
-        (readings, hold.GetInputPort("readings")),
-    ):
-        builder.Connect(source, target)
+    add = builder.AddNamedSystem
+    pic = add("pic_controller", PicController(numbers, plug_ins))
+    law = add("pic_law", ConstantVectorSource(kernels.pack_tick_law(numbers)))
+    # Without draws it passes on NaN: exact readings.
+    noise = add("noise", PassThrough(np.full(12, np.nan)))
+    split = add("tick_split", Demultiplexer(np.array([6, 12, 20, 4])))
+    inputs = _Join(builder, pic, [12, 3, 12, kernels.NUM_TICK_LAW])
+    sources = measured, desired, noise.get_output_port(), law.get_output_port()
+    for i, source in enumerate(sources):
+        builder.Connect(source, inputs.get_input_port(i))
+    builder.Connect(pic.GetOutputPort("tick"), split.get_input_port())
     return {
-        "leg_command": hold.GetOutputPort("leg_command"),
+        "noise": noise.get_input_port(),
+        "leg_command": split.get_output_port(0),
+        "readings": split.get_output_port(1),
+        "virtual": split.get_output_port(3),
+    }
+
+
+def _AddControllerBlocks(builder, measured, desired, numbers, plug_ins):
+    """Adds the controller block by block; returns its ports by role."""
+    add = builder.AddNamedSystem
+    instruments = add("instruments", BenchInstruments(numbers, plug_ins))
+    split = add("readings_split", Demultiplexer(np.array([6, 3, 3])))
+    estimator = add("pose_estimator", PoseEstimator(numbers))
+    impedance = add("impedance_filter", ImpedanceFilter(numbers))
+    dynamics = add("inverse_dynamics", BraceInverseDynamics(numbers))
+    hold = add("tick_hold", TickHold(numbers.estimator[3]))
+    readings = instruments.GetOutputPort("readings")
+    leg_command = hold.GetOutputPort("leg_command")
+    for source, system, port in (
+        (measured, instruments, "measured"),
+        (leg_command, instruments, "held_command"),
+        (readings, hold, "readings"),
+        (split.get_output_port(0), estimator, "leg_length"),
+        (split.get_output_port(1), impedance, "force"),
+        (desired, impedance, "desired"),
+        (estimator.get_output_port(), dynamics, "estimated_state"),
+        (impedance.GetOutputPort("virtual"), dynamics, "virtual"),
+        (dynamics.get_output_port(), hold, "command"),
+    ):
+        builder.Connect(source, system.GetInputPort(port))
+    builder.Connect(readings, split.get_input_port())
+    return {
+        "noise": instruments.GetInputPort("noise"),
+        "leg_command": leg_command,
         "readings": hold.GetOutputPort("readings"),
-        "memory": impedance.GetOutputPort("held_virtual"),
+        "virtual": impedance.GetOutputPort("held_virtual"),
     }
 
 

@@ -6,36 +6,38 @@ from brace_drake.effects.card import Effect, EffectParameter
 
 
 def _modify(numbers, values: np.ndarray):
+    lower, upper = np.reshape(values, (2, 6, 3))
     return numbers.with_changes(
-        p_RT=numbers.p_RT + np.reshape(values, (6, 3))
+        p_WB=numbers.p_WB + lower, p_RT=numbers.p_RT + upper
     )
-
-
-def _summary(values: np.ndarray) -> dict[str, float]:
-    return {"anchor_rms_m": float(np.sqrt(np.mean(values**2)))}
 
 
 CARD = Effect(
     name="anchor_error",
     block="mechanism",
     title="anchors off their drawn places",
-    equation="p_RT,k = p_RT,k nominal + delta_k, unknown to the controller",
-    source="Merlet, Parallel Robots, chapter 10 (calibration)",
+    equation="B_k = B_k nominal + b_k, T_k = T_k nominal + t_k, unknown to the"
+    " controller; components of b_k, t_k normal with mean 0 and standard"
+    " deviation s",
+    source="Merlet, Parallel Robots, chapter 10 (calibration); common spread"
+    " by the evidence, MacKay, Bayesian interpolation, Neural Comp. 4, 1992",
     parameters=tuple(
         EffectParameter(
-            f"anchor{k}_{axis}_m",
+            f"{ring}{k}_{axis}_m",
             "m",
             -0.02,
             0.02,
-            (0.0005,),
-            f"displacement of upper anchor {k} along {axis}",
+            (0.0,),
+            f"displacement of {ring} anchor {k} along {axis}",
         )
+        for ring in ("lower", "upper")
         for k in range(1, 7)
         for axis in "xyz"
     ),
     modify=_modify,
-    summary=_summary,
-    signature="leg lengths off at rest, a pose error that stays",
+    spread=("anchor_m", "m"),
+    signature="leg lengths off at rest, a pose error that stays, force"
+    " directions off in proportion to the leg forces",
     impostors={"encoder_offset": "shifts lengths, leaves force directions"},
     experiment="stairs over the whole workspace",
 )

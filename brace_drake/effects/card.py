@@ -52,8 +52,11 @@ class Effect:
         impostors: Other effects it is taken for, and what tells them apart.
         experiment: The motion that shows it best.
         devices: Where it applies.
-        summary: From the values to those worth reporting, where the
-            parameters themselves are many; identity by default.
+        dithered: Whether the noise in the loop changes the mean motion, as
+            with dry friction; the twin then averages over noisy replays.
+        spread: For effects of many alike parameters drawn from a common
+            normal distribution: name and unit of its standard deviation,
+            which is what is reported. None for all others.
     """
 
     name: str
@@ -69,7 +72,8 @@ class Effect:
     num_states: Mapping[str, int] = field(default_factory=dict)
     modify: Callable | None = None
     devices: tuple[str, ...] = ("bench stage 2",)
-    summary: Callable[[np.ndarray], dict[str, float]] | None = None
+    dithered: bool = False
+    spread: tuple[str, str] | None = None
 
     def __post_init__(self):
         if self.block not in BLOCKS:

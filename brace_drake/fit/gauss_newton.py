@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
-# From many points at once to a residual vector for each, or None.
-Batch = Callable[[Sequence[np.ndarray]], list[np.ndarray | None]]
+class Batch(Protocol):
+    """Residual vectors of many points at once, None where one failed.
+
+    `coarse` allows a cheaper simulation, good enough for differences; then
+    all points are evaluated with that.
+    """
+
+    def __call__(
+        self, points: Sequence[np.ndarray], coarse: bool = False
+    ) -> list[np.ndarray | None]: ...
 
 
 @dataclass(frozen=True)
@@ -22,6 +31,7 @@ class LeastSquaresSolution:
         jacobian: (m, n); rows of residuals, columns of scaled parameters.
         iterations: Steps taken.
         converged: Whether the last step was negligible.
+        first_jacobian: At the start.
     """
 
     z: np.ndarray
@@ -29,6 +39,7 @@ class LeastSquaresSolution:
     jacobian: np.ndarray
     iterations: int
     converged: bool
+    first_jacobian: np.ndarray
 
     @property
     def cost(self) -> float:
@@ -39,24 +50,25 @@ class LeastSquaresSolution:
 def difference_jacobian(
     batch: Batch,
     z: np.ndarray,
-    residual: np.ndarray,
     steps: np.ndarray,
     upper: np.ndarray,
     columns: Sequence[int],
 ) -> dict[int, np.ndarray]:
     """Forward differences of the residual along chosen columns.
 
-    A step that would leave the upper limit goes the other way.
+    A step that would leave the upper limit goes the other way; a point that
+    fails leaves a zero column.
     """
     signed = np.where(z + steps > upper, -steps, steps)
-    points = []
+    points = [z]
     for i in columns:
         point = z.copy()
         point[i] += signed[i]
         points.append(point)
+    base, *moved = batch(points, coarse=True)
     return {
-        i: np.zeros_like(residual) if r is None else (r - residual) / signed[i]
-        for i, r in zip(columns, batch(points), strict=True)
+        i: np.zeros_like(base) if r is None else (r - base) / signed[i]
+        for i, r in zip(columns, moved, strict=True)
     }
 
 
@@ -87,6 +99,7 @@ def solve_gauss_newton(
     radius: np.ndarray,
     known: np.ndarray | None = None,
     refresh: Sequence[int] | None = None,
+    renew: bool = True,
     max_iterations: int = 12,
     tolerance: float = 1e-4,
     on_iteration: Callable[[int, float], None] | None = None,
@@ -105,6 +118,7 @@ def solve_gauss_newton(
         radius: Largest step of one iteration (n,).
         known: Jacobian at the start (m, n), where columns are known already.
         refresh: Columns to difference in every iteration; all by default.
+        renew: Otherwise those columns are differenced once.
         max_iterations: Limit.
         tolerance: On the predicted relative decrease of the cost.
         on_iteration: Called with iteration and cost.
@@ -122,8 +136,11 @@ def solve_gauss_newton(
     if known is not None:
         jacobian[:, : known.shape[1]] = known
     columns, converged, iteration = few, False, 0
+    first_jacobian = None
     for iteration in range(1, max_iterations + 1):
-        found = difference_jacobian(batch, z, residual, steps, upper, columns)
+        found = {}
+        if renew or iteration == 1:
+            found = difference_jacobian(batch, z, steps, upper, columns)
         for i, column in found.items():
             jacobian[:, i] = column
         step = bounded_step(jacobian, residual, z, lower, upper, radius)
@@ -135,13 +152,17 @@ def solve_gauss_newton(
             decrease = cost - float(residual @ residual)
         if on_iteration:
             on_iteration(iteration, cost - decrease)
+        if first_jacobian is None:
+            first_jacobian = jacobian.copy()
         small = decrease < tolerance * max(cost, 1.0)
-        if small and len(columns) == len(z):
+        if small and (not renew or len(columns) == len(z)):
             converged = True
             break
         # Old columns have served their turn when they bring no more.
         columns = everything if small else few
-    return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
+    return LeastSquaresSolution(
+        z, residual, jacobian, iteration, converged, first_jacobian
+    )
 
 
 def _first_improvement(batch, z, step, cost, lower, upper):

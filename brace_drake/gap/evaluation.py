@@ -1,4 +1,4 @@
-"""Weighted residuals of a twin over runs, and their sensitivities."""
+"""Weighted residuals of a twin over runs."""
 
 from __future__ import annotations
 
@@ -13,6 +13,9 @@ from brace_drake.effects.stack import Use
 from brace_drake.errors import BraceError
 from brace_drake.gap.floor import NoiseFloor
 
+# Noisy replays averaged for effects on which noise acts as a dither.
+NUM_DITHERS = 3
+
 
 @dataclass(frozen=True)
 class PreparedRun:
@@ -25,6 +28,7 @@ class PreparedRun:
         weights: Of the transform, see `NoiseFloor.weights`; 0 where a channel
             carries no information.
         floor: Noise floor of this kind of run.
+        seed: Of the dithers.
     """
 
     run: Run
@@ -32,59 +36,96 @@ class PreparedRun:
     measured: np.ndarray
     weights: np.ndarray
     floor: NoiseFloor
+    seed: int
+
+    @property
+    def used(self) -> np.ndarray:
+        """Channels that carry information (C,)."""
+        return self.weights[1] > 0.0
 
     def weigh(self, residual: np.ndarray) -> np.ndarray:
         """Residual (N, C) as a vector of unit variance for pure noise."""
         transform = np.fft.rfft(residual, axis=0) * self.weights
-        used = self.weights[1] > 0.0
-        transform = transform[:, used]
+        transform = transform[:, self.used]
         return np.concatenate(
             [transform.real.ravel(), transform[1:].imag.ravel()]
         )
+
+    @property
+    def count(self) -> int:
+        """Number of independent values, expectation of the noise's squares."""
+        return len(self.measured) * int(self.used.sum())
+
+
+def is_dithered(uses: Sequence[Use]) -> bool:
+    """Whether the twin with these effects is averaged over noisy replays."""
+    return any(effect.dithered for effect, _ in uses)
 
 
 class Evaluator:
     """Evaluates a twin on runs, in parallel threads.
 
     The compiled rollout releases the interpreter lock, so that threads scale
-    with cores and share one compiled twin.
+    with cores and share one compiled twin. Results do not depend on their
+    number.
     """
 
     def __init__(self, twin, prepared: Sequence[PreparedRun], jobs: int):
         self.twin = twin
+        self._coarse_twin = twin.coarse()
         self.prepared = list(prepared)
         self._pool = ThreadPoolExecutor(max_workers=max(1, jobs))
+
+    @property
+    def count(self) -> int:
+        """Number of independent values over all runs."""
+        return sum(p.count for p in self.prepared)
 
     def map(self, function: Callable, tasks: Sequence) -> list:
         """Results of `function(*task)` in order."""
         return list(self._pool.map(lambda task: function(*task), tasks))
 
+    def simulate(
+        self,
+        prepared: PreparedRun,
+        subject: np.ndarray,
+        uses: Sequence[Use],
+        twin=None,
+    ) -> np.ndarray:
+        """The twin's expected recording of a run (N, C)."""
+        twin = twin or self.twin
+        if not is_dithered(uses):
+            return twin.simulate(prepared.motion, subject, uses)
+        replays = [
+            twin.simulate(
+                prepared.motion,
+                subject,
+                uses,
+                np.random.default_rng([prepared.seed, i]),
+            )
+            for i in range(NUM_DITHERS)
+        ]
+        return np.mean(replays, axis=0)
+
     def residual_of(
         self, prepared: PreparedRun, subject: np.ndarray, uses: Sequence[Use]
     ) -> np.ndarray:
         """Measured minus simulated (N, C)."""
-        simulated = self.twin.simulate(prepared.motion, subject, uses)
-        return prepared.measured - simulated
-
-    def _weighted(self, prepared, subject, uses) -> np.ndarray:
-        return prepared.weigh(self.residual_of(prepared, subject, uses))
-
-    def residual(
-        self, subject: np.ndarray, uses: Sequence[Use] = ()
-    ) -> np.ndarray:
-        """Weighted residuals of all runs, one vector."""
-        tasks = [(p, subject, uses) for p in self.prepared]
-        return np.concatenate(self.map(self._weighted, tasks))
+        return prepared.measured - self.simulate(prepared, subject, uses)
 
     def residuals(
-        self, points: Sequence[tuple[np.ndarray, Sequence[Use]]]
+        self,
+        points: Sequence[tuple[np.ndarray, Sequence[Use]]],
+        coarse: bool = False,
     ) -> list[np.ndarray | None]:
-        """Weighted residuals at several points at once.
+        """Weighted residuals of all runs at several points at once.
 
-        None where the twin broke down.
+        None where the twin broke down. `coarse` takes the longer plant step
+        of `twin.coarse()`, for differences between points.
         """
-        tasks = [(p, s, u) for s, u in points for p in self.prepared]
-        parts = self.map(self._guarded, tasks)
+        twin = self._coarse_twin if coarse else self.twin
+        tasks = [(p, s, u, twin) for s, u in points for p in self.prepared]
+        parts = self.map(self._weighted, tasks)
         size = len(self.prepared)
         chunks = [parts[i : i + size] for i in range(0, len(parts), size)]
         return [
@@ -92,8 +133,20 @@ class Evaluator:
             for chunk in chunks
         ]
 
-    def _guarded(self, prepared, subject, uses):
+    def _weighted(self, prepared, subject, uses, twin):
         try:
-            return self._weighted(prepared, subject, uses)
+            simulated = self.simulate(prepared, subject, uses, twin)
         except BraceError:
             return None
+        return prepared.weigh(prepared.measured - simulated)
+
+    def excess(self, residual: np.ndarray, uses: Sequence[Use]) -> float:
+        """Sum of squares above what noise alone would give.
+
+        Averaging over dithers leaves its own share of noise, which is taken
+        off.
+        """
+        noise = self.count
+        if is_dithered(uses):
+            noise *= 1.0 + 1.0 / NUM_DITHERS
+        return float(residual @ residual) - noise

@@ -58,8 +58,12 @@ class PoseEstimator(LeafSystem):
         good = controller.estimate_pose(
             self._length_port.Eval(context),
             context.get_numeric_parameter(self._law).CopyToVector(),
-            context.get_numeric_parameter(self._p_WB).CopyToVector().reshape(6, 3),
-            context.get_numeric_parameter(self._p_RT).CopyToVector().reshape(6, 3),
+            context.get_numeric_parameter(self._p_WB)
+            .CopyToVector()
+            .reshape(6, 3),
+            context.get_numeric_parameter(self._p_RT)
+            .CopyToVector()
+            .reshape(6, 3),
             memory,
             self._estimate,
         )
@@ -166,8 +170,12 @@ class BraceInverseDynamics(LeafSystem):
             self._state_port.Eval(context),
             self._virtual_port.Eval(context),
             context.get_numeric_parameter(self._law).CopyToVector(),
-            context.get_numeric_parameter(self._p_WB).CopyToVector().reshape(6, 3),
-            context.get_numeric_parameter(self._p_RT).CopyToVector().reshape(6, 3),
+            context.get_numeric_parameter(self._p_WB)
+            .CopyToVector()
+            .reshape(6, 3),
+            context.get_numeric_parameter(self._p_RT)
+            .CopyToVector()
+            .reshape(6, 3),
             self._command,
         )
         if not regular:
@@ -204,6 +212,4 @@ class TickHold(LeafSystem):
 
     def _Advance(self, context: Context, discrete) -> None:
         for port, state in self._held:
-            discrete.get_mutable_vector(state).SetFromVector(
-                port.Eval(context)
-            )
+            discrete.get_mutable_vector(state).SetFromVector(port.Eval(context))

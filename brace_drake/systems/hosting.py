@@ -35,9 +35,7 @@ class EffectHost:
         self, context: Context, memory: tuple[np.ndarray, ...], *arguments
     ) -> None:
         """Calls each effect's law on the arguments, then p and x."""
-        for law, i, x in zip(
-            self._laws, self._parameters, memory, strict=True
-        ):
+        for law, i, x in zip(self._laws, self._parameters, memory, strict=True):
             p = context.get_numeric_parameter(i).CopyToVector()
             law(*arguments, p, x)
 
@@ -51,4 +49,3 @@ class EffectHost:
         """Writes advanced states into discrete values."""
         for i, x in zip(self._states, memory, strict=True):
             discrete.get_mutable_vector(i).SetFromVector(x)
-

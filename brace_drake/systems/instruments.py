@@ -20,7 +20,7 @@ class BenchInstruments(LeafSystem):
     Input ports:
         measured: True leg lengths (6), m, force of the ring on the torso (3),
             N, displacement of the torso (3), m: (12,).
-        previous_command: Commands of the last tick (6,), N.
+        held_command: Commands of the last tick (6,), N.
         noise: Standard normal draws of the tick (12,); left unconnected the
             readings are exact and not rounded.
 
@@ -34,11 +34,11 @@ class BenchInstruments(LeafSystem):
     def __init__(self, numbers: BenchNumbers, plug_ins: Mapping[str, PlugIn]):
         super().__init__()
         self._period = numbers.estimator[3]
-        self._measured_port, self._previous_port, self._noise_port = (
+        self._measured_port, self._held_port, self._noise_port = (
             self.DeclareVectorInputPort(name, size)
             for name, size in (
                 ("measured", 12),
-                ("previous_command", 6),
+                ("held_command", 6),
                 ("noise", 12),
             )
         )
@@ -66,7 +66,7 @@ class BenchInstruments(LeafSystem):
                 memory,
                 context.get_time(),
                 self._period,
-                self._previous_port.Eval(context),
+                self._held_port.Eval(context),
                 readings[0:6],
                 readings[6:9],
             )

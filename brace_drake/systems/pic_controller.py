@@ -2,69 +2,74 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import Context, LeafSystem
 
 from brace_drake.errors import BraceError
-from brace_drake.laws import controller
+from brace_drake.laws.plug_in import PlugIn, idle
 from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.systems import kernels
+from brace_drake.systems.hosting import EffectHost
 from brace_drake.systems.ticks import DeclareTick
 
 
 class PicController(LeafSystem):
     """PIC: equations (4), (5) outside, inverse dynamics (6) inside.
 
-    PoseEstimator, ImpedanceFilter, BraceInverseDynamics and TickHold of
-    `controller_blocks` run as one event, with the same laws and to the same
-    result, at a fraction of their cost.
+    BenchInstruments, then PoseEstimator, ImpedanceFilter, BraceInverseDynamics
+    and TickHold of `controller_blocks` run as one event, with the same laws
+    and to the same result, at a fraction of their cost.
 
     Input ports:
-        readings: Leg lengths (6), m, force (3), N, marker (3), m.
-        desired: y_d, y_d', y_d'' (3,).
+        inputs: True leg lengths (6), m, force of the ring on the torso (3), N,
+            displacement of the torso (3), m; y_d, y_d', y_d'' (3); standard
+            normal draws of the tick (12), or NaN for exact readings, not
+            rounded; law (70), see `kernels.NUM_TICK_LAW`: (97,). One port, as
+            each costs a look-up from Python.
 
-    Output ports, all of the last tick and held until the next:
-        leg_command: (6,), N.
-        readings: As they were used (12,).
-        memory: p_WR (3), q_WR (4), X (6), X' (6), 1, filtered force, y_v,
-            y_v', y_v'' (24,).
+    Output ports:
+        tick: Of the last tick, held until the next: leg command (6), N;
+            readings (12); memory (24), that is p_WR (3), q_WR (4), X (6),
+            X' (6), 1, filtered force, y_v, y_v', y_v'': (42,).
 
-    Numeric parameters: law (56,), see `laws.controller`.
+    Parameters and states of the effects at `sensing` are this system's; the
+    states advance once in each tick.
     """
 
-    def __init__(self, numbers: BenchNumbers):
+    def __init__(self, numbers: BenchNumbers, plug_ins: Mapping[str, PlugIn]):
         super().__init__()
-        self._readings_port = self.DeclareVectorInputPort("readings", 12)
-        self._desired_port = self.DeclareVectorInputPort("desired", 3)
-        self._law = int(
-            self.DeclareNumericParameter(BasicVector(numbers.controller_law))
+        self._period = numbers.estimator[3]
+        self._port = self.DeclareVectorInputPort(
+            "inputs", 27 + kernels.NUM_TICK_LAW
         )
-        initial = np.zeros(controller.NUM_MEMORY)
-        initial[0:3], initial[3] = numbers.rest, 1.0
-        self._memory = self.DeclareDiscreteState(initial)
-        self._command = self.DeclareDiscreteState(6)
-        self._readings = self.DeclareDiscreteState(12)
-        self.DeclareStateOutputPort("leg_command", self._command)
-        self.DeclareStateOutputPort("readings", self._readings)
-        self.DeclareStateOutputPort("memory", self._memory)
-        DeclareTick(self, numbers.estimator[3], self._Tick)
-        self._estimate, self._u = np.empty(19), np.empty(6)
+        initial = np.zeros(kernels.NUM_TICK)
+        initial[18:21], initial[21] = numbers.rest, 1.0
+        held = self.DeclareDiscreteState(initial)
+        self.DeclareStateOutputPort("tick", held)
+        self._held = int(held)
+        self._host = EffectHost(
+            self, plug_ins.get("sensing") or idle("sensing")
+        )
+        DeclareTick(self, self._period, self._Tick)
 
     def _Tick(self, context: Context, discrete) -> None:
-        readings = self._readings_port.Eval(context)
-        memory = context.get_discrete_state(self._memory).CopyToVector()
-        good = controller.control_tick(
-            readings,
-            self._desired_port.Eval(context),
-            context.get_numeric_parameter(self._law).value(),
-            memory,
-            self._estimate,
-            self._u,
-        )
-        if not good:
+        # Discrete values start as those of the context: the last tick's.
+        tick = discrete.get_mutable_value(self._held)
+        inputs = self._port.Eval(context)
+        if not self._host.is_idle:
+            self._ApplyEffects(context, discrete, inputs, tick)
+        if not kernels.advance_tick(inputs, tick):
             raise BraceError(
                 "PicController: no ring pose fits the measured leg lengths"
                 f" at {context.get_time():.3f} s"
             )
-        discrete.get_mutable_vector(self._memory).SetFromVector(memory)
-        discrete.get_mutable_vector(self._command).SetFromVector(self._u)
-        discrete.get_mutable_vector(self._readings).SetFromVector(readings)
+
+    def _ApplyEffects(self, context: Context, discrete, inputs, tick) -> None:
+        memory = self._host.memory(context)
+        now = (context.get_time(), self._period)
+        self._host.apply(
+            context, memory, *now, tick[0:6], inputs[0:6], inputs[6:9]
+        )
+        self._host.store(memory, discrete)

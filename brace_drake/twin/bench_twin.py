@@ -19,6 +19,10 @@ from brace_drake.twin.bench_rollout import (
 from brace_drake.twin.reference import reference_at_ticks, reference_of_run
 from brace_drake.twin.subject import bench_subject, with_subject
 
+# Long enough to halve the cost, short of the limit that the regularised
+# friction sets (see `laws.contact`): mu N / v_s over the ring's mass.
+_COARSE_STEP = 5e-4
+
 
 class BenchTwin:
     """Replays recorded references on the compiled bench.
@@ -36,6 +40,14 @@ class BenchTwin:
         self.time_step = time_step or scenario.time_step
         self.numbers = pack_bench(scenario)
         self.subject = bench_subject(self.numbers)
+
+    def coarse(self) -> BenchTwin:
+        """The same twin with the longest plant step that stays accurate."""
+        return BenchTwin(self.scenario, max(self.time_step, _COARSE_STEP))
+
+    def finer(self) -> BenchTwin:
+        """The same twin with half the plant step."""
+        return BenchTwin(self.scenario, self.time_step / 2.0)
 
     def motion(self, run: Run) -> Motion:
         """The reference of a recorded run at control ticks."""

@@ -18,6 +18,7 @@ class SubjectParameter:
         unit: SI.
         nominal: Value of the scenario.
         lower, upper: Physical limits.
+        scale: Natural step of the value where its nominal value is 0.
     """
 
     name: str
@@ -25,6 +26,12 @@ class SubjectParameter:
     nominal: float
     lower: float
     upper: float
+    scale: float = 0.0
+
+    @property
+    def unit_step(self) -> float:
+        """What a fit counts the parameter in."""
+        return self.scale if self.scale > 0.0 else abs(self.nominal)
 
 
 # Name, unit, array of BenchNumbers, index in it.

@@ -1,0 +1,276 @@
+"""Rival explanations, each refitted with the subject inside the twin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import Use
+from brace_drake.fit.gauss_newton import (
+    LeastSquaresSolution,
+    solve_gauss_newton,
+)
+from brace_drake.gap.evaluation import Evaluator
+
+_SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
+# Spread at which a search over many alike parameters begins.
+_FIRST_SPREAD = 2.0
+_SCREENING_STEPS = 4
+# Effects with more parameters than this are screened with one Jacobian.
+_FEW = 4
+
+
+@dataclass(frozen=True)
+class CandidateFit:
+    """A candidate after its fit on the fit runs.
+
+    Attributes:
+        effects: The effects it adds, none for the nominal twin.
+        subject: Values of the subject's parameters.
+        values: Parameter vector of each effect.
+        solution: The search's end, scaled parameters.
+        scales: Of those, so that parameter = z * scale.
+        excess: Sum of squares above noise, prior rows left out.
+        num_free: Parameters added to the subject's.
+        spread: Fitted standard deviation of many alike parameters, or None.
+        cost_by_run: Sum of squares of each fit run.
+    """
+
+    effects: tuple[Effect, ...]
+    subject: np.ndarray
+    values: tuple[np.ndarray, ...]
+    solution: LeastSquaresSolution
+    scales: np.ndarray
+    excess: float
+    num_free: int
+    spread: float | None
+    cost_by_run: np.ndarray
+
+    @property
+    def name(self) -> str:
+        """Names of the effects joined by +, or "nominal"."""
+        return "+".join(e.name for e in self.effects) or "nominal"
+
+    @property
+    def uses(self) -> tuple[Use, ...]:
+        """The effects with their fitted parameters."""
+        return tuple(zip(self.effects, self.values, strict=True))
+
+
+class CandidateProblem:
+    """Scaled parameters of subject and effects, and the residual of them.
+
+    z holds the subject's parameters in units of their nominal values, then
+    each effect's in units of its starts or limits; effects with a common
+    spread add a row z_i / spread for every parameter, the normal prior.
+    """
+
+    def __init__(self, evaluator: Evaluator, effects: Sequence[Effect]):
+        self.evaluator = evaluator
+        self.effects = tuple(effects)
+        subject = evaluator.twin.subject
+        self.num_subject = len(subject)
+        units = [p.unit_step for p in subject]
+        low = [p.lower for p in subject]
+        high = [p.upper for p in subject]
+        self.spread = _FIRST_SPREAD
+        self._prior = []
+        for effect in effects:
+            for p in effect.parameters:
+                self._prior.append(effect.spread is not None)
+                units.append(_scale_of(p))
+                low.append(p.lower)
+                high.append(p.upper)
+        self.scales = np.array(units)
+        self.lower = np.array(low) / self.scales
+        self.upper = np.array(high) / self.scales
+        self._has_prior = np.array(
+            [False] * self.num_subject + self._prior, dtype=bool
+        )
+
+    def split(self, z: np.ndarray) -> tuple[np.ndarray, tuple[Use, ...]]:
+        """Subject values and effect uses of scaled parameters."""
+        values = z * self.scales
+        uses, at = [], self.num_subject
+        for effect in self.effects:
+            size = len(effect.parameters)
+            uses.append((effect, values[at : at + size]))
+            at += size
+        return values[: self.num_subject], tuple(uses)
+
+    def batch(
+        self, points: Sequence[np.ndarray], coarse: bool = False
+    ) -> list[np.ndarray | None]:
+        """Weighted residuals with the prior's rows below."""
+        found = self.evaluator.residuals(
+            [self.split(z) for z in points], coarse
+        )
+        if not self._has_prior.any():
+            return found
+        return [
+            None
+            if r is None
+            else np.concatenate([r, z[self._has_prior] / self.spread])
+            for r, z in zip(found, points, strict=True)
+        ]
+
+    @property
+    def num_prior(self) -> int:
+        """Rows that the prior adds."""
+        return int(self._has_prior.sum())
+
+    @property
+    def prior_scale(self) -> float:
+        """Scale of the parameters that have a common spread."""
+        return float(self.scales[self._has_prior][0])
+
+    def steps(self) -> np.ndarray:
+        """Steps of the finite differences."""
+        free = len(self.scales) - self.num_subject
+        return np.concatenate(
+            [np.full(self.num_subject, _SUBJECT_STEP), np.full(free, 1e-2)]
+        )
+
+    def radius(self) -> np.ndarray:
+        """Largest step of one iteration."""
+        free = len(self.scales) - self.num_subject
+        return np.concatenate(
+            [np.full(self.num_subject, _SUBJECT_RADIUS), np.full(free, 5.0)]
+        )
+
+
+def _scale_of(parameter) -> float:
+    start = abs(parameter.starts[len(parameter.starts) // 2])
+    return start if start > 0.0 else 0.05 * parameter.upper
+
+
+def fit_nominal(
+    evaluator: Evaluator,
+    start: np.ndarray | None = None,
+    on_iteration: Callable[[int, float], None] | None = None,
+) -> CandidateFit:
+    """Fits the subject's parameters alone."""
+    problem = CandidateProblem(evaluator, ())
+    nominal = np.array([p.nominal for p in evaluator.twin.subject])
+    first = nominal if start is None else start
+    solution = solve_gauss_newton(
+        problem.batch,
+        first / problem.scales,
+        problem.lower,
+        problem.upper,
+        problem.steps(),
+        problem.radius(),
+        on_iteration=on_iteration,
+    )
+    return _finish(problem, solution)
+
+
+def fit_effects(
+    evaluator: Evaluator,
+    effects: Sequence[Effect],
+    nominal: CandidateFit,
+    start: CandidateFit | None = None,
+    thorough: bool = True,
+) -> CandidateFit:
+    """Fits effects together with the subject.
+
+    Args:
+        evaluator: Over the fit runs.
+        effects: One or more.
+        nominal: The nominal fit; the Jacobian of its first step, at nominal
+            values, is what the search sets out with.
+        start: A fit of the same effects to go on from; otherwise the search
+            sets out from the subject's nominal values, not from those that
+            have absorbed what the effects explain, and from all starts on the
+            cards.
+        thorough: To the end; otherwise a few steps, with the subject's
+            columns kept, to see who is worth it.
+    """
+    if start is not None:
+        z = np.concatenate([start.subject, *start.values])
+        return _search(evaluator, effects, nominal, z, start.spread, thorough)
+    first = np.array([p.nominal for p in evaluator.twin.subject])
+    count = max(len(e.starts()) for e in effects)
+    best = None
+    for i in range(count):
+        vectors = [e.starts()[min(i, len(e.starts()) - 1)] for e in effects]
+        z = np.concatenate([first, *vectors])
+        fit = _search(evaluator, effects, nominal, z, None, thorough)
+        if best is None or fit.excess < best.excess:
+            best = fit
+    return best
+
+
+def _search(
+    evaluator, effects, nominal, start, spread, thorough
+) -> CandidateFit:
+    problem = CandidateProblem(evaluator, effects)
+    n = problem.num_subject
+    if spread is not None and problem.num_prior:
+        problem.spread = spread / problem.prior_scale
+    z = start / problem.scales
+    rows = nominal.solution.first_jacobian[:, :n]
+    known = np.vstack([rows, np.zeros((problem.num_prior, n))])
+    rounds = 2 if thorough and problem.num_prior else 1
+    for _ in range(rounds):
+        solution = solve_gauss_newton(
+            problem.batch,
+            z,
+            problem.lower,
+            problem.upper,
+            problem.steps(),
+            problem.radius(),
+            known=None if thorough else known,
+            refresh=None if thorough else range(n, len(z)),
+            renew=thorough or len(z) - n <= _FEW,
+            max_iterations=12 if thorough else _SCREENING_STEPS,
+        )
+        z = solution.z
+        if not problem.num_prior:
+            break
+        # The spread that the evidence prefers; then search again from here.
+        change = np.log(_evidence_spread(problem, solution) / problem.spread)
+        problem.spread *= np.exp(change)
+        if abs(change) < 0.05:
+            break
+    return _finish(problem, solution)
+
+
+def _evidence_spread(problem, solution) -> float:
+    """Fixed point of the evidence: s^2 = mean of z_i^2 + var z_i."""
+    triangle = np.linalg.qr(solution.jacobian, mode="r")
+    inverse = np.linalg.pinv(triangle)
+    variance = np.sum(inverse**2, axis=1)
+    prior = problem._has_prior
+    return float(np.sqrt(np.mean(solution.z[prior] ** 2 + variance[prior])))
+
+
+def _finish(problem, solution) -> CandidateFit:
+    evaluator = problem.evaluator
+    rows = len(solution.residual) - problem.num_prior
+    residual = solution.residual[:rows]
+    subject, uses = problem.split(solution.z)
+    sizes = np.cumsum([0] + [len(p.weigh(p.measured)) for p in evaluator.prepared])
+    cost = np.array(
+        [
+            residual[a:b] @ residual[a:b]
+            for a, b in zip(sizes[:-1], sizes[1:], strict=True)
+        ]
+    )
+    spread = None
+    if problem.num_prior:
+        spread = problem.spread * problem.prior_scale
+    return CandidateFit(
+        problem.effects,
+        subject,
+        tuple(v for _, v in uses),
+        replace(solution, residual=residual),
+        problem.scales,
+        evaluator.excess(residual, uses),
+        len(problem.scales) - problem.num_subject,
+        spread,
+        cost,
+    )

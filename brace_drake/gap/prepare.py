@@ -1,0 +1,124 @@
+"""From a campaign to prepared runs with their noise floors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.gap.evaluation import PreparedRun
+from brace_drake.gap.floor import (
+    NoiseFloor,
+    estimate_floor,
+    repeat_ratio,
+    written_quantum,
+)
+
+_REPLICATES = 24
+# Deviations of a repeat's noise from the twin's that count as real, in
+# standard errors of the estimate.
+_SIGNIFICANT = 5.0
+
+
+def noise_replicates(
+    twin, run: Run, subject: np.ndarray, count: int, seed: int
+) -> np.ndarray:
+    """Deviations of noisy from exact replays of a run (count, N, C)."""
+    motion = twin.motion(run)
+    exact = twin.simulate(motion, subject)
+    return np.array(
+        [
+            twin.simulate(
+                motion, subject, (), np.random.default_rng([seed, 7, i])
+            )
+            - exact
+            for i in range(count)
+        ]
+    )
+
+
+def estimate_floors(
+    twin, campaign: Campaign, subject: np.ndarray, seed: int, map_tasks=None
+) -> tuple[dict[bool, NoiseFloor], dict[str, float]]:
+    """Floors with and without contact, carried through the twin's loop.
+
+    Where a fit run was repeated, the difference of the two checks each
+    channel's variance; a channel that deviates significantly takes the
+    repeat's.
+
+    Returns:
+        Floors by contact, and the variance ratios that were applied, by
+        channel.
+    """
+    floors = {}
+    for contact in (False, True):
+        runs = [r for r in campaign.runs if r.contact == contact]
+        if not runs:
+            continue
+        chosen = _spread_choice(runs, 3)
+        each = _REPLICATES // len(chosen)
+        noise = [
+            noise_replicates(twin, run, subject, each, seed + i)
+            for i, run in enumerate(chosen)
+        ]
+        samples = min(n.shape[1] for n in noise)
+        noise = np.concatenate([n[:, :samples] for n in noise])
+        run = chosen[0]
+        noisy = twin.simulate(
+            twin.motion(run), subject, (), np.random.default_rng([seed, 8])
+        )
+        quantum = written_quantum(twin.measured(run), noisy)
+        floors[contact] = estimate_floor(noise, campaign.rate_hz, quantum)
+    return _checked_with_repeats(twin, campaign, floors)
+
+
+def _spread_choice(runs: Sequence[Run], count: int) -> list[Run]:
+    indices = np.unique(np.linspace(0, len(runs) - 1, count).round())
+    return [runs[int(i)] for i in indices]
+
+
+def _checked_with_repeats(twin, campaign, floors):
+    by_file = {run.file: run for run in campaign.runs}
+    applied: dict[str, float] = {}
+    for contact, floor in floors.items():
+        ratios = []
+        for run in campaign.split("fit"):
+            original = by_file.get(run.repeat_of or "")
+            if original is None or run.contact != contact:
+                continue
+            first, second = twin.measured(original), twin.measured(run)
+            samples = min(len(first), len(second))
+            difference = first[:samples] - second[:samples]
+            ratios.append(repeat_ratio(difference, floor, campaign.rate_hz))
+        if not ratios:
+            continue
+        ratio = np.mean(ratios, axis=0)
+        # Standard error of a median of exponentials over half the samples.
+        error = 1.44 / np.sqrt(0.5 * samples * len(ratios))
+        off = np.isfinite(ratio) & (np.abs(ratio - 1.0) > _SIGNIFICANT * error)
+        floors[contact] = floor.scaled(np.where(off, ratio, 1.0))
+        for c in np.flatnonzero(off):
+            applied[twin.channels[c]] = float(ratio[c])
+    return floors, applied
+
+
+def prepare_runs(
+    twin,
+    runs: Sequence[Run],
+    floors: dict[bool, NoiseFloor],
+    rate: float,
+    seed: int,
+) -> list[PreparedRun]:
+    """Runs with motion, measurement and weights."""
+    prepared = []
+    for i, run in enumerate(runs):
+        measured = twin.measured(run)
+        floor = floors[run.contact]
+        weights = floor.weights(len(measured), rate) * twin.active(run)
+        prepared.append(
+            PreparedRun(
+                run, twin.motion(run), measured, weights, floor, seed + i
+            )
+        )
+    return prepared

@@ -1,0 +1,137 @@
+"""What pure noise does to the statistics of a diagnosis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.evaluation import Evaluator
+
+_REPLICATES = 6
+_DRAWS = 400
+
+
+@dataclass(frozen=True)
+class NullDistribution:
+    """Statistics of surrogates: the fitted nominal twin plus its own noise.
+
+    Attributes:
+        misfit: Mean squares of the weighted noise minus 1, per surrogate.
+        gain: Largest relative gain of any effect, per surrogate.
+        covariance: Of the subject's scaled parameters under that noise.
+        numerical: Mean squares that halving the plant step would change.
+    """
+
+    misfit: np.ndarray
+    gain: np.ndarray
+    covariance: np.ndarray
+    numerical: float
+
+    @property
+    def misfit_threshold(self) -> float:
+        """What noise and integration exceed once in a hundred campaigns."""
+        return float(np.quantile(self.misfit, 0.99)) + 4.0 * self.numerical
+
+    @property
+    def gain_threshold(self) -> float:
+        """The same for the largest gain of an effect."""
+        return float(np.quantile(self.gain, 0.99)) + 4.0 * self.numerical
+
+
+def draw_null(
+    evaluator: Evaluator,
+    nominal: CandidateFit,
+    fits: Sequence[CandidateFit],
+    seed: int,
+) -> NullDistribution:
+    """Draws surrogates by combining noisy replays of the single runs.
+
+    Effects act through their sensitivities at the end of their own fits,
+    after projection on the subject's.
+
+    Args:
+        evaluator: Over the fit runs.
+        nominal: The nominal fit.
+        fits: Fits of the effects, whose last Jacobians are used.
+        seed: Of the draws.
+    """
+    noise = _weighted_noise(evaluator, nominal, seed)
+    n = len(nominal.subject)
+    basis, triangle = np.linalg.qr(nominal.solution.jacobian[:, :n])
+    bases = [_orthogonal_part(basis, fit, n) for fit in fits]
+    parts = _project(evaluator, noise, [basis, *bases])
+    generator = np.random.default_rng([seed, 11])
+    runs = len(evaluator.prepared)
+    misfit, gain, subject = [], [], []
+    for _ in range(_DRAWS):
+        pick = generator.integers(_REPLICATES, size=runs)
+        squares = sum(parts[r][i][0] for r, i in enumerate(pick))
+        scores = [
+            sum(parts[r][i][1][k] for r, i in enumerate(pick))
+            for k in range(len(bases) + 1)
+        ]
+        explained = scores[0] @ scores[0]
+        misfit.append((squares - explained) / evaluator.count - 1.0)
+        subject.append(np.linalg.solve(triangle, scores[0]))
+        gains = [float(s @ s) for s in scores[1:]]
+        gain.append(max(gains, default=0.0) / evaluator.count)
+    numerical = _numerical_error(evaluator, nominal)
+    return NullDistribution(
+        np.array(misfit), np.array(gain), np.cov(np.array(subject).T), numerical
+    )
+
+
+def _weighted_noise(evaluator, nominal, seed):
+    def one(run, replicate):
+        noisy = evaluator.twin.simulate(
+            run.motion,
+            nominal.subject,
+            (),
+            np.random.default_rng([seed, 13, run.seed, replicate]),
+        )
+        exact = evaluator.twin.simulate(run.motion, nominal.subject)
+        return run.weigh(noisy - exact)
+
+    tasks = [(p, i) for p in evaluator.prepared for i in range(_REPLICATES)]
+    found = evaluator.map(one, tasks)
+    return [
+        found[i : i + _REPLICATES] for i in range(0, len(found), _REPLICATES)
+    ]
+
+
+def _orthogonal_part(basis, fit, n):
+    """Orthonormal columns of an effect beyond the subject's."""
+    columns = fit.solution.jacobian[: len(basis), n:]
+    columns = columns - basis @ (basis.T @ columns)
+    norms = np.linalg.norm(columns, axis=0)
+    columns = columns[:, norms > 1e-9]
+    return np.linalg.qr(columns)[0] if columns.size else columns
+
+
+def _project(evaluator, noise, bases):
+    """Squares and scores of each run's replicates."""
+    parts, at = [], 0
+    for replicates in noise:
+        size = len(replicates[0])
+        rows = [b[at : at + size] for b in bases]
+        parts.append([(e @ e, [b.T @ e for b in rows]) for e in replicates])
+        at += size
+    return parts
+
+
+def _numerical_error(evaluator, nominal) -> float:
+    finer = evaluator.twin.finer()
+
+    def one(run):
+        fine = finer.simulate(run.motion, nominal.subject)
+        difference = run.weigh(
+            fine - evaluator.twin.simulate(run.motion, nominal.subject)
+        )
+        return difference @ difference
+
+    return sum(evaluator.map(one, [(p,) for p in evaluator.prepared])) / (
+        evaluator.count
+    )

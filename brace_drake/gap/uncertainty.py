@@ -1,0 +1,123 @@
+"""Intervals that hold with coloured noise: the sandwich by simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.evaluation import Evaluator
+
+_REPLICATES = 12
+_Z95 = 1.959964
+# Nearness to a limit, relative to the allowed range, that counts as at it.
+_AT_LIMIT = 1e-3
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """One fitted parameter with its doubt; `nominal` None for an effect's."""
+
+    name: str
+    unit: str
+    value: float
+    standard_error: float
+    lower95: float
+    upper95: float
+    at_limit: bool
+    nominal: float | None = None
+
+
+@dataclass(frozen=True)
+class EstimateTable:
+    """Estimates of a fit.
+
+    Attributes:
+        parameters: Subject first, then the effects'.
+        correlation: Of the estimates.
+        condition_number: Of the scaled, weighted Jacobian.
+        num_subject: How many of them are the subject's.
+    """
+
+    parameters: tuple[ParameterEstimate, ...]
+    correlation: np.ndarray
+    condition_number: float
+    num_subject: int
+
+
+def estimate_table(
+    evaluator: Evaluator, fit: CandidateFit, seed: int
+) -> EstimateTable:
+    """Standard errors from the twin's own noise, carried through the loop.
+
+    The estimator is linear in small noise: dz = -(J'J)^-1 J' e. Its covariance
+    is taken from replicates of e, run by run, so that correlation in time and
+    between channels counts in full; where the fit leaves more than noise, the
+    covariance is scaled by that.
+    """
+    rows = len(fit.solution.residual)
+    jacobian = fit.solution.jacobian
+    q, triangle = np.linalg.qr(jacobian)
+    inverse = np.linalg.pinv(triangle)
+    score_covariance = _score_covariance(evaluator, fit, q[:rows], seed)
+    # Prior rows, where there are any, are exact observations of unit variance.
+    prior = q[rows:]
+    score_covariance += prior.T @ prior
+    misfit = max(0.0, fit.excess / evaluator.count)
+    covariance = inverse @ score_covariance @ inverse.T * (1.0 + misfit)
+    error = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.maximum(np.outer(error, error), 1e-300)
+    singular = np.linalg.svd(triangle, compute_uv=False)
+    return EstimateTable(
+        tuple(_estimates(evaluator, fit, error)),
+        correlation,
+        float(singular[0] / max(singular[-1], 1e-300)),
+        len(fit.subject),
+    )
+
+
+def _score_covariance(evaluator, fit, q, seed):
+    def one(run, replicate, begin, end):
+        exact = evaluator.twin.simulate(run.motion, fit.subject, fit.uses)
+        noisy = evaluator.twin.simulate(
+            run.motion,
+            fit.subject,
+            fit.uses,
+            np.random.default_rng([seed, 17, run.seed, replicate]),
+        )
+        return q[begin:end].T @ run.weigh(noisy - exact)
+
+    tasks, at = [], 0
+    for run in evaluator.prepared:
+        size = len(run.weigh(run.measured))
+        tasks += [(run, i, at, at + size) for i in range(_REPLICATES)]
+        at += size
+    scores = np.array(evaluator.map(one, tasks))
+    scores = scores.reshape(len(evaluator.prepared), _REPLICATES, -1)
+    # Runs are independent; so are the replicates of each.
+    return np.einsum("rmi,rmj->ij", scores, scores) / _REPLICATES
+
+
+def _estimates(evaluator, fit, error):
+    z, scales = fit.solution.z, fit.scales
+    limits = [(p.lower, p.upper) for p in evaluator.twin.subject]
+    names = [(p.name, p.unit, p.nominal) for p in evaluator.twin.subject]
+    for effect in fit.effects:
+        limits += [(p.lower, p.upper) for p in effect.parameters]
+        names += [(p.name, p.unit, None) for p in effect.parameters]
+    for i, ((name, unit, nominal), (low, high)) in enumerate(
+        zip(names, limits, strict=True)
+    ):
+        value, sigma = float(z[i] * scales[i]), float(error[i] * scales[i])
+        margin = _AT_LIMIT * (high - low)
+        yield ParameterEstimate(
+            name,
+            unit,
+            value,
+            sigma,
+            value - _Z95 * sigma,
+            value + _Z95 * sigma,
+            bool(value - low < margin or high - value < margin),
+            nominal,
+        )

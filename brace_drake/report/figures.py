@@ -1,0 +1,179 @@
+"""Bars against the noise floor, and the correlation of the subject's fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.report.canvas import (
+    ACQUITTED,
+    AFTER,
+    BEFORE,
+    FLOOR,
+    MEASURED,
+    WIDTH,
+    figure_style,
+    make_figure,
+    plain,
+    shorten,
+    to_data_uri,
+)
+from brace_drake.report.words import NOTHING, times, to_number
+
+# Every bar starts at the floor: its length is the logarithm of the gap.
+_BASE = 1.0
+_TICKS = np.array([k * 10.0**e for e in range(-3, 7) for k in (1.0, 2.0, 5.0)])
+
+
+def draw_blocks(blocks: Sequence[dict]) -> str | None:
+    """Normalised RMS of each block against the floor, as a data URI."""
+    values = [to_number(b.get("normalised_rms")) for b in blocks]
+    limits = [to_number(b.get("threshold")) for b in blocks]
+    if not any(_shown(v) for v in values):
+        return None
+    with figure_style():
+        figure = make_figure(WIDTH, 0.75 + 0.34 * len(blocks))
+        axes = figure.subplots()
+        for i, (block, value, limit) in enumerate(
+            zip(blocks, values, limits, strict=True)
+        ):
+            acquitted = block.get("acquitted")
+            color = ACQUITTED if acquitted else BEFORE
+            _draw_bar(axes, i, value, 0.56, color)
+            note = times(value)
+            if acquitted and note != NOTHING:
+                note += "  acquitted"
+            _draw_note(axes, i, max(value, _BASE), note, acquitted)
+            if _shown(limit):
+                axes.plot([limit] * 2, [i - 0.4, i + 0.4], color=MEASURED, lw=1)
+        names = [shorten(b.get("block", NOTHING)) for b in blocks]
+        _finish_bars(axes, names, [*values, *limits], room=1.35)
+        axes.set_xlabel("normalised RMS of the block on its own, floor = 1")
+        return to_data_uri(figure)
+
+
+def draw_pairs(
+    labels: Sequence[str],
+    before: Sequence[float],
+    after: Sequence[float],
+    width: float = WIDTH,
+) -> str | None:
+    """Before and after, two bars a row, against the floor."""
+    if not any(_shown(v) for v in [*before, *after]):
+        return None
+    with figure_style():
+        figure = make_figure(width, 0.95 + 0.36 * len(labels))
+        axes = figure.subplots()
+        paired = any(_shown(v) for v in after)
+        for i, (old, new) in enumerate(zip(before, after, strict=True)):
+            shift = 0.18 if paired else 0.0
+            _draw_bar(axes, i - shift, old, 0.3 if paired else 0.5, BEFORE)
+            _draw_note(axes, i - shift, max(old, _BASE), times(old))
+            if paired:
+                _draw_bar(axes, i + shift, new, 0.3, AFTER)
+                _draw_note(axes, i + shift, max(new, _BASE), times(new))
+        _finish_bars(
+            axes, [shorten(n) for n in labels], [*before, *after], room=1.15
+        )
+        axes.set_xlabel("RMS of the residual over the floor")
+        if paired:
+            _draw_legend(figure)
+        return to_data_uri(figure)
+
+
+def draw_correlation(
+    names: Sequence[str], matrix: Sequence[Sequence[float]]
+) -> str | None:
+    """Correlation of the fitted parameters; None where it does not fit."""
+    n = len(names)
+    rows = [[to_number(v) for v in row] for row in matrix]
+    if n < 2 or len(rows) != n or any(len(row) != n for row in rows):
+        return None
+    values = np.array(rows)
+    with figure_style():
+        figure = make_figure(1.9 + 0.42 * n, 1.5 + 0.36 * n)
+        axes = figure.subplots()
+        image = axes.imshow(
+            np.ma.masked_invalid(values), cmap="RdBu_r", vmin=-1, vmax=1
+        )
+        labels = [shorten(name, 22) for name in names]
+        axes.set_yticks(range(n), labels)
+        axes.set_xticks(
+            range(n), labels, rotation=40, ha="right", rotation_mode="anchor"
+        )
+        axes.tick_params(length=0)
+        axes.spines[:].set_visible(False)
+        for i, j in np.ndindex(n, n) if n <= 12 else ():
+            text = NOTHING
+            if math.isfinite(values[i, j]):
+                text = f"{values[i, j]:.2f}".replace("-", "−")
+            color = "white" if abs(values[i, j]) > 0.6 else MEASURED
+            axes.text(
+                j, i, text, ha="center", va="center", fontsize=7, color=color
+            )
+        bar = figure.colorbar(image, ax=axes, shrink=0.8, ticks=[-1, 0, 1])
+        bar.outline.set_visible(False)
+        bar.ax.tick_params(length=0)
+        return to_data_uri(figure)
+
+
+def _shown(value: float) -> bool:
+    return math.isfinite(value) and value > 0.0
+
+
+def _draw_bar(axes, y: float, value: float, height: float, color: str) -> None:
+    if not _shown(value):
+        return
+    axes.barh(y, value - _BASE, height, left=_BASE, color=color, lw=0)
+    # A bar that ends at the floor still shows that it was measured.
+    axes.plot([value], [y], "o", ms=3.2, color=color)
+
+
+def _draw_note(axes, y, value, text, faint: bool = False) -> None:
+    axes.annotate(
+        plain(text),
+        (value if _shown(value) else _BASE, y),
+        xytext=(6, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=8,
+        color=FLOOR if faint else MEASURED,
+    )
+
+
+def _draw_legend(figure) -> None:
+    from matplotlib.patches import Patch
+
+    figure.legend(
+        handles=[
+            Patch(color=BEFORE, label="before: fitted nominal twin"),
+            Patch(color=AFTER, label="after: with the effect"),
+        ],
+        loc="outside upper left",
+        ncols=2,
+        handlelength=1.0,
+        handleheight=0.7,
+        borderaxespad=0.0,
+    )
+
+
+def _finish_bars(axes, names, values, room: float) -> None:
+    shown = [v for v in values if _shown(v)]
+    low, high = min([*shown, 0.8]), max([*shown, 2.0])
+    axes.set_xscale("log")
+    # Room at the right for the numbers behind the bars.
+    axes.set_xlim(low / 1.1, high * (high / low) ** 0.08 * room)
+    left, right = axes.get_xlim()
+    inside = _TICKS[(_TICKS >= left) & (_TICKS <= right)]
+    if len(inside) > 9:
+        inside = inside[np.isclose(np.log10(inside) % 1.0, 0.0)]
+    axes.set_xticks(inside, [f"{v:g}" for v in inside])
+    axes.set_xticks([], minor=True)
+    axes.axvline(_BASE, color=FLOOR, lw=1.2, ls=(0, (4, 2)))
+    axes.grid(axis="x")
+    axes.set_yticks(range(len(names)), names)
+    axes.tick_params(axis="y", length=0)
+    axes.spines["left"].set_visible(False)
+    axes.set_ylim(len(names) - 0.4, -0.6)

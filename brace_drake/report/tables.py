@@ -1,0 +1,186 @@
+"""Rows of the report's tables, every cell as the reader sees it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from brace_drake.report.access import bar_width, names, part, rows, text
+from brace_drake.report.words import (
+    NOTHING,
+    channel_text,
+    decimals_for,
+    fixed,
+    parameter_text,
+    percent,
+    scale_of,
+    significant,
+    times,
+    to_number,
+    to_text,
+)
+
+
+def parameter_row(parameter: dict) -> dict:
+    """Value, error and interval of a parameter to the digits they deserve."""
+    keys = ("value", "standard_error", "lower95", "upper95", "nominal")
+    found = {key: to_number(parameter.get(key)) for key in keys}
+    unit = text(parameter, "unit")
+    factor, shown = scale_of(unit, [found["value"], found["nominal"]])
+    found = {key: value * factor for key, value in found.items()}
+    error = found["standard_error"]
+    if not math.isfinite(error):
+        error = (found["upper95"] - found["lower95"]) / 4.0
+    decimals = decimals_for(error, found["value"])
+    low = fixed(found["lower95"], decimals)
+    high = fixed(found["upper95"], decimals)
+    known = NOTHING not in (low, high)
+    return {
+        "name": parameter_text(text(parameter, "name"), unit) or NOTHING,
+        "column": text(parameter, "name"),
+        "unit": shown,
+        "value": fixed(found["value"], decimals),
+        "error": significant(found["standard_error"], 2),
+        "interval": f"{low} to {high}" if known else NOTHING,
+        "nominal": significant(found["nominal"], 4),
+        "ratio": times(_ratio(found["value"], found["nominal"])),
+        "at_limit": bool(parameter.get("at_limit")),
+    }
+
+
+def _ratio(value: float, nominal: float) -> float:
+    return value / nominal if nominal != 0.0 else math.nan
+
+
+def cause_row(cause: dict, verdict: dict) -> dict:
+    """One candidate of the ranking."""
+    effect = text(cause, "effect") or NOTHING
+    return {
+        "effect": effect,
+        "title": text(cause, "title"),
+        "block": text(cause, "block"),
+        "explained": percent(cause.get("explained")),
+        "width": bar_width(cause.get("explained")),
+        "excess": times(cause.get("excess")),
+        "parameters": [parameter_row(p) for p in rows(cause, "parameters")],
+        "decision": text(cause, "decision"),
+        "chosen": is_chosen(effect, verdict),
+        "ambiguous": effect in names(verdict, "ambiguous_with"),
+        "unconverged": cause.get("converged") is False,
+        "unidentifiable": cause.get("identifiable") is False,
+    }
+
+
+def is_chosen(effect: str, verdict: dict) -> bool:
+    """Whether a candidate, of one or more effects, is the verdict itself."""
+    chosen = set(names(verdict, "effects"))
+    return bool(chosen) and (set(parts_of(effect)) == chosen)
+
+
+def parts_of(effect: str) -> list[str]:
+    """Single effects of a candidate such as viscous_leg+force_scale."""
+    return [name.strip() for name in effect.split("+") if name.strip()]
+
+
+def block_row(block: dict) -> dict:
+    """One block of the gap's budget."""
+    ends = [text(block, key) for key in ("input", "output")]
+    return {
+        "block": text(block, "block") or NOTHING,
+        "ends": " → ".join(end for end in ends if end) or NOTHING,
+        "rms": times(block.get("normalised_rms")),
+        "threshold": times(block.get("threshold")),
+        "share": percent(block.get("share")),
+        "width": bar_width(block.get("share")),
+        "acquitted": bool(block.get("acquitted")),
+    }
+
+
+def gap_row(label: str, row: dict) -> dict:
+    """Before and after of a channel, phase or band, over the floor."""
+    return {
+        "label": label,
+        "before": times(row.get("before")),
+        "after": times(row.get("after")),
+        "share": percent(row.get("share")),
+        "width": bar_width(row.get("share")),
+    }
+
+
+def channel_row(row: dict) -> dict:
+    """One channel on the fit runs, with its floor in the channel's unit."""
+    floor = to_number(row.get("floor"))
+    factor, unit = scale_of(text(row, "unit"), [floor])
+    shown = significant(floor * factor, 2)
+    return {
+        **gap_row(channel_text(text(row, "channel")) or NOTHING, row),
+        "column": text(row, "channel"),
+        "floor": shown if shown == NOTHING else f"{shown} {unit}",
+    }
+
+
+def band_text(band: dict) -> str:
+    """Limits of a frequency band."""
+    low, high = (significant(band.get(k), 3) for k in ("from_Hz", "to_Hz"))
+    return f"{low} to {high} Hz"
+
+
+def error_row(label: str, unit: str, row: dict, column: str = "") -> dict:
+    """Before, after and floor of an error that has a unit."""
+    keys = ("before", "after", "floor")
+    found = [to_number(row.get(key)) for key in keys]
+    factor, shown = scale_of(unit, found)
+    before, after, floor = (significant(v * factor, 3) for v in found)
+    return {
+        "label": label,
+        "column": column,
+        "unit": shown,
+        "before": before,
+        "after": after,
+        "floor": floor,
+        "closed": percent(row.get("closed")),
+        "width": bar_width(row.get("closed")),
+    }
+
+
+def shrink_rows(shrink: dict) -> list[dict]:
+    """The channels of the validation runs.
+
+    A floor of exactly 1 in every channel says that the numbers are multiples
+    of the floor; they are then shown without the channel's unit.
+    """
+    channels = rows(shrink, "channels")
+    normalised = all(to_number(row.get("floor")) == 1.0 for row in channels)
+    return [
+        error_row(
+            channel_text(text(row, "channel")) or NOTHING,
+            "× floor" if normalised else text(row, "unit"),
+            row,
+            text(row, "channel"),
+        )
+        for row in channels
+    ]
+
+
+def therapist_rows(shrink: dict) -> list[dict]:
+    """The errors of what a therapist sets and watches."""
+    known = (
+        ("force_error_N", "Force on the torso", "N"),
+        ("ring_error_mm", "Position of the ring", "mm"),
+    )
+    return [
+        error_row(label, unit, part(shrink, key))
+        for key, label, unit in known
+        if part(shrink, key)
+    ]
+
+
+def receipt_rows(receipt: dict, prefix: str = "") -> Sequence[tuple[str, str]]:
+    """The receipt as pairs of name and value, nested names with a dot."""
+    pairs: list[tuple[str, str]] = []
+    for key, value in receipt.items():
+        if isinstance(value, dict):
+            pairs += receipt_rows(value, f"{prefix}{key}.")
+        else:
+            pairs.append((f"{prefix}{key}", to_text(value)))
+    return pairs

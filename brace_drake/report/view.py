@@ -1,0 +1,204 @@
+"""What the template shows: tables, figures and sentences of a diagnosis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from brace_drake.report.access import (
+    bar_width,
+    items,
+    names,
+    numbers,
+    part,
+    rows,
+    text,
+)
+from brace_drake.report.canvas import WIDTH
+from brace_drake.report.cards import make_cards
+from brace_drake.report.figures import (
+    draw_blocks,
+    draw_correlation,
+    draw_pairs,
+)
+from brace_drake.report.tables import (
+    band_text,
+    block_row,
+    cause_row,
+    channel_row,
+    gap_row,
+    parameter_row,
+    receipt_rows,
+    shrink_rows,
+    therapist_rows,
+)
+from brace_drake.report.trace_figures import draw_trace
+from brace_drake.report.traces import VALIDATION, RunTrace, pick_traces
+from brace_drake.report.words import (
+    NOTHING,
+    channel_text,
+    percent,
+    significant,
+    times,
+    to_number,
+)
+
+# More runs than these would not be read, and the file would grow.
+_MOST_TRACES = 4
+
+
+def make_view(diagnosis: dict, traces: Sequence[RunTrace]) -> dict:
+    """Everything the template needs, in its words."""
+    verdict = part(diagnosis, "verdict")
+    return {
+        "head": _make_head(diagnosis, verdict),
+        "where": _make_where(part(diagnosis, "where")),
+        "which": _make_which(diagnosis, verdict),
+        "how_far": _make_how_far(diagnosis, verdict, traces),
+        "subject": _make_subject(part(diagnosis, "subject")),
+        "notes": _make_notes(diagnosis, verdict),
+        "receipt": receipt_rows(part(diagnosis, "receipt")),
+        "nothing": NOTHING,
+    }
+
+
+def _make_head(diagnosis: dict, verdict: dict) -> dict:
+    if verdict.get("outside_library"):
+        kind, badge = "outside", "Outside the library"
+    elif verdict.get("gap"):
+        kind, badge = "gap", "Gap"
+    elif verdict.get("gap") is False:
+        kind, badge = "none", "No gap"
+    else:
+        kind, badge = "unknown", "No verdict"
+    return {
+        "campaign": text(diagnosis, "campaign") or "unnamed campaign",
+        "device": text(diagnosis, "device") or NOTHING,
+        "subject": text(diagnosis, "subject_name") or NOTHING,
+        "kind": kind,
+        "badge": badge,
+        "sentence": text(verdict, "sentence") or "No verdict was reached.",
+        "probability": percent(verdict.get("probability")),
+        "width": bar_width(verdict.get("probability")),
+        "effects": names(verdict, "effects"),
+        "blocks": names(verdict, "blocks"),
+        "ambiguous": names(verdict, "ambiguous_with"),
+    }
+
+
+def _make_where(where: dict) -> dict:
+    blocks = rows(where, "blocks")
+    channels = rows(where, "channels")
+    phases, bands = rows(where, "phases"), rows(where, "bands")
+    labels = [channel_text(text(row, "channel")) for row in channels]
+    phase_labels = [text(row, "phase") or NOTHING for row in phases]
+    band_labels = [band_text(row) for row in bands]
+    return {
+        "lead": _where_lead(blocks),
+        "blocks": [block_row(b) for b in blocks],
+        "block_figure": draw_blocks(blocks),
+        "channels": [channel_row(row) for row in channels],
+        "channel_figure": _draw(labels, channels, WIDTH),
+        "phases": [gap_row(*p) for p in zip(phase_labels, phases, strict=True)],
+        "phase_figure": _draw(phase_labels, phases, WIDTH / 2.0),
+        "bands": [gap_row(*b) for b in zip(band_labels, bands, strict=True)],
+        "band_figure": _draw(band_labels, bands, WIDTH / 2.0),
+    }
+
+
+def _draw(labels: list[str], found: list[dict], width: float) -> str | None:
+    before, after = numbers(found, "before"), numbers(found, "after")
+    return draw_pairs(labels, before, after, width)
+
+
+def _where_lead(blocks: list[dict]) -> str:
+    guilty = [b for b in blocks if not b.get("acquitted")]
+    if not blocks:
+        return ""
+    if not guilty:
+        return "Every block, replayed on its own, stays at its noise floor."
+    guilty.sort(key=lambda b: -_or_zero(b.get("normalised_rms")))
+    parts = [
+        f"{text(b, 'block')} ({times(b.get('normalised_rms'))} times its floor)"
+        for b in guilty
+    ]
+    acquitted = len(blocks) - len(guilty)
+    lead = f"Not explained by noise: {', '.join(parts)}."
+    if acquitted:
+        lead += f" {acquitted} of {len(blocks)} blocks acquitted."
+    return lead
+
+
+def _or_zero(value: object) -> float:
+    number = to_number(value)
+    return number if math.isfinite(number) else 0.0
+
+
+def _make_which(diagnosis: dict, verdict: dict) -> dict:
+    return {
+        "gap": verdict.get("gap"),
+        "outside": bool(verdict.get("outside_library")),
+        "causes": [cause_row(c, verdict) for c in rows(diagnosis, "causes")],
+        "cards": make_cards(diagnosis, verdict),
+    }
+
+
+def _make_how_far(
+    diagnosis: dict, verdict: dict, traces: Sequence[RunTrace]
+) -> dict:
+    shrink = part(diagnosis, "shrink")
+    picked = pick_traces(list(traces), _MOST_TRACES)
+    figures = [
+        {"run": t.name, "split": t.split, "image": draw_trace(t)}
+        for t in picked
+    ]
+    validation = [t for t in traces if t.split == VALIDATION]
+    interval = [to_number(v) for v in items(shrink, "closed_interval")[:2]]
+    known = len(interval) == 2 and all(map(math.isfinite, interval))
+    return {
+        "known": bool(shrink),
+        "gap": verdict.get("gap"),
+        "runs": names(shrink, "runs"),
+        "before": times(shrink.get("before")),
+        "after": times(shrink.get("after")),
+        "floor": times(shrink.get("floor", 1.0)),
+        "closed": percent(shrink.get("closed")),
+        "interval": " to ".join(map(percent, interval)) if known else "",
+        "channels": shrink_rows(shrink),
+        "therapist": therapist_rows(shrink),
+        "figures": [f for f in figures if f["image"]],
+        "validated": bool(validation),
+        "left_out": max(0, len(validation) - _MOST_TRACES),
+    }
+
+
+def _make_subject(subject: dict) -> dict:
+    parameters = [parameter_row(p) for p in rows(subject, "parameters")]
+    correlation = [
+        row if isinstance(row, list) else []
+        for row in items(subject, "correlation")
+    ]
+    return {
+        "parameters": parameters,
+        "condition": significant(subject.get("condition_number"), 3),
+        "correlation": draw_correlation(
+            [p["name"] for p in parameters], correlation
+        ),
+    }
+
+
+def _make_notes(diagnosis: dict, verdict: dict) -> dict:
+    causes = rows(diagnosis, "causes")
+    experiment = part(diagnosis, "next_experiment")
+    return {
+        "warnings": names(diagnosis, "warnings"),
+        "ambiguous": names(verdict, "ambiguous_with"),
+        "unidentifiable": [
+            text(c, "effect") for c in causes if c.get("identifiable") is False
+        ],
+        "unconverged": [
+            text(c, "effect") for c in causes if c.get("converged") is False
+        ],
+        "why": text(experiment, "why"),
+        "motion": text(experiment, "motion"),
+    }

@@ -1,0 +1,133 @@
+"""Numbers and names as a reader wants them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from brace_drake.campaign.columns import split_unit
+
+NOTHING = "–"
+
+_MINUS = "−"
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+# Unit: (least magnitude, factor, unit to show), largest first.
+_SCALES = {
+    "m": ((1.0, 1.0, "m"), (1e-4, 1e3, "mm"), (0.0, 1e6, "µm")),
+    "s": ((0.1, 1.0, "s"), (1e-4, 1e3, "ms"), (0.0, 1e6, "µs")),
+}
+
+
+def to_number(value: object) -> float:
+    """A float; NaN for whatever is not a number."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return math.nan
+    return float(value)
+
+
+def to_text(value: object) -> str:
+    """A value as one line: numbers short, everything else as it prints."""
+    if value is None:
+        return NOTHING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return significant(value, 6)
+    if isinstance(value, list | tuple):
+        return ", ".join(to_text(v) for v in value) or NOTHING
+    return str(value)
+
+
+def significant(value: object, digits: int = 3) -> str:
+    """A number to so many significant digits."""
+    number = to_number(value)
+    if not math.isfinite(number):
+        return _not_finite(number)
+    text = f"{number:.{digits}g}"
+    if "e" not in text:
+        return text.replace("-", _MINUS)
+    mantissa, exponent = text.split("e")
+    power = str(int(exponent)).translate(_SUPERSCRIPTS)
+    return f"{mantissa.replace('-', _MINUS)}·10{power}"
+
+
+def fixed(value: object, decimals: int) -> str:
+    """A number to so many decimals; powers of ten where it would be long."""
+    number = to_number(value)
+    if not math.isfinite(number):
+        return _not_finite(number)
+    if decimals > 6 or abs(number) >= 1e7:
+        return significant(number, 4)
+    text = f"{number:.{decimals}f}"
+    if float(text) == 0.0:
+        text = text.lstrip("-")
+    return text.replace("-", _MINUS)
+
+
+def _not_finite(number: float) -> str:
+    if math.isnan(number):
+        return NOTHING
+    return "∞" if number > 0.0 else f"{_MINUS}∞"
+
+
+def percent(value: object) -> str:
+    """A share as a percentage; one decimal near 0 and 100."""
+    number = 100.0 * to_number(value)
+    near_end = 0.0 < abs(number) < 1.0 or 99.0 < abs(number) < 100.0
+    text = fixed(number, 1 if near_end else 0)
+    if text == "100.0":
+        text = "> 99.9"
+    return text if text == NOTHING else f"{text} %"
+
+
+def times(value: object) -> str:
+    """A multiple of the floor."""
+    number = to_number(value)
+    if not math.isfinite(number):
+        return _not_finite(number)
+    return fixed(number, 2 if abs(number) < 9.995 else 1)
+
+
+def decimals_for(error: float, value: float) -> int:
+    """Decimals that show two digits of the error, four of the value else."""
+    if math.isfinite(error) and error > 0.0:
+        return max(0, 1 - math.floor(math.log10(error)))
+    if math.isfinite(value) and value != 0.0:
+        return max(0, 3 - math.floor(math.log10(abs(value))))
+    return 2
+
+
+def scale_of(unit: str, values: Sequence[float]) -> tuple[float, str]:
+    """Factor and unit that suit the largest of the values."""
+    sizes = [abs(v) for v in values if math.isfinite(v)]
+    largest = max(sizes, default=0.0)
+    for least, factor, shown in _SCALES.get(unit, ()):
+        if largest >= least > 0.0:
+            return factor, shown
+    if largest == 0.0:
+        return 1.0, unit_text(unit)
+    return _SCALES.get(unit, ((0.0, 1.0, unit_text(unit)),))[-1][1:]
+
+
+def unit_text(unit: str) -> str:
+    """A unit as printed: m_s2 becomes m/s²."""
+    known = {"m_s": "m/s", "m_s2": "m/s²", "m/s2": "m/s²", "um": "µm"}
+    return known.get(unit, unit)
+
+
+def channel_text(name: str) -> str:
+    """A column's name as printed: leg3_length_m becomes Leg 3 length."""
+    quantity = split_unit(name)[0]
+    words = re.sub(r"^(ring|leg)(\d+)_", r"\1 \2 ", quantity)
+    words = words.replace("_", " ").strip()
+    return words[:1].upper() + words[1:]
+
+
+def parameter_text(name: str, unit: str) -> str:
+    """A parameter's name without its unit: coulomb_N becomes coulomb."""
+    suffix = "_" + re.sub(r"[ /*·]+", "_", unit)
+    if unit and name.endswith(suffix):
+        name = name[: -len(suffix)]
+    return name.replace("_", " ")

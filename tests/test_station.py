@@ -1,0 +1,191 @@
+"""The Drake diagram of the bench against the compiled rollout."""
+
+import unittest
+
+import numpy as np
+from pydrake.systems.analysis import Simulator
+from pydrake.trajectories import PiecewisePolynomial
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.effects.stack import modify_numbers, stack_effects
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.simulate import SimulateBench
+from brace_drake.station import MakeBenchStation
+from brace_drake.twin.bench_rollout import Motion, simulate_bench
+from brace_drake.twin.reference import MakeReference, reference_at_ticks
+
+RATE = 1000.0
+LAYOUTS = ("pic", "blocks")
+
+
+def smooth_push(duration: float = 1.5, depth: float = -0.01):
+    """Times and y, y', y'' of a quintic push that ends at rest."""
+    time = np.linspace(0.0, duration, round(duration * 200) + 1)
+    s = time / duration
+    y = depth * s**3 * (10 - 15 * s + 6 * s**2)
+    dy = depth * 30 * s**2 * (1 - s) ** 2 / duration
+    ddy = depth * 60 * s * (1 - s) * (1 - 2 * s) / duration**2
+    return time, np.column_stack([y, dy, ddy])
+
+
+def held_at_ticks(draws):
+    """Draws at ticks, each held from half a period before its tick."""
+    edges = (np.arange(len(draws)) - 0.5) / RATE
+    return PiecewisePolynomial.ZeroOrderHold(edges, draws.T)
+
+
+def run_both(scenario, noise=None, uses=()):
+    """Logs of the diagram and of the rollout for the same push."""
+    time, samples = smooth_push()
+    numbers = modify_numbers(pack_bench(scenario), uses)
+    plug_ins = stack_effects(uses)
+    station = MakeBenchStation(
+        scenario,
+        MakeReference(time, samples),
+        plug_ins,
+        numbers,
+        None if noise is None else held_at_ticks(noise),
+    )
+    desired = reference_at_ticks(time, samples, RATE)
+    scaled = None if noise is None else noise * numbers.noise_sigma
+    rollout = simulate_bench(
+        numbers,
+        Motion(desired, scenario.torso.present),
+        scenario.time_step,
+        plug_ins,
+        scaled,
+    )
+    return SimulateBench(station, time[-1]), rollout
+
+
+def bench(layout="pic", time_step=5e-4, with_torso=True) -> BenchScenario:
+    scenario = BenchScenario(time_step=time_step)
+    scenario.control.layout = layout
+    scenario.torso.present = with_torso
+    return scenario
+
+
+class TestDiagramEqualsRollout(unittest.TestCase):
+    # Drake solves for accelerations in another order: rounding, times the
+    # stiffness of the loop, makes a few nN.
+    TOLERANCE = 1e-8
+
+    def test_push_agrees_in_every_column(self):
+        for layout in LAYOUTS:
+            for time_step in (5e-4, 2e-4):
+                with self.subTest(layout=layout, time_step=time_step):
+                    log, rollout = run_both(bench(layout, time_step))
+                    self.assertEqual(log.shape, rollout.shape)
+                    np.testing.assert_allclose(
+                        log, rollout, rtol=0, atol=self.TOLERANCE
+                    )
+                    self.assertGreater(np.abs(log[:, 13]).max(), 5.0)
+
+    def test_free_motion_agrees_in_every_column(self):
+        for layout in LAYOUTS:
+            with self.subTest(layout=layout):
+                scenario = bench(layout, with_torso=False)
+                log, rollout = run_both(scenario)
+                np.testing.assert_allclose(
+                    log, rollout, rtol=0, atol=self.TOLERANCE
+                )
+
+    def test_the_same_noise_gives_the_same_run(self):
+        generator = np.random.default_rng(3)
+        noise = generator.standard_normal((1501, 12))
+        for layout in LAYOUTS:
+            with self.subTest(layout=layout):
+                log, rollout = run_both(bench(layout), noise)
+                # A reading next to a rounding edge may fall either way, and
+                # the run then differs by less than the noise does.
+                same = np.isclose(log, rollout, rtol=0, atol=1e-7).all(axis=1)
+                self.assertGreater(same.mean(), 0.99)
+                quiet, _ = run_both(bench(layout))
+                spread = (log - quiet)[:, 6:12].std()
+                self.assertGreater(spread, 3e-6)
+
+    def test_effects_agree_in_both_layouts(self):
+        names = ("coulomb_friction", "relaxation", "force_scale", "hardening")
+        for name in names:
+            effect = find_effect(name)
+            values = np.array([p.starts[0] for p in effect.parameters])
+            for layout in LAYOUTS:
+                with self.subTest(effect=name, layout=layout):
+                    log, rollout = run_both(
+                        bench(layout), uses=[(effect, values)]
+                    )
+                    np.testing.assert_allclose(log, rollout, rtol=0, atol=1e-6)
+
+
+class TestStation(unittest.TestCase):
+    def setUp(self):
+        time, samples = smooth_push(0.3)
+        self.reference = MakeReference(time, samples)
+
+    def run_with(self, station, change=lambda context: None):
+        simulator = Simulator(station.diagram)
+        change(simulator.get_mutable_context())
+        simulator.AdvanceTo(0.3)
+        context = simulator.get_context()
+        return station.sink.FindLog(context).data()[7].copy()
+
+    def test_ports_are_named_by_role(self):
+        roles = ["plant_state", "leg_command", "readings", "virtual"]
+        for layout in LAYOUTS:
+            diagram = MakeBenchStation(bench(layout), self.reference).diagram
+            names = [
+                diagram.get_output_port(i).get_name()
+                for i in range(diagram.num_output_ports())
+            ]
+            self.assertEqual(names, roles)
+            self.assertEqual(diagram.get_input_port(0).get_name(), "noise")
+
+    def test_a_gain_changed_in_the_context_changes_the_run(self):
+        changes = {
+            "pic": ("pic_law", 14 + 10),  # kp, after resolution, sigma, 10
+            "blocks": ("inverse_dynamics", 0),
+        }
+        for layout, (name, index) in changes.items():
+            station = MakeBenchStation(bench(layout), self.reference)
+            system = station.diagram.GetSubsystemByName(name)
+
+            def double(context, system=system, index=index):
+                own = system.GetMyMutableContextFromRoot(context)
+                law = own.get_mutable_numeric_parameter(0)
+                law.SetAtIndex(index, 2.0 * law[index])
+
+            with self.subTest(layout=layout):
+                nominal = self.run_with(station)
+                changed = self.run_with(station, double)
+                again = self.run_with(station)
+                self.assertGreater(np.abs(changed - nominal).max(), 1e-6)
+                np.testing.assert_array_equal(again, nominal)
+
+    def test_doubled_gain_in_the_context_equals_a_rebuilt_station(self):
+        station = MakeBenchStation(bench(), self.reference)
+        system = station.diagram.GetSubsystemByName("pic_law")
+
+        def double(context):
+            own = system.GetMyMutableContextFromRoot(context)
+            own.get_mutable_numeric_parameter(0).SetAtIndex(24, 3200.0)
+
+        scenario = bench()
+        scenario.control.kp = 3200.0
+        rebuilt = MakeBenchStation(scenario, self.reference)
+        np.testing.assert_array_equal(
+            self.run_with(station, double), self.run_with(rebuilt)
+        )
+
+    def test_a_rest_reference_leaves_the_bench_at_rest(self):
+        still = PiecewisePolynomial(np.zeros((3, 1)))
+        station = MakeBenchStation(bench(), still)
+        log = SimulateBench(station, 0.2)
+        # Preloaded pads press equally from both sides.
+        np.testing.assert_allclose(log[:, 12:18], 0.0, atol=1e-9)
+        weight = 0.85 * 9.81
+        self.assertAlmostEqual(log[-1, 0:6].sum() / weight, 1.6, delta=0.8)
+
+
+if __name__ == "__main__":
+    unittest.main()
