@@ -5,16 +5,32 @@ from __future__ import annotations
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
+from pydrake.common import MemoryFile
+from pydrake.geometry import (
+    AddCompliantHydroelasticPropertiesForHalfSpace,
+    AddContactMaterial,
+    AddRigidHydroelasticProperties,
+    CollisionFilterDeclaration,
+    GeometryId,
+    GeometrySet,
+    HalfSpace,
+    InMemoryMesh,
+    Mesh,
+    ProximityProperties,
+    SceneGraph,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import (
+    ContactModel,
+    CoulombFriction,
     DiscreteContactApproximation,
     MultibodyPlant,
 )
 from pydrake.systems.framework import DiagramBuilder
 
 from brace_drake.resources import sdf_path
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench import BenchScenario, Contact
 
 
 def _model_with_inertia(name: str, mass: float, moments: np.ndarray) -> str:
@@ -35,7 +51,7 @@ def AddBenchPlant(
     Both float freely (the paper's six-degree-of-freedom joint); q holds the
     ring first, then the torso. Gravity acts on the ring alone: the pelvis
     carries the torso. Legs, posture and linear contact are forces that other
-    systems apply.
+    systems apply; hydroelastic contact is the plant's.
     """
     plant = builder.AddNamedSystem(
         "plant", MultibodyPlant(time_step=scenario.time_step)
@@ -44,13 +60,104 @@ def AddBenchPlant(
     # Sampled ports would make the plant's step an unrestricted update, whose
     # copies of all state cost more than the step.
     plant.SetUseSampledOutputPorts(False)
-    if not plant_resolves_contact(scenario):
+    if plant_resolves_contact(scenario):
+        AddHydroelasticContact(builder, plant, scenario.contact)
+    else:
         # Nothing is left to the contact solver: take the cheapest.
         plant.set_discrete_contact_approximation(
             DiscreteContactApproximation.kTamsi
         )
     plant.Finalize()
     return plant
+
+
+def AddHydroelasticContact(
+    builder: DiagramBuilder, plant: MultibodyPlant, contact: Contact
+) -> None:
+    """Adds two rigid pads on the ring and the torso's compliant sides.
+
+    A side is a compliant half space through y = +-pad_offset of the torso: the
+    pressure E d / H is then the same all over a pad's face and grows linearly
+    with the depth d, so N = (E A / H) d (1 + D d'), while a compliant box has
+    softer edges. Each pad's face lies `preload` inside. Only `lagged` and
+    `similar` take Hunt-Crossley dissipation and the stiction tolerance.
+    """
+    scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    builder.Connect(
+        scene_graph.get_query_output_port(),
+        plant.get_geometry_query_input_port(),
+    )
+    builder.Connect(
+        plant.get_geometry_pose_output_port(),
+        scene_graph.get_source_pose_port(plant.get_source_id()),
+    )
+    plant.set_contact_model(ContactModel.kHydroelastic)
+    plant.set_discrete_contact_approximation(
+        DiscreteContactApproximation.kLagged
+    )
+    plant.set_stiction_tolerance(contact.friction_regularization)
+    pads, sides = zip(
+        *(_AddPadAndSide(plant, contact, s) for s in (1.0, -1.0)), strict=True
+    )
+    # A half space reaches through the torso to the pad of the other side.
+    for pad, side in zip(pads, reversed(sides), strict=True):
+        scene_graph.collision_filter_manager().Apply(
+            CollisionFilterDeclaration().ExcludeBetween(
+                GeometrySet(pad), GeometrySet(side)
+            )
+        )
+
+
+def _AddPadAndSide(
+    plant: MultibodyPlant, contact: Contact, s: float
+) -> tuple[GeometryId, GeometryId]:
+    """Adds the pad at s y and the torso's side under it."""
+    friction = CoulombFriction(contact.friction, contact.friction)
+    rigid, compliant = ProximityProperties(), ProximityProperties()
+    AddRigidHydroelasticProperties(rigid)
+    AddCompliantHydroelasticPropertiesForHalfSpace(
+        contact.hydroelastic_thickness,
+        contact.hydroelastic_modulus,
+        compliant,
+    )
+    AddContactMaterial(friction=friction, properties=rigid)
+    AddContactMaterial(
+        contact.hydroelastic_dissipation, None, friction, compliant
+    )
+    size, name = contact.pad_size, "left" if s > 0 else "right"
+    face = contact.pad_offset - contact.preload
+    pad = plant.RegisterCollisionGeometry(
+        plant.GetBodyByName("ring2"),
+        RigidTransform([0.0, s * face, 0.0]),
+        _make_pad_face(size, s),
+        f"{name}_pad",
+        rigid,
+    )
+    outward, surface = np.array([0.0, s, 0.0]), [0.0, s * contact.pad_offset, 0]
+    side = plant.RegisterCollisionGeometry(
+        plant.GetBodyByName("torso"),
+        HalfSpace.MakePose(outward, surface),
+        HalfSpace(),
+        f"{name}_side",
+        compliant,
+    )
+    return pad, side
+
+
+def _make_pad_face(size: np.ndarray, s: float) -> Mesh:
+    """The pad's rectangle, facing the torso at -s y.
+
+    Without the pad's sides: they stand square to the pressure gradient, and
+    Drake's contact would drop and take them from step to step.
+    """
+    x, z = 0.5 * size[0], 0.5 * size[2]
+    corners = [(-x, -z), (x, -z), (x, z), (-x, z)]
+    lines = [f"v {a} 0 {b}" for a, b in corners]
+    order = [(1, 2, 3), (1, 3, 4)] if s > 0 else [(1, 3, 2), (1, 4, 3)]
+    lines += [f"f {a} {b} {c}" for a, b, c in order]
+    text = "\n".join(lines)
+    return Mesh(InMemoryMesh(mesh_file=MemoryFile(text, ".obj", "pad face")))
 
 
 def plant_resolves_contact(scenario: BenchScenario) -> bool:

@@ -6,11 +6,13 @@ import tempfile
 import unittest
 from html.parser import HTMLParser
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
 from brace_drake.errors import OutputError
 from brace_drake.report import RunTrace, WriteReport
+from brace_drake.report.cards import make_cards
 from brace_drake.report.page import render_page
 from brace_drake.report.tables import parameter_row, shrink_rows
 from brace_drake.report.words import (
@@ -28,7 +30,7 @@ CHANNELS = (
     "ring2_y_virtual_m",
 )
 UNITS = {"N": 0.05, "m": 2e-6}
-VOID = {"meta", "img", "br", "link", "hr", "input", "col"}
+VOID = {"wbr", "meta", "img", "br", "link", "hr", "input", "col"}
 
 
 class PageParser(HTMLParser):
@@ -319,6 +321,16 @@ class ReportTest(unittest.TestCase):
         cls.page = render_page(cls.diagnosis, cls.traces)
         cls.parsed = parse(cls.page)
 
+    def use_hollow_figures(self):
+        # Figures are still built, only not laid out and written.
+        for module in ("figures", "trace_figures"):
+            patch = mock.patch(
+                f"brace_drake.report.{module}.to_data_uri",
+                return_value="data:image/svg+xml;base64,",
+            )
+            patch.start()
+            self.addCleanup(patch.stop)
+
     def check_whole(self, diagnosis, traces=()):
         page = render_page(diagnosis, list(traces))
         parsed = parse(page)
@@ -372,17 +384,19 @@ class ReportTest(unittest.TestCase):
         self.assertIn(hostile, "".join(parsed.text))
 
     def test_page_works_with_any_part_missing_or_none(self):
+        self.use_hollow_figures()
         for key in make_diagnosis():
             diagnosis = make_diagnosis()
             del diagnosis[key]
             with self.subTest(missing=key):
                 self.check_whole(diagnosis)
-            with self.subTest(none=key):
-                self.check_whole({**diagnosis, key: None})
+        with self.subTest("every part none"):
+            self.check_whole(dict.fromkeys(make_diagnosis()))
         with self.subTest("nothing at all"):
             self.check_whole({})
 
-    def test_page_works_with_any_inner_key_missing(self):
+    def test_page_works_with_inner_keys_missing(self):
+        self.use_hollow_figures()
         keys = set()
 
         def collect(value):
@@ -393,14 +407,19 @@ class ReportTest(unittest.TestCase):
                 keys.update(value)
 
         collect(make_diagnosis())
-        for key in sorted(keys):
-            with self.subTest(key=key):
-                self.check_whole(strip(make_diagnosis(), {key}))
+        # Five at a time, as each page takes a while.
+        ordered = sorted(keys - set(make_diagnosis()))
+        for i in range(0, len(ordered), 5):
+            some = set(ordered[i : i + 5])
+            with self.subTest(keys=some):
+                self.check_whole(strip(make_diagnosis(), some))
 
     def test_page_works_with_numbers_that_are_none_nan_or_infinite(self):
-        for value in (None, math.nan, math.inf, -math.inf, 0.0, -1.0, 1e300):
+        for value in (1e300, None, math.nan, math.inf, 0.0, -1.0):
             with self.subTest(value=value):
                 self.check_whole(replace_numbers(make_diagnosis(), value))
+            # The first, the worst to lay out, is drawn in earnest.
+            self.use_hollow_figures()
 
     def test_page_works_without_gap(self):
         diagnosis = make_diagnosis()
@@ -440,21 +459,39 @@ class ReportTest(unittest.TestCase):
         single = make_trace("single", samples=1)
         for trace in (hollow, gone, dead, empty, single):
             with self.subTest(run=trace.name):
-                self.check_whole(make_diagnosis(), [trace])
+                self.check_whole({}, [trace])
 
     def test_card_of_unknown_effect_is_only_its_name(self):
+        self.use_hollow_figures()
         diagnosis = make_diagnosis()
         diagnosis["verdict"]["effects"] = ["gremlins"]
         page, _ = self.check_whole(diagnosis)
         self.assertIn("no card of this effect", page)
 
     def test_rival_is_the_runner_up(self):
+        self.use_hollow_figures()
         diagnosis = make_diagnosis()
         diagnosis["verdict"]["effects"] = ["coulomb_friction"]
         diagnosis["verdict"]["ambiguous_with"] = ["viscous_leg"]
         page, _ = self.check_whole(diagnosis)
         self.assertIn("a rival here", page)
         self.assertEqual(page.count('<article class="card'), 2)
+
+    def test_runner_up_is_what_the_verdict_does_not_contain(self):
+        diagnosis = make_diagnosis()
+        verdict = diagnosis["verdict"]
+        diagnosis["causes"] = [
+            {"effect": name} for name in ("relaxation+hardening", "force_bias")
+        ]
+        names = [c["name"] for c in make_cards(diagnosis, verdict)]
+        self.assertEqual(names, ["relaxation", "force_bias"])
+        verdict["effects"] = ["coulomb_friction", "force_scale"]
+        verdict["ambiguous_with"] = ["viscous_leg+force_scale"]
+        names = [c["name"] for c in make_cards(diagnosis, verdict)]
+        self.assertEqual(names, [*verdict["effects"], "viscous_leg"])
+        verdict["effects"], verdict["ambiguous_with"] = [], []
+        roles = {c["role"] for c in make_cards(diagnosis, verdict)}
+        self.assertEqual(roles, {"nearest in the library"})
 
     def test_diagnosis_is_left_as_it_was(self):
         diagnosis = make_diagnosis()

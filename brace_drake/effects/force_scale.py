@@ -24,8 +24,6 @@ CARD = Effect(
     laws={"sensing": _law},
     signature="force reading and motion of torso and ring disagree by a"
     " constant factor",
-    impostors={
-        "force_gain": "a gain of the drives, seen in free runs as well"
-    },
+    impostors={"force_gain": "a gain of the drives, seen in free runs as well"},
     experiment="stairs; the torso's motion carries the comparison",
 )

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import lsq_linear
 
+
 class Batch(Protocol):
     """Residual vectors of many points at once, None where one failed.
 

@@ -165,7 +165,7 @@ def fit_nominal(
         problem.radius(),
         on_iteration=on_iteration,
     )
-    return _finish(problem, solution)
+    return finish_fit(problem, solution)
 
 
 def fit_effects(
@@ -173,6 +173,7 @@ def fit_effects(
     effects: Sequence[Effect],
     nominal: CandidateFit,
     start: CandidateFit | None = None,
+    leader: CandidateFit | None = None,
     thorough: bool = True,
 ) -> CandidateFit:
     """Fits effects together with the subject.
@@ -186,18 +187,21 @@ def fit_effects(
             sets out from the subject's nominal values, not from those that
             have absorbed what the effects explain, and from all starts on the
             cards.
+        leader: A fit of the first effects, from whose values the search sets
+            out while the last effect takes its starts.
         thorough: To the end; otherwise a few steps, with the subject's
             columns kept, to see who is worth it.
     """
     if start is not None:
         z = np.concatenate([start.subject, *start.values])
         return _search(evaluator, effects, nominal, z, start.spread, thorough)
-    first = np.array([p.nominal for p in evaluator.twin.subject])
-    count = max(len(e.starts()) for e in effects)
+    if leader is not None:
+        first = np.concatenate([leader.subject, *leader.values])
+    else:
+        first = np.array([p.nominal for p in evaluator.twin.subject])
     best = None
-    for i in range(count):
-        vectors = [e.starts()[min(i, len(e.starts()) - 1)] for e in effects]
-        z = np.concatenate([first, *vectors])
+    for last in effects[-1].starts():
+        z = np.concatenate([first, last])
         fit = _search(evaluator, effects, nominal, z, None, thorough)
         if best is None or fit.excess < best.excess:
             best = fit
@@ -236,7 +240,7 @@ def _search(
         problem.spread *= np.exp(change)
         if abs(change) < 0.05:
             break
-    return _finish(problem, solution)
+    return finish_fit(problem, solution)
 
 
 def _evidence_spread(problem, solution) -> float:
@@ -248,12 +252,17 @@ def _evidence_spread(problem, solution) -> float:
     return float(np.sqrt(np.mean(solution.z[prior] ** 2 + variance[prior])))
 
 
-def _finish(problem, solution) -> CandidateFit:
+def finish_fit(
+    problem: CandidateProblem, solution: LeastSquaresSolution
+) -> CandidateFit:
+    """The fit that a search has ended with."""
     evaluator = problem.evaluator
     rows = len(solution.residual) - problem.num_prior
     residual = solution.residual[:rows]
     subject, uses = problem.split(solution.z)
-    sizes = np.cumsum([0] + [len(p.weigh(p.measured)) for p in evaluator.prepared])
+    sizes = np.cumsum(
+        [0] + [len(p.weigh(p.measured)) for p in evaluator.prepared]
+    )
     cost = np.array(
         [
             residual[a:b] @ residual[a:b]

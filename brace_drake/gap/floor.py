@@ -118,6 +118,12 @@ def written_quantum(recorded: np.ndarray, simulated: np.ndarray) -> np.ndarray:
     return quantum
 
 
+def on_grid(values: np.ndarray, quantum: np.ndarray) -> np.ndarray:
+    """Values rounded to the steps of their columns, where these are not 0."""
+    step = np.where(quantum > 0.0, quantum, 1.0)
+    return np.where(quantum > 0.0, np.round(values / step) * step, values)
+
+
 def repeat_ratio(
     difference: np.ndarray, floor: NoiseFloor, rate: float
 ) -> np.ndarray:

@@ -106,7 +106,12 @@ def rollout_bench(
     """
     p_WB, p_RT = anchors
     rest, viscous, contact_law, posture_law, control_law, resolution = laws
-    q_WR, p_WR, q_WT, p_WT = bodies[0:4], bodies[4:7], bodies[7:11], bodies[11:14]
+    q_WR, p_WR, q_WT, p_WT = (
+        bodies[0:4],
+        bodies[4:7],
+        bodies[7:11],
+        bodies[11:14],
+    )
     V_WR, V_WT = bodies[14:20], bodies[20:26]
     mass_R, mass_T = bodies_mass[0], bodies_mass[1]
     J, pose = np.empty((6, 6)), np.empty(6)

@@ -114,9 +114,7 @@ def add_posture(bodies, rest, law, pose, F_T_W):
     torso's displacement and rotation vector.
     """
     calc_displacement(bodies[7:11], bodies[11:14], rest, pose)
-    posture.add_posture_force(
-        pose[0:3], pose[3:6], bodies[20:26], law, F_T_W
-    )
+    posture.add_posture_force(pose[0:3], pose[3:6], bodies[20:26], law, F_T_W)
 
 
 @njit(**_compile)

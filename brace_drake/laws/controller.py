@@ -1,6 +1,6 @@
 """The controller's tick in three compiled steps, as the diagram takes them.
 
-    pose estimator -> impedance filter -> inverse dynamics
+pose estimator -> impedance filter -> inverse dynamics
 """
 
 import numpy as np

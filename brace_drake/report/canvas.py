@@ -19,7 +19,9 @@ RULE = "#dde2e8"
 # Inches of the page's full width.
 WIDTH = 9.4
 
-_FONTS = ("Helvetica Neue", "Arial", "Liberation Sans", "DejaVu Sans")
+_FONTS = ("Helvetica Neue", "Arial", "Liberation Sans")
+# Comes with matplotlib and has the signs that others lack.
+_WIDEST_FONT = "DejaVu Sans"
 
 
 @cache
@@ -27,7 +29,7 @@ def _font() -> str:
     from matplotlib import font_manager
 
     there = {font.name for font in font_manager.fontManager.ttflist}
-    return next((name for name in _FONTS if name in there), "sans-serif")
+    return next((name for name in _FONTS if name in there), _WIDEST_FONT)
 
 
 @contextmanager
@@ -36,7 +38,7 @@ def figure_style() -> Iterator[None]:
     import matplotlib
 
     settings = {
-        "font.family": _font(),
+        "font.family": [_font(), _WIDEST_FONT],
         "font.size": 9.0,
         "text.color": MEASURED,
         "text.usetex": False,

@@ -11,25 +11,30 @@ def make_cards(diagnosis: dict, verdict: dict) -> list[dict]:
     """Cards of the verdict's effects and of the runner-up; none without gap.
 
     The runner-up is what the data cannot tell apart from the verdict, else
-    the best cause that shares no effect with it. Without a verdict from the
-    library it is the best cause, called the nearest.
+    the best cause that does not contain it; what both have in common is left
+    out. Without a verdict from the library it is the best cause, called the
+    nearest.
     """
     if not verdict.get("gap"):
         return []
     chosen = names(verdict, "effects")
     cards = [make_card(name, "verdict", verdict) for name in chosen]
-    runner_up = _runner_up(diagnosis, verdict, chosen)
     role = "runner-up" if chosen else "nearest in the library"
-    return cards + [make_card(n, role, verdict) for n in parts_of(runner_up)]
+    others = _runner_up(diagnosis, verdict, chosen)
+    return cards + [make_card(name, role, verdict) for name in others]
 
 
-def _runner_up(diagnosis: dict, verdict: dict, chosen: list[str]) -> str:
-    ambiguous = names(verdict, "ambiguous_with")
+def _runner_up(diagnosis: dict, verdict: dict, chosen: list[str]) -> list[str]:
     ranked = [text(cause, "effect") for cause in rows(diagnosis, "causes")]
-    for effect in [*ambiguous, *ranked]:
-        if effect and not set(parts_of(effect)) & set(chosen):
-            return effect
-    return ""
+    for effect in [*names(verdict, "ambiguous_with"), *ranked]:
+        parts = parts_of(effect)
+        # The verdict with something added to it is no rival of the verdict.
+        if chosen and effect in ranked and set(chosen) <= set(parts):
+            continue
+        others = [name for name in parts if name not in chosen]
+        if others:
+            return others
+    return []
 
 
 def make_card(name: str, role: str, verdict: dict) -> dict:
@@ -38,7 +43,9 @@ def make_card(name: str, role: str, verdict: dict) -> dict:
     card = {"name": name, "role": role, "known": effect is not None}
     if effect is None:
         return card
-    rivals = {*names(verdict, "effects"), *names(verdict, "ambiguous_with")}
+    told = [*names(verdict, "effects"), *names(verdict, "ambiguous_with")]
+    rivals = {part for effect in told for part in parts_of(effect)}
+    rivals -= {name, *(names(verdict, "effects") if role == "verdict" else ())}
     return card | {
         "title": effect.title,
         "block": effect.block,
@@ -48,7 +55,7 @@ def make_card(name: str, role: str, verdict: dict) -> dict:
         "experiment": effect.experiment,
         "parameters": [(p.name, p.meaning) for p in effect.parameters],
         "impostors": [
-            {"name": other, "tell": tell, "rival": other in rivals - {name}}
+            {"name": other, "tell": tell, "rival": other in rivals}
             for other, tell in effect.impostors.items()
         ],
     }

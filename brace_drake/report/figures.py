@@ -20,7 +20,7 @@ from brace_drake.report.canvas import (
     shorten,
     to_data_uri,
 )
-from brace_drake.report.words import NOTHING, times, to_number
+from brace_drake.report.words import NOTHING, fixed, times, to_number
 
 # Every bar starts at the floor: its length is the logarithm of the gap.
 _BASE = 1.0
@@ -45,9 +45,16 @@ def draw_blocks(blocks: Sequence[dict]) -> str | None:
             note = times(value)
             if acquitted and note != NOTHING:
                 note += "  acquitted"
-            _draw_note(axes, i, max(value, _BASE), note, acquitted)
+            # Behind the bar and the threshold, whichever reaches further.
+            _draw_note(axes, i, max(_placed(value), _placed(limit)), note)
             if _shown(limit):
-                axes.plot([limit] * 2, [i - 0.4, i + 0.4], color=MEASURED, lw=1)
+                axes.plot(
+                    [_placed(limit)] * 2,
+                    [i - 0.4, i + 0.4],
+                    color=MEASURED,
+                    lw=1,
+                    zorder=4,
+                )
         names = [shorten(b.get("block", NOTHING)) for b in blocks]
         _finish_bars(axes, names, [*values, *limits], room=1.35)
         axes.set_xlabel("normalised RMS of the block on its own, floor = 1")
@@ -70,10 +77,10 @@ def draw_pairs(
         for i, (old, new) in enumerate(zip(before, after, strict=True)):
             shift = 0.18 if paired else 0.0
             _draw_bar(axes, i - shift, old, 0.3 if paired else 0.5, BEFORE)
-            _draw_note(axes, i - shift, max(old, _BASE), times(old))
+            _draw_note(axes, i - shift, old, times(old))
             if paired:
                 _draw_bar(axes, i + shift, new, 0.3, AFTER)
-                _draw_note(axes, i + shift, max(new, _BASE), times(new))
+                _draw_note(axes, i + shift, new, times(new))
         _finish_bars(
             axes, [shorten(n) for n in labels], [*before, *after], room=1.15
         )
@@ -106,9 +113,7 @@ def draw_correlation(
         axes.tick_params(length=0)
         axes.spines[:].set_visible(False)
         for i, j in np.ndindex(n, n) if n <= 12 else ():
-            text = NOTHING
-            if math.isfinite(values[i, j]):
-                text = f"{values[i, j]:.2f}".replace("-", "−")
+            text = fixed(values[i, j], 2)
             color = "white" if abs(values[i, j]) > 0.6 else MEASURED
             axes.text(
                 j, i, text, ha="center", va="center", fontsize=7, color=color
@@ -123,23 +128,30 @@ def _shown(value: float) -> bool:
     return math.isfinite(value) and value > 0.0
 
 
+def _placed(value: float) -> float:
+    # Beyond these the axis, not the number, is what matters.
+    return min(max(value, 1e-3), 1e6) if _shown(value) else _BASE
+
+
 def _draw_bar(axes, y: float, value: float, height: float, color: str) -> None:
     if not _shown(value):
         return
-    axes.barh(y, value - _BASE, height, left=_BASE, color=color, lw=0)
-    # A bar that ends at the floor still shows that it was measured.
-    axes.plot([value], [y], "o", ms=3.2, color=color)
+    end = _placed(value)
+    # The edge shows a bar that ends at the floor, above the floor's line.
+    axes.barh(
+        *(y, end - _BASE, height, _BASE), color=color, ec=color, lw=1, zorder=3
+    )
 
 
-def _draw_note(axes, y, value, text, faint: bool = False) -> None:
+def _draw_note(axes, y: float, value: float, text: str) -> None:
     axes.annotate(
         plain(text),
-        (value if _shown(value) else _BASE, y),
+        (max(_placed(value), _BASE), y),
         xytext=(6, 0),
         textcoords="offset points",
         va="center",
         fontsize=8,
-        color=FLOOR if faint else MEASURED,
+        color=MEASURED,
     )
 
 
@@ -160,7 +172,7 @@ def _draw_legend(figure) -> None:
 
 
 def _finish_bars(axes, names, values, room: float) -> None:
-    shown = [v for v in values if _shown(v)]
+    shown = [_placed(v) for v in values if _shown(v)]
     low, high = min([*shown, 0.8]), max([*shown, 2.0])
     axes.set_xscale("log")
     # Room at the right for the numbers behind the bars.

@@ -40,7 +40,7 @@ def parameter_row(parameter: dict) -> dict:
         "column": text(parameter, "name"),
         "unit": shown,
         "value": fixed(found["value"], decimals),
-        "error": significant(found["standard_error"], 2),
+        "error": significant(found["standard_error"], 2, padded=True),
         "interval": f"{low} to {high}" if known else NOTHING,
         "nominal": significant(found["nominal"], 4),
         "ratio": times(_ratio(found["value"], found["nominal"])),
@@ -111,7 +111,7 @@ def channel_row(row: dict) -> dict:
     """One channel on the fit runs, with its floor in the channel's unit."""
     floor = to_number(row.get("floor"))
     factor, unit = scale_of(text(row, "unit"), [floor])
-    shown = significant(floor * factor, 2)
+    shown = significant(floor * factor, 2, padded=True)
     return {
         **gap_row(channel_text(text(row, "channel")) or NOTHING, row),
         "column": text(row, "channel"),
@@ -130,7 +130,10 @@ def error_row(label: str, unit: str, row: dict, column: str = "") -> dict:
     keys = ("before", "after", "floor")
     found = [to_number(row.get(key)) for key in keys]
     factor, shown = scale_of(unit, found)
-    before, after, floor = (significant(v * factor, 3) for v in found)
+    least = min((abs(v) for v in found if v), default=0.0)
+    known = found[2] if found[2] > 0.0 else least
+    decimals = decimals_for(known * factor, math.nan)
+    before, after, floor = (fixed(v * factor, decimals) for v in found)
     return {
         "label": label,
         "column": column,

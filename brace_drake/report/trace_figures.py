@@ -9,7 +9,6 @@ from brace_drake.report.canvas import (
     AFTER,
     BEFORE,
     FLOOR,
-    MEASURED,
     WIDTH,
     figure_style,
     make_figure,
@@ -21,6 +20,8 @@ from brace_drake.report.words import NOTHING, channel_text, scale_of, times
 
 # Half-width of the floor's band, in standard deviations.
 _BAND = 2.0
+
+_PALE = "#b3bcc6"
 
 
 def draw_trace(trace: RunTrace) -> str | None:
@@ -48,7 +49,6 @@ def draw_trace(trace: RunTrace) -> str | None:
         span = time[np.isfinite(time)]
         if len(span) and span.min() < span.max():
             panels[0].set_xlim(span.min(), span.max())
-        figure.align_ylabels(panels)
         _draw_legend(figure, trace)
         return to_data_uri(figure)
 
@@ -56,13 +56,13 @@ def draw_trace(trace: RunTrace) -> str | None:
 def _draw_values(axes, trace: RunTrace, c: int) -> None:
     name = trace.channels[c]
     factor, unit = _scale(trace.measured[:, c], name)
-    lines = [(trace.measured, MEASURED, 1.6), (trace.before, BEFORE, 1.1)]
+    # Measured is a wide pale line, so that it shows under a good prediction.
+    lines = [(trace.measured, _PALE, 3.6), (trace.before, BEFORE, 1.1)]
     if trace.after is not None:
         lines.append((trace.after, AFTER, 1.1))
     for values, color, width in lines:
         _draw_line(axes, trace.time_s, values[:, c] * factor, color, width)
-    axes.set_title(plain(channel_text(name)))
-    axes.set_ylabel(plain(unit))
+    axes.set_title(plain(f"{channel_text(name)}, {unit}"))
     axes.grid(axis="y")
 
 
@@ -73,6 +73,8 @@ def _draw_residual(axes, trace: RunTrace, c: int) -> None:
     band = _BAND * float(trace.floor_rms[c]) * factor
     if np.isfinite(band):
         axes.axhspan(-band, band, color=FLOOR, alpha=0.16, lw=0)
+        for edge in (-band, band):
+            axes.axhline(edge, color=FLOOR, lw=0.7, ls=(0, (4, 2)), zorder=3)
     axes.axhline(0.0, color=FLOOR, lw=0.6)
     _draw_line(axes, trace.time_s, before * factor, BEFORE, 0.9)
     note = f"before {_gap(trace, trace.before, c)}"
@@ -80,11 +82,12 @@ def _draw_residual(axes, trace: RunTrace, c: int) -> None:
         after = trace.measured[:, c] - trace.after[:, c]
         _draw_line(axes, trace.time_s, after * factor, AFTER, 0.9)
         note += f", after {_gap(trace, trace.after, c)}"
-    axes.set_title(plain(f"{channel_text(name)}: measured minus predicted"))
+    axes.set_title(
+        plain(f"{channel_text(name)}: measured minus predicted, {unit}")
+    )
     axes.set_title(
         f"{note} × floor", loc="right", fontsize=8.5, fontweight="normal"
     )
-    axes.set_ylabel(plain(unit))
     axes.grid(axis="y")
 
 
@@ -108,7 +111,7 @@ def _draw_legend(figure, trace: RunTrace) -> None:
     from matplotlib.patches import Patch
 
     handles = [
-        Line2D([], [], color=MEASURED, lw=1.8, label="measured"),
+        Line2D([], [], color=_PALE, lw=3.6, label="measured"),
         Line2D([], [], color=BEFORE, lw=1.8, label="before"),
         Line2D([], [], color=AFTER, lw=1.8, label="after"),
         Patch(color=FLOOR, alpha=0.25, lw=0, label="±2 noise floor"),

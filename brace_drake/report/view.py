@@ -38,6 +38,7 @@ from brace_drake.report.words import (
     NOTHING,
     channel_text,
     percent,
+    percent_interval,
     significant,
     times,
     to_number,
@@ -153,8 +154,7 @@ def _make_how_far(
         for t in picked
     ]
     validation = [t for t in traces if t.split == VALIDATION]
-    interval = [to_number(v) for v in items(shrink, "closed_interval")[:2]]
-    known = len(interval) == 2 and all(map(math.isfinite, interval))
+    closed, interval = _closed(shrink)
     return {
         "known": bool(shrink),
         "gap": verdict.get("gap"),
@@ -162,14 +162,24 @@ def _make_how_far(
         "before": times(shrink.get("before")),
         "after": times(shrink.get("after")),
         "floor": times(shrink.get("floor", 1.0)),
-        "closed": percent(shrink.get("closed")),
-        "interval": " to ".join(map(percent, interval)) if known else "",
+        "closed": closed,
+        "interval": interval,
         "channels": shrink_rows(shrink),
         "therapist": therapist_rows(shrink),
         "figures": [f for f in figures if f["image"]],
         "validated": bool(validation),
         "left_out": max(0, len(validation) - _MOST_TRACES),
     }
+
+
+def _closed(shrink: dict) -> tuple[str, str]:
+    interval = [to_number(v) for v in items(shrink, "closed_interval")]
+    if len(interval) != 2 or not all(map(math.isfinite, interval)):
+        return percent(shrink.get("closed")), ""
+    closed, low, high = percent_interval(shrink.get("closed"), *interval)
+    if closed == NOTHING:
+        return NOTHING, f"{low} to {high} %"
+    return f"{closed} %", f"{low} to {high} %"
 
 
 def _make_subject(subject: dict) -> dict:

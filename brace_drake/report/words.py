@@ -40,12 +40,25 @@ def to_text(value: object) -> str:
     return str(value)
 
 
-def significant(value: object, digits: int = 3) -> str:
-    """A number to so many significant digits."""
+def significant(value: object, digits: int, padded: bool = False) -> str:
+    """A number to so many significant digits.
+
+    Args:
+        value: The number.
+        digits: How many.
+        padded: Whether zeros at the end are kept, as for a measured value.
+    """
     number = to_number(value)
     if not math.isfinite(number):
         return _not_finite(number)
     text = f"{number:.{digits}g}"
+    if number == 0.0 or 1e-4 <= abs(number) < 1e6:
+        # Digits before the point are shown even where they are not counted.
+        exponent = math.floor(math.log10(abs(float(text)))) if number else 0
+        decimals = max(0, digits - 1 - exponent)
+        text = f"{number:.{decimals}f}"
+        if not padded and "." in text:
+            text = text.rstrip("0").rstrip(".")
     if "e" not in text:
         return text.replace("-", _MINUS)
     mantissa, exponent = text.split("e")
@@ -80,6 +93,13 @@ def percent(value: object) -> str:
     if text == "100.0":
         text = "> 99.9"
     return text if text == NOTHING else f"{text} %"
+
+
+def percent_interval(middle: object, low: object, high: object) -> list[str]:
+    """A share and its interval as percentages, with digits that match."""
+    shares = [100.0 * to_number(v) for v in (middle, low, high)]
+    decimals = 1 if shares[2] - shares[1] < 5.0 else 0
+    return [fixed(v, decimals) for v in shares]
 
 
 def times(value: object) -> str:
@@ -127,7 +147,8 @@ def channel_text(name: str) -> str:
 
 def parameter_text(name: str, unit: str) -> str:
     """A parameter's name without its unit: coulomb_N becomes coulomb."""
-    suffix = "_" + re.sub(r"[ /*·]+", "_", unit)
+    written = unit.translate(str.maketrans("²³", "23"))
+    suffix = "_" + re.sub(r"[ /*·^]+", "_", written)
     if unit and name.endswith(suffix):
         name = name[: -len(suffix)]
     return name.replace("_", " ")

@@ -1,7 +1,5 @@
 """The bench's scenario: every number of the twin, with unit and meaning."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -81,8 +79,11 @@ class Contact:
     pad_offset: float = 0.15  # m, of the pad's face from Ro along y
     preload: float = 0.001  # m, compression of each pad at rest
     pad_size: np.ndarray = _vector(0.060, 0.020, 0.080)  # m
-    hydroelastic_modulus: float = 4.0e4  # Pa
-    hydroelastic_dissipation: float = 10.0  # s/m, Hunt-Crossley
+    # What `brace_drake.contact_mapping` gives for the stiffness and damping
+    # above at the preload; tests/test_contact_mapping.py measures it.
+    hydroelastic_modulus: float = 26666.666666666668  # Pa, k H / A
+    hydroelastic_thickness: float = 0.02  # m, H of the compliant layer
+    hydroelastic_dissipation: float = 23.4375  # s/m, c / (k preload)
 
 
 @dataclass

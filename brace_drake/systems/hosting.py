@@ -35,6 +35,8 @@ class EffectHost:
         self, context: Context, memory: tuple[np.ndarray, ...], *arguments
     ) -> None:
         """Calls each effect's law on the arguments, then p and x."""
+        if self.is_idle:
+            return
         for law, i, x in zip(self._laws, self._parameters, memory, strict=True):
             p = context.get_numeric_parameter(i).CopyToVector()
             law(*arguments, p, x)

@@ -5,7 +5,7 @@ from pydrake.systems.framework import LeafSystem
 # A tick comes this much before the plant's step at the same time, s: its
 # command then acts from its own tick on, and rounding of event times cannot
 # change the order.
-TICK_LEAD = 1e-9
+TICK_LEAD = 1e-10
 
 
 def DeclareTick(system: LeafSystem, period: float, update) -> None:

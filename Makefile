@@ -1,0 +1,34 @@
+# Two targets do everything on a machine with Python 3.11 or newer:
+#   make demo   diagnose the bundled example campaign, write its report
+#   make test   run the whole suite
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+EXAMPLE := tests/data/example
+OUT := out/demo
+
+.PHONY: demo test lint bench clean
+
+demo: $(STAMP)
+	$(BIN)/brace-drake diagnose $(EXAMPLE) --out $(OUT)
+
+test: lint
+	$(BIN)/python -m unittest discover -s tests -t . -b
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+bench: $(STAMP)
+	$(BIN)/python tools/bench.py
+
+$(STAMP): pyproject.toml constraints.txt tools/check_machine.py
+	$(PYTHON) tools/check_machine.py
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip -c constraints.txt
+	$(BIN)/python -m pip install --quiet -e ".[dev]" -c constraints.txt
+	touch $@
+
+clean:
+	rm -rf $(VENV) out

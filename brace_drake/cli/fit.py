@@ -1,0 +1,101 @@
+"""The command `brace-drake fit`: the subject's parameters from a campaign."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from brace_drake.campaign import LoadCampaign
+from brace_drake.cli.options import (
+    AddCampaign,
+    AddJobs,
+    AddScenario,
+    load_scenario_option,
+)
+from brace_drake.output import MakeFolder, WriteJson
+
+_EPILOG = """\
+example:
+  brace-drake fit campaigns/monday --out results/monday
+
+Prints the parameters with standard errors; with --out writes fit.json.
+"""
+# Evaluations that a fit usually takes; for the estimate of the time left.
+_USUAL = 8
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `fit`."""
+    parser = subparsers.add_parser(
+        "fit",
+        help="fit the subject's parameters to the fit runs",
+        description="Fits the subject's parameters to all fit runs jointly.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    AddCampaign(parser)
+    parser.add_argument("--out", metavar="DIR", help="folder for fit.json")
+    parser.add_argument(
+        "--solver",
+        choices=("snopt", "ipopt", "nlopt"),
+        default="snopt",
+        help="default: snopt",
+    )
+    AddScenario(parser)
+    AddJobs(parser)
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Fits, prints a table, and writes fit.json where asked."""
+    campaign = LoadCampaign(args.campaign)
+    out = MakeFolder(Path(args.out)) if args.out else None
+    from brace_drake.fit.campaign_fit import fit_campaign
+
+    scenario = load_scenario_option(args.scenario)
+    with tqdm(total=_USUAL, unit="evaluation", leave=False) as bar:
+
+        def progress(evaluation: int, mean_square: float) -> None:
+            bar.total = max(bar.total, evaluation + 1)
+            bar.set_postfix_str(f"mean square {mean_square:.4g} floors")
+            bar.update(evaluation - bar.n)
+
+        found = fit_campaign(
+            campaign, args.jobs, args.seed, scenario, args.solver, progress
+        )
+    _print(found)
+    if out is not None:
+        WriteJson(out / "fit.json", found)
+        print(f"fit: {out / 'fit.json'}")
+    return 0
+
+
+def _print(found: dict) -> None:
+    for start in found["contact_starts"]:
+        print(
+            f"start from {start['run']}: k {start['stiffness']:.0f} N/m,"
+            f" c {start['damping']:.0f} N s/m"
+            f" (equation (2) as printed: {start['printed_stiffness']:.0f},"
+            f" {start['printed_damping']:.0f})"
+        )
+    width = max(len(p["name"]) for p in found["parameters"])
+    print(f"{'':{width}}  {'value':>11} {'std. error':>10} {'nominal':>10}")
+    for p in found["parameters"]:
+        flag = "  at its limit" if p["at_limit"] else ""
+        print(
+            f"{p['name']:{width}}  {p['value']:11.5g}"
+            f" {p['standard_error']:10.2g} {p['nominal']:10.5g}{flag}"
+        )
+    correlation = np.array(found["correlation"])
+    np.fill_diagonal(correlation, 0.0)
+    i, j = np.unravel_index(np.argmax(np.abs(correlation)), correlation.shape)
+    names = [p["name"] for p in found["parameters"]]
+    print(
+        f"mean square {found['mean_square']:.4f} floors,"
+        f" condition {found['condition_number']:.1f}, strongest correlation"
+        f" {correlation[i, j]:.2f} ({names[i]}, {names[j]}),"
+        f" {found['solver']}: {found['evaluations']} evaluations"
+    )

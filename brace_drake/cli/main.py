@@ -1,0 +1,54 @@
+"""The command line `brace-drake`."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.metadata
+import os
+import sys
+
+from brace_drake.errors import BraceError
+
+_COMMANDS = ("check", "fit", "diagnose")
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Runs one command; 0 when it went well, 2 with one line otherwise."""
+    args = make_parser().parse_args(argv)
+    try:
+        return args.run(args)
+    except BraceError as error:
+        print(f"brace-drake: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except BrokenPipeError:
+        # The reader of our output has gone; keep Python quiet about it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except KeyboardInterrupt:
+        print("brace-drake: stopped", file=sys.stderr)
+        return 130
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The parser with all subcommands."""
+    parser = argparse.ArgumentParser(
+        prog="brace-drake",
+        description="Digital twin of a robotic scoliosis brace that says why"
+        " it differs from the real one. Research software, not a medical"
+        " device.",
+    )
+    parser.add_argument(
+        "--version",
+        action="version",
+        version=importlib.metadata.version("brace_drake"),
+    )
+    subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in _COMMANDS:
+        module = importlib.import_module(f"brace_drake.cli.{command}")
+        module.AddParser(subparsers)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,58 @@
+"""Options that commands share, with the same words for the same things."""
+
+from __future__ import annotations
+
+import argparse
+import os
+
+
+def AddCampaign(parser: argparse.ArgumentParser) -> None:
+    """Adds the positional CAMPAIGN."""
+    parser.add_argument(
+        "campaign",
+        metavar="CAMPAIGN",
+        help="folder with campaign.yaml and its recordings",
+    )
+
+
+def AddJobs(parser: argparse.ArgumentParser) -> None:
+    """Adds --jobs and --seed."""
+    parser.add_argument(
+        "--jobs",
+        type=_positive,
+        default=os.cpu_count() or 1,
+        metavar="N",
+        help="threads (default: all cores); results do not depend on it",
+    )
+    parser.add_argument(
+        "--seed",
+        type=int,
+        default=0,
+        metavar="S",
+        help="of all random draws (default: 0)",
+    )
+
+
+def AddScenario(parser: argparse.ArgumentParser) -> None:
+    """Adds --scenario."""
+    parser.add_argument(
+        "--scenario",
+        metavar="FILE",
+        help="of the nominal bench (default: the one of the package)",
+    )
+
+
+def load_scenario_option(path: str | None):
+    """The scenario of --scenario, None for the package's own."""
+    if path is None:
+        return None
+    from brace_drake.scenario.load import LoadScenario
+
+    return LoadScenario(path)
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return value

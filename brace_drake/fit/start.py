@@ -1,0 +1,73 @@
+"""Where a fit begins: contact values by the paper's regression."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.campaign.recording import Campaign
+from brace_drake.errors import BraceError
+from brace_drake.fit.nn_contact_motion import contact_motion_from_run
+from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
+from brace_drake.gap.bench_ladder import ring_poses
+from brace_drake.twin.bench_twin import BenchTwin
+
+# Slower resampling loses the damping, faster one drowns it in marker noise.
+_RESAMPLE_S = 0.2
+
+
+@dataclass(frozen=True)
+class ContactStart:
+    """Estimates of one run by both discretisations of equation (2)."""
+
+    run: str
+    consistent: NnContactEstimate
+    printed: NnContactEstimate
+
+
+def contact_starts(twin: BenchTwin, campaign: Campaign) -> list[ContactStart]:
+    """The network's stiffness and damping from every moving fit run."""
+    starts = []
+    for run in campaign.split("fit"):
+        if not run.contact:
+            continue
+        lengths = twin.measured(run)[:, 6:12]
+        poses, _ = ring_poses(twin, lengths)
+        preload = twin.numbers.contact[5]
+        try:
+            motion = contact_motion_from_run(
+                run,
+                poses[:, 1],
+                preload_m=preload,
+                resample_s=_RESAMPLE_S,
+            )
+            found = [
+                fit_contact_nn(
+                    motion.time_s,
+                    motion.compression_m,
+                    motion.force_N,
+                    0.0,
+                    discretisation=how,
+                )
+                for how in ("consistent", "printed")
+            ]
+        except BraceError:
+            # A run without motion says nothing of the contact.
+            continue
+        starts.append(ContactStart(run.name, *found))
+    return starts
+
+
+def start_values(twin: BenchTwin, starts: list[ContactStart]) -> np.ndarray:
+    """Nominal subject with the median k and c of the network, in limits."""
+    values = np.array([p.nominal for p in twin.subject])
+    if starts:
+        stiffness = np.median([s.consistent.stiffness for s in starts])
+        damping = np.median([s.consistent.damping for s in starts])
+        for i, value in enumerate((stiffness, damping)):
+            limits = twin.subject[i]
+            # A start at a limit is no start.
+            inside = limits.lower * 1.2, limits.upper / 1.2
+            values[i] = float(np.clip(value, *inside))
+    return values

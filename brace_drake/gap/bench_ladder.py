@@ -1,0 +1,211 @@
+"""Rungs of the bench's substitution ladder."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from scipy.interpolate import CubicSpline
+from scipy.signal import cont2discrete, lfilter
+
+from brace_drake.gap.evaluation import PreparedRun
+from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.laws import blocks, controller
+from brace_drake.laws.legs import solve_forward_kinematics
+from brace_drake.laws.rotation import quaternion_to_rotation_vector
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.subject import with_subject
+
+_COMMANDS, _LENGTHS = slice(0, 6), slice(6, 12)
+_FORCE, _MARKER, _VIRTUAL = slice(12, 15), slice(15, 18), 18
+_CUTOFF_HZ = 5.0
+
+
+@njit(cache=True)
+def _poses(lengths, p_WB, p_RT, rest, poses, jacobians):
+    """Ring pose (position from rest, rotation vector) of each row."""
+    p_WR = rest.copy()
+    q_WR = np.zeros(4)
+    q_WR[0] = 1.0
+    rates, at = np.empty(6), np.empty(6)
+    for i in range(len(lengths)):
+        solve_forward_kinematics(lengths[i], p_WB, p_RT, p_WR, q_WR)
+        poses[i, 0:3] = p_WR - rest
+        quaternion_to_rotation_vector(q_WR, poses[i, 3:6])
+        blocks.calc_ring_kinematics(
+            q_WR, p_WR, np.zeros(6), p_WB, p_RT, at, rates, jacobians[i]
+        )
+
+
+def ring_poses(twin: BenchTwin, lengths: np.ndarray):
+    """Poses (N, 6) and leg Jacobians (N, 6, 6) of measured leg lengths."""
+    n = twin.numbers
+    poses, jacobians = (
+        np.empty((len(lengths), 6)),
+        np.empty((len(lengths), 6, 6)),
+    )
+    _poses(
+        np.ascontiguousarray(lengths), n.p_WB, n.p_RT, n.rest, poses, jacobians
+    )
+    return poses, jacobians
+
+
+@njit(cache=True)
+def _run_controller(readings, desired, law, memory, every, out):
+    estimate, commands = np.empty(19), np.empty(6)
+    for tick in range(len(readings)):
+        controller.control_tick(
+            readings[tick], desired[tick], law, memory, estimate, commands
+        )
+        if tick % every == 0:
+            out[tick // every, 0:6] = commands
+            out[tick // every, 6] = memory[controller.NUM_POSE_MEMORY + 1]
+
+
+def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
+    """Controller, actuation, mechanism, contact, torso and sensing."""
+    numbers = twin.numbers
+
+    def run_controller(prepared, x):
+        every = prepared.motion.ticks_per_sample
+        times = np.arange(len(x)) / rate
+        ticks = (
+            np.arange(len(prepared.motion.desired)) / twin.scenario.control.rate
+        )
+        at = np.minimum(ticks, times[-1])
+        readings = np.zeros((len(ticks), 12))
+        readings[:, 0:9] = CubicSpline(times, x[:, 6:15])(at)
+        memory = np.zeros(controller.NUM_MEMORY)
+        memory[0:3], memory[3] = numbers.rest, 1.0
+        out = np.zeros((len(x), 7))
+        _run_controller(
+            readings,
+            prepared.motion.desired,
+            numbers.controller_law,
+            memory,
+            every,
+            out,
+        )
+        return out
+
+    def controller_residual(prepared, x, subject):
+        out = run_controller(prepared, x)
+        commands = low_pass(x[:, _COMMANDS] - out[:, 0:6], _CUTOFF_HZ, rate)
+        scale = prepared.floor.rms
+        virtual = (x[:, _VIRTUAL] - out[:, 6]) / scale[_VIRTUAL]
+        return np.concatenate([(commands / scale[0]).ravel(), virtual])
+
+    def balance(prepared, x):
+        """Commands that the recorded motion and force ask for, minus those."""
+        poses, jacobians = ring_poses(
+            twin, low_pass(x[:, _LENGTHS], _CUTOFF_HZ, rate)
+        )
+        velocity = np.gradient(poses, 1.0 / rate, axis=0)
+        acceleration = np.gradient(velocity, 1.0 / rate, axis=0)
+        wrench = acceleration * numbers.inverse_dynamics[2:8]
+        wrench[:, 2] += numbers.ring[4]
+        if prepared.run.contact:
+            wrench[:, 0:3] += low_pass(x[:, _FORCE], _CUTOFF_HZ, rate)
+        forces = np.linalg.solve(
+            np.transpose(jacobians, (0, 2, 1)), wrench[..., None]
+        )[..., 0]
+        rates = np.einsum("nij,nj->ni", jacobians, velocity)
+        asked = forces + numbers.viscous * rates
+        return low_pass(x[:, _COMMANDS], _CUTOFF_HZ, rate) - asked
+
+    def actuation_residual(prepared, x, subject):
+        # The inner part, away from the ends that the low pass folds.
+        inner = slice(int(0.5 * rate), -int(0.5 * rate))
+        return balance(prepared, x)[inner].ravel()
+
+    def mechanism_residual(prepared, x, subject):
+        lengths, rates, J = np.empty(6), np.empty(6), np.empty((6, 6))
+        blocks.calc_ring_kinematics(
+            np.array([1.0, 0, 0, 0]),
+            numbers.rest,
+            np.zeros(6),
+            numbers.p_WB,
+            numbers.p_RT,
+            lengths,
+            rates,
+            J,
+        )
+        return x[0, _LENGTHS] - lengths
+
+    def contact_residual(prepared, x, subject):
+        if not prepared.run.contact:
+            return None
+        law = with_subject(numbers, subject).contact
+        poses, _ = ring_poses(twin, low_pass(x[:, _LENGTHS], _CUTOFF_HZ, rate))
+        relative = poses[:, 1] - low_pass(x[:, _MARKER], _CUTOFF_HZ, rate)[:, 1]
+        speed = np.gradient(relative, 1.0 / rate)
+        total = np.zeros(len(x))
+        for s in (1.0, -1.0):
+            d, d_dot = law[5] - s * relative, -s * speed
+            N = np.where(d > 0.0, law[0] * d + law[1] * d_dot, 0.0)
+            total -= s * np.maximum(N, 0.0)
+        return low_pass(x[:, 13], _CUTOFF_HZ, rate) - total
+
+    def torso_residual(prepared, x, subject):
+        if not prepared.run.contact:
+            return None
+        changed = with_subject(numbers, subject)
+        mass, stiffness, damping = (
+            changed.torso[0],
+            changed.posture[1],
+            changed.posture[4],
+        )
+        system = ([1.0 / mass], [1.0, damping / mass, stiffness / mass])
+        b, a, _ = cont2discrete(system, 1.0 / rate, method="foh")
+        predicted = lfilter(np.ravel(b), a, x[:, 13])
+        return low_pass(x[:, 16] - predicted, _CUTOFF_HZ, rate)
+
+    def sensing_residual(prepared, x, subject):
+        if prepared.run.contact:
+            return None
+        return low_pass(x[:, _FORCE], 1.0, rate).ravel()
+
+    return [
+        Rung(
+            "controller",
+            "leg lengths, force, reference",
+            "commands, virtual position",
+            controller_residual,
+        ),
+        Rung(
+            "actuation",
+            "commands, motion and force of the ring",
+            "balance of the leg forces",
+            actuation_residual,
+        ),
+        Rung(
+            "mechanism",
+            "rest pose of the ring",
+            "leg lengths at rest",
+            mechanism_residual,
+        ),
+        Rung(
+            "contact",
+            "motion of ring and torso",
+            "force between them",
+            contact_residual,
+        ),
+        Rung(
+            "torso",
+            "force on the torso",
+            "motion of the torso",
+            torso_residual,
+        ),
+        Rung("sensing", "no contact", "force reading", sensing_residual),
+    ]
+
+
+def bench_quantities(twin: BenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
+    """What a therapist asks for: pad force, N, and ring position, mm."""
+    poses, _ = ring_poses(twin, x[:, _LENGTHS])
+    return {"force_error_N": x[:, _FORCE], "ring_error_mm": 1e3 * poses[:, 0:3]}
+
+
+def prepared_phase_inputs(prepared: PreparedRun):
+    """Reference and force along y of a run, for its phases."""
+    desired = prepared.run.channels["ring2_y_desired_m"]
+    return desired, prepared.measured[:, 13]

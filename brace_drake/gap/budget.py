@@ -1,0 +1,156 @@
+"""Where the closed-loop gap lies: by channel, phase of motion and band."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brace_drake.gap.shrink import RunComparison, channel_gaps
+
+_BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 30.0), (30.0, 1e9))
+# Slower than this share of a run's top speed is rest.
+_SLOW = 0.1
+# Samples on both sides of a change of direction that belong to it.
+_REVERSAL_S = 0.15
+
+PHASES = ("reversal", "hold", "loading", "unloading", "free motion")
+
+
+def motion_phases(
+    position: np.ndarray, force: np.ndarray | None, rate: float, contact: bool
+) -> np.ndarray:
+    """Phase of each sample, an index into PHASES (N,).
+
+    Args:
+        position: Reference along the motion (N,), m.
+        force: Measured force along it (N,), N; None without.
+        rate: Hz.
+        contact: Whether the torso is there.
+    """
+    velocity = np.gradient(position) * rate
+    top = np.max(np.abs(velocity))
+    if top == 0.0:
+        return np.full(len(position), PHASES.index("hold"))
+    moving = np.abs(velocity) > _SLOW * top
+    phase = np.where(moving, PHASES.index("free motion"), PHASES.index("hold"))
+    if contact and force is not None:
+        rising = velocity * np.sign(force) > 0.0
+        phase[moving & rising] = PHASES.index("loading")
+        phase[moving & ~rising] = PHASES.index("unloading")
+    width = max(1, round(_REVERSAL_S * rate))
+    for at in _direction_changes(velocity, _SLOW * top):
+        phase[max(0, at - width) : at + width] = PHASES.index("reversal")
+    return phase
+
+
+def _direction_changes(velocity: np.ndarray, threshold: float) -> list[int]:
+    """Samples at which a real motion turns into its opposite."""
+    fast = np.flatnonzero(np.abs(velocity) > threshold)
+    signs = np.sign(velocity[fast])
+    turns = np.flatnonzero(signs[1:] != signs[:-1])
+    return [int((fast[i] + fast[i + 1]) // 2) for i in turns]
+
+
+def channel_budget(
+    comparisons: list[RunComparison],
+    channels: tuple[str, ...],
+    floor: dict[str, float],
+) -> list[dict]:
+    """Rows of the budget by channel; shares of the excess add up to 1."""
+    before = channel_gaps(comparisons, channels, "before")
+    after = None
+    if comparisons[0].after is not None:
+        after = channel_gaps(comparisons, channels, "after")
+    shares = _shares({n: g**2 - 1.0 for n, g in before.items()})
+    return [
+        {
+            "channel": name,
+            "unit": name.rsplit("_", 1)[-1],
+            "floor": floor[name],
+            "before": gap,
+            "after": None if after is None else after[name],
+            "share": shares[name],
+        }
+        for name, gap in before.items()
+    ]
+
+
+def phase_budget(
+    comparisons: list[RunComparison], phases: list[np.ndarray]
+) -> list[dict]:
+    """Rows of the budget by phase of the motion."""
+    rows, excess = [], {}
+    for i, name in enumerate(PHASES):
+        rows.append(_masked_row(name, comparisons, [p == i for p in phases]))
+        excess[name] = rows[-1].pop("excess")
+    shares = _shares(excess)
+    return [
+        {"phase": r.pop("name"), **r, "share": shares[n]}
+        for n, r in zip(PHASES, rows, strict=True)
+        if r["before"] is not None
+    ]
+
+
+def _masked_row(name, comparisons, masks):
+    def mean(which):
+        values = [
+            c.normalised(which)[m]
+            for c, m in zip(comparisons, masks, strict=True)
+        ]
+        values = np.concatenate([v.ravel() for v in values])
+        return values if len(values) else None
+
+    before = mean("before")
+    row = {"name": name, "before": None, "after": None, "excess": 0.0}
+    if before is None:
+        return row
+    row["before"] = float(np.sqrt(before.mean()))
+    row["excess"] = float((before - 1.0).sum())
+    if comparisons[0].after is not None:
+        row["after"] = float(np.sqrt(max(0.0, mean("after").mean())))
+    return row
+
+
+def band_budget(comparisons: list[RunComparison], rate: float) -> list[dict]:
+    """Rows of the budget by frequency band, against the floor's spectrum."""
+    rows, excess = [], {}
+    for low, high in _BANDS:
+        if low >= rate / 2.0:
+            continue
+        before, count = _band_power(comparisons, "before", low, high, rate)
+        row = {
+            "from_Hz": low,
+            "to_Hz": min(high, rate / 2.0),
+            "before": float(np.sqrt(before / max(count, 1))),
+            "after": None,
+        }
+        if comparisons[0].after is not None:
+            after, _ = _band_power(comparisons, "after", low, high, rate)
+            row["after"] = float(np.sqrt(after / max(count, 1)))
+        rows.append(row)
+        excess[low] = before - count
+    shares = _shares(excess)
+    return [{**r, "share": shares[r["from_Hz"]]} for r in rows]
+
+
+def _band_power(comparisons, which, low, high, rate):
+    power, count = 0.0, 0
+    for c in comparisons:
+        residual = c.prepared.measured - getattr(c, which)
+        frequency = np.fft.rfftfreq(len(residual), 1.0 / rate)
+        inside = (frequency >= low) & (frequency < high)
+        used = c.prepared.used
+        transform = np.fft.rfft(residual, axis=0) * c.prepared.weights
+        bins = transform[inside][:, used]
+        values = 2 * bins.size
+        if low == 0.0:
+            values -= bins.shape[1]
+        noise = c.dither * values if which == "after" else 0.0
+        power += max(0.0, float(np.sum(np.abs(bins) ** 2)) - noise)
+        count += values
+    return power, count
+
+
+def _shares(excess: dict) -> dict:
+    positive = {k: max(0.0, v) for k, v in excess.items()}
+    total = sum(positive.values())
+    return {k: v / total if total > 0.0 else 0.0 for k, v in positive.items()}

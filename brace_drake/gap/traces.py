@@ -1,0 +1,23 @@
+"""The traces of a diagnosis that its report draws."""
+
+from __future__ import annotations
+
+from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.report.traces import RunTrace
+
+
+def MakeTraces(d: Diagnosis) -> list[RunTrace]:
+    """Measured, nominal and repaired channels of the validation runs."""
+    return [
+        RunTrace(
+            c.prepared.run.name,
+            c.prepared.run.split,
+            c.prepared.run.time_s - c.prepared.run.time_s[0],
+            d.device.twin.channels,
+            c.prepared.measured,
+            c.before,
+            c.after,
+            c.prepared.floor.rms,
+        )
+        for c in d.validation_runs or d.fit_runs
+    ]

@@ -1,0 +1,163 @@
+"""What a scenario may hold: kinds, ranges, and how values fit together."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import math
+from collections.abc import Iterable, Iterator
+from typing import NoReturn
+
+import numpy as np
+
+from brace_drake.errors import ScenarioError
+from brace_drake.scenario.bench import BenchScenario
+
+_POSITIVE = (
+    "time_step ring.mass ring.inertia leg.force_limit torso.mass torso.inertia"
+    " stage.lower.radius stage.upper.radius contact.stiffness"
+    " contact.friction_regularization contact.pad_offset contact.pad_size"
+    " contact.hydroelastic_modulus contact.hydroelastic_thickness control.rate"
+    " control.kp control.velocity_cutoff_hz control.force_filter_tau"
+    " control.desired_mass control.desired_stiffness control.desired_damping"
+    " sensors.log_period mass control.force_limit"
+).split()
+_NOT_NEGATIVE = (
+    "gravity leg.viscous torso.posture_stiffness torso.posture_damping"
+    " torso.posture_rot_stiffness torso.posture_rot_damping contact.damping"
+    " contact.friction contact.preload contact.hydroelastic_dissipation"
+    " control.kd control.kv sensors.leg_length_noise"
+    " sensors.leg_length_resolution sensors.force_noise"
+    " sensors.force_resolution sensors.marker_noise viscous position_noise"
+).split()
+_WORDS = {
+    "contact.model": ("linear", "hydroelastic"),
+    "control.layout": ("pic", "blocks"),
+}
+
+
+def fail(source: str, path: str, value, allowed: str) -> NoReturn:
+    """Raises the one line of a bad value."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    shown = " ".join(repr(value).split())
+    if len(shown) > 60:
+        shown = shown[:57] + "..."
+    raise ScenarioError(f"{source}: {path} is {shown}; allowed: {allowed}")
+
+
+def suggest(word: str, words: Iterable[str]) -> str:
+    """A hint at the word that was meant, or nothing."""
+    close = difflib.get_close_matches(str(word), list(words), n=1)
+    return f", did you mean {close[0]}?" if close else ""
+
+
+def CheckScenario(scenario, source: str = "scenario") -> None:
+    """Checks every value of a scenario.
+
+    Raises:
+        ScenarioError: One line: source, key path, value, what is allowed.
+    """
+    defaults = dict(_walk(type(scenario)()))
+    values = dict(_walk(scenario))
+    for path, value in values.items():
+        _check_kind(source, path, value, defaults.get(path, value))
+        if path in _POSITIVE and not np.all(np.asarray(value) > 0.0):
+            fail(source, path, value, "greater than 0")
+        if path in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0.0):
+            fail(source, path, value, "0 or more")
+        if path in _WORDS and value not in _WORDS[path]:
+            fail(source, path, value, " or ".join(_WORDS[path]))
+    _check_period(source, values, "time_step", 1.0 / scenario.control.rate)
+    for i, use in enumerate(scenario.effects):
+        if not use.name:
+            fail(source, f"effects[{i}].name", use.name, "an effect's name")
+    if isinstance(scenario, BenchScenario):
+        _check_bench(source, scenario, values)
+
+
+def _walk(node, at: str = "") -> Iterator[tuple[str, object]]:
+    """Key paths and values of all leaves."""
+    if dataclasses.is_dataclass(node):
+        children = [
+            (f"{at}.{f.name}" if at else f.name, getattr(node, f.name))
+            for f in dataclasses.fields(node)
+        ]
+    elif isinstance(node, dict):
+        children = [(f"{at}.{key}", child) for key, child in node.items()]
+    elif isinstance(node, list):
+        children = [(f"{at}[{i}]", child) for i, child in enumerate(node)]
+    else:
+        yield at, node
+        return
+    for path, child in children:
+        yield from _walk(child, path)
+
+
+def _check_kind(source: str, path: str, value, default) -> None:
+    if isinstance(default, np.ndarray):
+        _check_array(source, path, value, default)
+    elif isinstance(default, bool | np.bool_):
+        if not isinstance(value, bool | np.bool_):
+            fail(source, path, value, "true or false")
+    elif isinstance(default, str):
+        if not isinstance(value, str):
+            fail(source, path, value, "a word")
+    elif isinstance(value, bool) or not isinstance(
+        value, int | float | np.number
+    ):
+        fail(source, path, value, "a number")
+    elif not math.isfinite(value):
+        fail(source, path, value, "a finite number")
+
+
+def _check_array(source: str, path: str, value, default) -> None:
+    shape = default.shape
+    if not isinstance(value, np.ndarray) or value.shape != shape:
+        fail(source, path, value, f"{shape[0]} numbers")
+    if not (np.issubdtype(value.dtype, np.number) and np.isfinite(value).all()):
+        fail(source, path, value, "finite numbers")
+
+
+def _check_bench(source: str, scenario: BenchScenario, values: dict) -> None:
+    """Checks what only makes sense together."""
+    stage, contact = scenario.stage, scenario.contact
+    if not stage.upper_height > stage.lower_height:
+        path = "stage.upper_height"
+        fail(
+            source,
+            path,
+            stage.upper_height,
+            f"more than stage.lower_height, {stage.lower_height}",
+        )
+    for path in ("ring.inertia", "torso.inertia"):
+        moments = np.sort(values[path])
+        if moments[2] > moments[0] + moments[1]:
+            fail(source, path, values[path], "no moment above the others' sum")
+    if contact.preload >= contact.pad_offset:
+        fail(
+            source,
+            "contact.preload",
+            contact.preload,
+            f"less than contact.pad_offset, {contact.pad_offset}",
+        )
+    period = 1.0 / scenario.control.rate
+    ratio = scenario.sensors.log_period / period
+    if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6:
+        fail(
+            source,
+            "sensors.log_period",
+            scenario.sensors.log_period,
+            f"a multiple of the control period, {period:g} s",
+        )
+
+
+def _check_period(source: str, values: dict, path: str, period: float) -> None:
+    ratio = period / values[path]
+    if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6:
+        fail(
+            source,
+            path,
+            values[path],
+            f"a whole part of the control period, {period:g} s",
+        )

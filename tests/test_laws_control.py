@@ -1,0 +1,156 @@
+"""Filters, impedance (4), (5) and inverse dynamics (6)."""
+
+import math
+import unittest
+
+import numpy as np
+
+from brace_drake.laws import control, controller
+from brace_drake.laws.linear_solve import solve_in_place
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_numbers import pack_bench
+
+M_D, K_D = 2.0, 6000.0
+C_D = 2.0 * math.sqrt(M_D * K_D)
+H = 1e-3
+
+
+class TestImpedance(unittest.TestCase):
+    def settle(self, force, seconds=1.0, desired=(-0.01, 0.0, 0.0)):
+        virtual = np.zeros(3)
+        for _ in range(round(seconds / H)):
+            control.update_impedance(
+                M_D, C_D, K_D, np.array(desired), force, H, virtual
+            )
+        return virtual
+
+    def test_at_rest_the_error_is_force_over_stiffness(self):
+        for force in (0.0, -1.9, 6.0):
+            virtual = self.settle(force)
+            self.assertAlmostEqual(virtual[0], -0.01 - force / K_D, places=12)
+            self.assertAlmostEqual(virtual[1], 0.0, places=10)
+
+    def test_a_step_of_force_follows_the_critically_damped_solution(self):
+        force, t, w = 3.0, 0.05, math.sqrt(K_D / M_D)
+        exact = -force / K_D * (1 - (1 + w * t) * math.exp(-w * t))
+        virtual = self.settle(force, t, (0, 0, 0))
+        # First order in h: h / 2 times the speed, 1.1e-5 m at most.
+        self.assertAlmostEqual(virtual[0], exact, delta=1.2e-5)
+
+    def test_a_perfect_start_follows_the_reference_without_force(self):
+        virtual = np.array([0.0, 0.01, 0.0])
+        for k in range(1000):
+            desired = np.array([0.01 * k * H, 0.01, 0.0])
+            control.update_impedance(M_D, C_D, K_D, desired, 0.0, H, virtual)
+        self.assertAlmostEqual(virtual[0], 0.01, places=12)
+
+    def test_the_force_goes_through_a_first_order_low_pass(self):
+        tau = 0.02
+        law = np.array([M_D, C_D, K_D, control.low_pass_gain_tau(tau, H), H])
+        memory = np.zeros(4)
+        for _ in range(20):
+            controller.filter_impedance(1.0, np.zeros(3), law, memory)
+        self.assertAlmostEqual(memory[0], 1.0 - math.exp(-1.0), places=12)
+
+
+class TestFilters(unittest.TestCase):
+    def test_gain_of_a_cutoff_is_that_of_its_time_constant(self):
+        self.assertAlmostEqual(
+            control.low_pass_gain_cutoff(40.0, H),
+            control.low_pass_gain_tau(1 / (2 * math.pi * 40.0), H),
+            places=15,
+        )
+
+    def test_velocity_estimate_of_a_ramp_becomes_its_slope(self):
+        X, previous, V = np.zeros(6), np.zeros(6), np.zeros(6)
+        for k in range(200):
+            X[:] = 0.3 * k * H
+            control.update_velocity_estimate(X, previous, V, 0.2, H)
+        np.testing.assert_allclose(V, 0.3, rtol=1e-12)
+
+
+class TestInverseDynamics(unittest.TestCase):
+    def setUp(self):
+        self.numbers = pack_bench(BenchScenario())
+
+    def commands(self, virtual, estimate=None):
+        if estimate is None:
+            estimate = np.zeros(19)
+            estimate[12:15], estimate[15] = self.numbers.rest, 1.0
+        u = np.empty(6)
+        good = controller.calc_leg_commands(
+            estimate,
+            np.asarray(virtual, float),
+            self.numbers.inverse_dynamics,
+            self.numbers.p_WB,
+            self.numbers.p_RT,
+            u,
+        )
+        self.assertTrue(good)
+        return u
+
+    def test_at_rest_the_legs_carry_the_weight(self):
+        u = self.commands([0, 0, 0, 0])
+        d = self.numbers.p_RT + self.numbers.rest - self.numbers.p_WB
+        n = d / np.linalg.norm(d, axis=1)[:, None]
+        np.testing.assert_allclose(u @ n, [0, 0, 0.85 * 9.81], atol=1e-12)
+
+    def test_the_task_force_is_equation_six(self):
+        X, V, F = np.zeros(6), np.zeros(6), np.empty(6)
+        X[1], V[1], X[2] = 0.001, 0.02, 0.003
+        control.calc_task_force(
+            X,
+            V,
+            np.array([0.004, 0.05, 0.6]),
+            -3.0,
+            np.full(6, 2.0),
+            8.0,
+            1600.0,
+            80.0,
+            1,
+            F,
+        )
+        y = 2.0 * (0.6 + 80 * (0.05 - 0.02) + 1600 * (0.004 - 0.001)) - 3.0
+        self.assertAlmostEqual(F[1], y, places=12)
+        self.assertAlmostEqual(F[2], -2.0 * 1600 * 0.003 + 8.0, places=12)
+
+    def test_commands_stop_at_the_limit(self):
+        u = self.commands([-1e5, 0, 0, 0])
+        self.assertEqual(np.abs(u).max(), 120.0)
+
+    def test_the_pose_of_the_first_tick_gives_no_velocity(self):
+        numbers, memory = self.numbers, np.zeros(20)
+        memory[0:3], memory[3] = numbers.rest, 1.0
+        p = numbers.rest + np.array([0, 0.001, 0])
+        lengths = np.linalg.norm(numbers.p_RT + p - numbers.p_WB, axis=1)
+        estimate = np.empty(19)
+        self.assertTrue(
+            controller.estimate_pose(
+                lengths,
+                numbers.estimator,
+                numbers.p_WB,
+                numbers.p_RT,
+                memory,
+                estimate,
+            )
+        )
+        np.testing.assert_allclose(
+            estimate[0:12], [0, 0.001, *[0] * 10], atol=1e-12
+        )
+
+
+class TestSolve(unittest.TestCase):
+    def test_it_solves_what_numpy_solves(self):
+        generator = np.random.default_rng(2)
+        A, b = generator.normal(size=(6, 6)), generator.normal(size=6)
+        A[0, 0] = 0.0  # a pivot is needed
+        x = b.copy()
+        self.assertTrue(solve_in_place(A.copy(), x))
+        np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-10)
+
+    def test_a_singular_matrix_is_told(self):
+        self.assertFalse(solve_in_place(np.ones((3, 3)), np.ones(3)))
+
+
+if __name__ == "__main__":
+    unittest.main()
