@@ -72,7 +72,7 @@ class Evaluator:
 
     def __init__(self, twin, prepared: Sequence[PreparedRun], jobs: int):
         self.twin = twin
-        self._coarse_twin = twin.coarse()
+        self._coarse_twin, self._fine_twin = twin.coarse(), twin.finer()
         self.prepared = list(prepared)
         self._pool = ThreadPoolExecutor(max_workers=max(1, jobs))
 
@@ -117,13 +117,16 @@ class Evaluator:
         self,
         points: Sequence[tuple[np.ndarray, Sequence[Use]]],
         coarse: bool = False,
+        fine: bool = False,
     ) -> list[np.ndarray | None]:
         """Weighted residuals of all runs at several points at once.
 
         None where the twin broke down. `coarse` takes the longer plant step
-        of `twin.coarse()`, for differences between points.
+        of `twin.coarse()`, for differences between points, `fine` half the
+        plant step.
         """
         twin = self._coarse_twin if coarse else self.twin
+        twin = self._fine_twin if fine else twin
         tasks = [(p, s, u, twin) for s, u in points for p in self.prepared]
         parts = self.map(self._weighted, tasks)
         size = len(self.prepared)
