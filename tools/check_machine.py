@@ -17,8 +17,8 @@ def problems():
     version = sys.version_info[:2]
     if not (3, 11) <= version <= (3, 14):
         found.append(
-            "Python 3.11 to 3.14 is needed, this is %d.%d; say e.g."
-            " `make demo PYTHON=python3.11`" % version
+            "Python 3.11 to 3.14 is needed, this is {}.{}; say e.g."
+            " `make demo PYTHON=python3.11`".format(*version)
         )
     try:
         import ensurepip  # noqa: F401
@@ -26,7 +26,7 @@ def problems():
     except ImportError:
         found.append(
             "Python's venv module is missing: apt-get install"
-            " python%d.%d-venv" % version
+            " python{}.{}-venv".format(*version)
         )
     if platform.system() == "Linux":
         if platform.machine() not in ("x86_64", "AMD64"):
@@ -36,7 +36,7 @@ def problems():
         for library, package in LIBRARIES.items():
             if ctypes.util.find_library(library) is None:
                 found.append(
-                    "lib%s is missing: apt-get install %s" % (library, package)
+                    f"lib{library} is missing: apt-get install {package}"
                 )
     return found
 

@@ -8,6 +8,10 @@ import importlib.metadata
 import os
 import sys
 
+# Two threads of ours and BLAS's own would fight over the cores; this must be
+# set before numpy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from brace_drake.errors import BraceError
 
 _COMMANDS = ("check", "fit", "diagnose")

@@ -19,10 +19,10 @@ def _law(t, dt, u, l, l_dot, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(n):
         x[(tick % _DEPTH) * _LEGS + k] = u[k]
     # The held command as it was p[0] ago, averaged over this plant step.
-    begin = (t - p[0]) / _PERIOD + 1e-6
+    begin = (t - p[0]) / _PERIOD
     end = begin + dt / _PERIOD
-    first = math.floor(begin)
-    last = math.floor(end - 1e-9)
+    first = math.floor(begin + 1e-6)
+    last = math.floor(end - 1e-6)
     weight = 1.0
     if last > first:
         weight = (last - begin) / (end - begin)

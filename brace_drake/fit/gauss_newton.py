@@ -83,7 +83,7 @@ def bounded_step(
 ) -> np.ndarray:
     """Least-squares step inside the limits and a box of given radius."""
     # The normal equations by QR keep the small problem exact and cheap.
-    q, r = np.linalg.qr(np.column_stack([jacobian, residual]))
+    r = np.linalg.qr(np.column_stack([jacobian, residual]), mode="r")
     triangle, target = r[:-1, :-1], -r[:-1, -1]
     low = np.maximum(lower - z, -radius)
     high = np.minimum(upper - z, radius)

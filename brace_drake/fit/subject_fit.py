@@ -49,12 +49,11 @@ class _Cost:
     """Half the mean square residual with its gradient, in scaled variables.
 
     z = z_0 + L^-T w, with L L' the Gauss-Newton Hessian at z_0, a few
-    Gauss-Newton steps from the start, makes the Hessian in w near the identity,
-    so that a quasi-Newton solver's first step is nearly its last. Sensitivities are forward differences
-    of the compiled twin, all runs and columns in parallel: an AutoDiffXd step
-    of the plant costs 27 times a plain one, and the legs, pads and controller
-    are compiled laws that AutoDiffXd does not reach. The chain from z to the
-    cost is exact.
+    Gauss-Newton steps from the start, makes the Hessian in w near the
+    identity, so that a quasi-Newton solver's first step is nearly its last.
+    Sensitivities are forward differences of the compiled twin, all runs and
+    columns in parallel: the legs, pads and controller are compiled laws that
+    AutoDiffXd does not reach. The chain from w to the cost is exact.
     """
 
     def __init__(self, problem, start, on_evaluation):

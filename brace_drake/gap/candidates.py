@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ _SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
 # Spread at which a search over many alike parameters begins.
 _FIRST_SPREAD = 2.0
 _SCREENING_STEPS = 4
+_STEPS = 8
 # Effects with more parameters than this are screened with one Jacobian.
 _FEW = 4
 
@@ -37,7 +39,7 @@ class CandidateFit:
         excess: Sum of squares above noise, prior rows left out.
         num_free: Parameters added to the subject's.
         spread: Fitted standard deviation of many alike parameters, or None.
-        cost_by_run: Sum of squares of each fit run.
+        excess_by_run: The excess of each fit run.
     """
 
     effects: tuple[Effect, ...]
@@ -48,7 +50,7 @@ class CandidateFit:
     excess: float
     num_free: int
     spread: float | None
-    cost_by_run: np.ndarray
+    excess_by_run: np.ndarray
 
     @property
     def name(self) -> str:
@@ -223,9 +225,10 @@ def _search(
     rows = nominal.solution.first_jacobian[:, :n]
     known = np.vstack([rows, np.zeros((problem.num_prior, n))])
     rounds = 2 if thorough and problem.num_prior else 1
+    batch = problem.batch if thorough else partial(problem.batch, coarse=True)
     for _ in range(rounds):
         solution = solve_gauss_newton(
-            problem.batch,
+            batch,
             z,
             problem.lower,
             problem.upper,
@@ -234,7 +237,7 @@ def _search(
             known=None if thorough else known,
             refresh=None if thorough else range(n, len(z)),
             renew=thorough or len(z) - n <= _FEW,
-            max_iterations=12 if thorough else _SCREENING_STEPS,
+            max_iterations=_STEPS if thorough else _SCREENING_STEPS,
         )
         z = solution.z
         if not problem.num_prior:
@@ -244,7 +247,7 @@ def _search(
         problem.spread *= np.exp(change)
         if abs(change) < 0.05:
             break
-    fit = finish_fit(problem, solution)
+    fit = finish_fit(problem, solution, coarse=not thorough)
     return correct_step(problem, fit) if thorough else fit
 
 
@@ -282,20 +285,23 @@ def _evidence_spread(problem, solution) -> float:
 
 
 def finish_fit(
-    problem: CandidateProblem, solution: LeastSquaresSolution
+    problem: CandidateProblem,
+    solution: LeastSquaresSolution,
+    coarse: bool = False,
 ) -> CandidateFit:
-    """The fit that a search has ended with."""
+    """The fit that a search has ended with; `coarse` as it was evaluated."""
     evaluator = problem.evaluator
     rows = len(solution.residual) - problem.num_prior
     residual = solution.residual[:rows]
     subject, uses = problem.split(solution.z)
-    sizes = np.cumsum(
-        [0] + [len(p.weigh(p.measured)) for p in evaluator.prepared]
-    )
-    cost = np.array(
+    ends = np.cumsum([len(p.weigh(p.measured)) for p in evaluator.prepared])
+    level = evaluator.noise_level(uses, coarse)
+    excess_by_run = np.array(
         [
-            residual[a:b] @ residual[a:b]
-            for a, b in zip(sizes[:-1], sizes[1:], strict=True)
+            part @ part - level * prepared.count
+            for part, prepared in zip(
+                np.split(residual, ends[:-1]), evaluator.prepared, strict=True
+            )
         ]
     )
     spread = None
@@ -307,8 +313,8 @@ def finish_fit(
         tuple(v for _, v in uses),
         replace(solution, residual=residual),
         problem.scales,
-        evaluator.excess(residual, uses),
+        float(excess_by_run.sum()),
         len(problem.scales) - problem.num_subject,
         spread,
-        cost,
+        excess_by_run,
     )

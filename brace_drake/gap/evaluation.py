@@ -13,8 +13,10 @@ from brace_drake.effects.stack import Use
 from brace_drake.errors import BraceError
 from brace_drake.gap.floor import NoiseFloor
 
-# Noisy replays averaged for effects on which noise acts as a dither.
+# Noisy replays averaged for effects on which noise acts as a dither: in a
+# comparison that counts, and in one that only ranks.
 NUM_DITHERS = 3
+_FEW_DITHERS = 1
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ class Evaluator:
         subject: np.ndarray,
         uses: Sequence[Use],
         twin=None,
+        dithers: int = NUM_DITHERS,
     ) -> np.ndarray:
         """The twin's expected recording of a run (N, C)."""
         twin = twin or self.twin
@@ -103,15 +106,9 @@ class Evaluator:
                 uses,
                 np.random.default_rng([prepared.seed, i]),
             )
-            for i in range(NUM_DITHERS)
+            for i in range(dithers)
         ]
         return np.mean(replays, axis=0)
-
-    def residual_of(
-        self, prepared: PreparedRun, subject: np.ndarray, uses: Sequence[Use]
-    ) -> np.ndarray:
-        """Measured minus simulated (N, C)."""
-        return prepared.measured - self.simulate(prepared, subject, uses)
 
     def residuals(
         self,
@@ -122,12 +119,15 @@ class Evaluator:
         """Weighted residuals of all runs at several points at once.
 
         None where the twin broke down. `coarse` takes the longer plant step
-        of `twin.coarse()`, for differences between points, `fine` half the
-        plant step.
+        of `twin.coarse()` and fewer dithers, for differences between points
+        and first rankings; `fine` half the plant step.
         """
         twin = self._coarse_twin if coarse else self.twin
         twin = self._fine_twin if fine else twin
-        tasks = [(p, s, u, twin) for s, u in points for p in self.prepared]
+        dithers = _FEW_DITHERS if coarse else NUM_DITHERS
+        tasks = [
+            (p, s, u, twin, dithers) for s, u in points for p in self.prepared
+        ]
         parts = self.map(self._weighted, tasks)
         size = len(self.prepared)
         chunks = [parts[i : i + size] for i in range(0, len(parts), size)]
@@ -136,20 +136,18 @@ class Evaluator:
             for chunk in chunks
         ]
 
-    def _weighted(self, prepared, subject, uses, twin):
+    def _weighted(self, prepared, subject, uses, twin, dithers):
         try:
-            simulated = self.simulate(prepared, subject, uses, twin)
+            simulated = self.simulate(prepared, subject, uses, twin, dithers)
         except BraceError:
             return None
         return prepared.weigh(prepared.measured - simulated)
 
-    def excess(self, residual: np.ndarray, uses: Sequence[Use]) -> float:
-        """Sum of squares above what noise alone would give.
+    def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
+        """Expected square of a weighted residual of noise alone.
 
-        Averaging over dithers leaves its own share of noise, which is taken
-        off.
+        1, and what averaging over few dithers leaves of theirs.
         """
-        noise = self.count
-        if is_dithered(uses):
-            noise *= 1.0 + 1.0 / NUM_DITHERS
-        return float(residual @ residual) - noise
+        if not is_dithered(uses):
+            return 1.0
+        return 1.0 + 1.0 / (_FEW_DITHERS if coarse else NUM_DITHERS)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.evaluation import NUM_DITHERS, Evaluator, is_dithered
+from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.surrogates import NullDistribution
 
 # An explanation must take away this much of the gap's amplitude.
@@ -129,7 +129,7 @@ def decide(
 def _same_answer(evaluator, nominal, fits, winner, null, seed) -> float:
     """Share of campaigns, resampled by runs, with the same first answer."""
     candidates = [nominal, *fits]
-    cost = np.array([_run_excess(evaluator, f) for f in candidates])
+    cost = np.array([f.excess_by_run for f in candidates])
     counts = np.array([p.count for p in evaluator.prepared], dtype=float)
     generator = np.random.default_rng([seed, 19])
     hits = 0
@@ -143,9 +143,3 @@ def _same_answer(evaluator, nominal, fits, winner, null, seed) -> float:
             answer = "nominal"
         hits += answer == (winner.name if winner else "nominal")
     return (hits + 1.0) / (_RESAMPLES + 2.0)
-
-
-def _run_excess(evaluator, fit):
-    noise = 1.0 + (1.0 / NUM_DITHERS if is_dithered(fit.uses) else 0.0)
-    counts = np.array([p.count for p in evaluator.prepared])
-    return fit.cost_by_run - noise * counts

@@ -1,0 +1,119 @@
+"""Bad input on the command line: one clear line, status 2, nothing written."""
+
+import contextlib
+import io
+import shutil
+import tempfile
+import unittest
+from pathlib import Path
+
+from brace_drake.cli.main import main, make_parser
+from tests.shared_data import EXAMPLE
+
+
+def run(*arguments):
+    """Status and standard error of a command."""
+    errors = io.StringIO()
+    with (
+        contextlib.redirect_stderr(errors),
+        contextlib.redirect_stdout(io.StringIO()),
+    ):
+        status = main([str(a) for a in arguments])
+    return status, errors.getvalue()
+
+
+class TestBadInput(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.campaign = self.folder / "campaign"
+        self.out = self.folder / "out"
+        shutil.copytree(EXAMPLE, self.campaign)
+
+    def assert_refused(self, *words):
+        for command in ("diagnose", "fit"):
+            status, errors = run(command, self.campaign, "--out", self.out)
+            self.assertEqual(status, 2, errors)
+            self.assertEqual(len(errors.strip().splitlines()), 1, errors)
+            self.assertNotIn("Traceback", errors)
+            for word in words:
+                self.assertIn(word, errors)
+            self.assertFalse(self.out.exists())
+
+    def test_a_folder_that_is_not_there(self):
+        shutil.rmtree(self.campaign)
+        self.assert_refused("campaign")
+
+    def test_an_empty_folder(self):
+        shutil.rmtree(self.campaign)
+        self.campaign.mkdir()
+        self.assert_refused("campaign.yaml")
+
+    def test_an_unreadable_yaml(self):
+        (self.campaign / "campaign.yaml").write_text("format: [a\n")
+        self.assert_refused("campaign.yaml")
+
+    def test_a_wrong_format(self):
+        path = self.campaign / "campaign.yaml"
+        path.write_text(path.read_text().replace("campaign/1", "campaign/9"))
+        self.assert_refused("brace-campaign/9", "brace-campaign/1")
+
+    def test_a_file_cut_in_the_middle(self):
+        path = self.campaign / "push.csv"
+        path.write_bytes(path.read_bytes()[:100_000])
+        self.assert_refused("push.csv", "row")
+
+    def test_a_missing_column(self):
+        path = self.campaign / "push.csv"
+        text = path.read_text()
+        path.write_text(text.replace("leg1_length_m", "leg1_length_mm", 1))
+        self.assert_refused("push.csv", "leg1_length_m")
+
+    def test_a_nan(self):
+        path = self.campaign / "push.csv"
+        lines = path.read_text().splitlines()
+        fields = lines[12].split(",")
+        fields[3] = "nan"
+        lines[12] = ",".join(fields)
+        path.write_text("\n".join(lines) + "\n")
+        self.assert_refused("push.csv", "row 12", "leg3_force_command_N")
+
+    def test_a_device_that_has_no_twin_yet(self):
+        path = self.campaign / "campaign.yaml"
+        path.write_text(path.read_text().replace("bench stage 2", "gantry"))
+        self.assert_refused("gantry")
+
+    def test_a_place_that_cannot_be_written(self):
+        place = self.folder / "file"
+        place.write_text("")
+        for command in ("diagnose", "fit"):
+            status, errors = run(command, self.campaign, "--out", place / "out")
+            self.assertEqual(status, 2)
+            self.assertIn("cannot write", errors)
+            self.assertEqual(len(errors.strip().splitlines()), 1)
+
+    def test_a_scenario_that_is_not_there(self):
+        status, errors = run(
+            "diagnose",
+            self.campaign,
+            "--out",
+            self.out,
+            "--scenario",
+            self.folder / "no.yaml",
+        )
+        self.assertEqual(status, 2)
+        self.assertIn("no.yaml", errors)
+
+
+class TestHelp(unittest.TestCase):
+    def test_every_command_has_an_example(self):
+        parser = make_parser()
+        for action in parser._subparsers._group_actions:
+            for name, command in action.choices.items():
+                with self.subTest(command=name):
+                    self.assertIn("example", command.format_help())
+
+
+if __name__ == "__main__":
+    unittest.main()

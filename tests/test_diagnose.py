@@ -1,0 +1,136 @@
+"""The whole way from a recording to diagnosis.json, fit.json and report."""
+
+import json
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.campaign import LoadCampaign
+from brace_drake.cli.main import main
+from brace_drake.effects.registry import find_effect
+from brace_drake.gap.diagnose import diagnose
+from brace_drake.gap.document import MakeDocument
+from tests.shared_data import EXAMPLE, SHARED, needs_shared
+
+# tests/data/README.md: what the example was recorded with.
+ARM, TIME = 3928.77, 1.74706
+TRUTH = {
+    "contact_stiffness_N_m": 0.935663 * 6400.0,
+    "contact_damping_N_s_m": 0.973756 * 150.0,
+    "posture_stiffness_y_N_m": 0.925677 * 1800.0,
+    "posture_damping_y_N_s_m": 0.975008 * 220.0,
+    "torso_mass_kg": 1.130869 * 40.0,
+    "preload_m": 0.988942e-3,
+}
+
+
+class TestExample(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.out = Path(cls.folder.name) / "out"
+        cls.code = main(["diagnose", str(EXAMPLE), "--out", str(cls.out)])
+        cls.document = json.loads((cls.out / "diagnosis.json").read_text())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_the_command_ends_well_and_leaves_two_files_only(self):
+        self.assertEqual(self.code, 0)
+        names = sorted(p.name for p in self.out.iterdir())
+        self.assertEqual(names, ["diagnosis.json", "report.html"])
+
+    def test_the_relaxing_tissue_is_named_and_placed(self):
+        verdict = self.document["verdict"]
+        self.assertTrue(verdict["gap"])
+        self.assertEqual(verdict["effects"], ["relaxation"])
+        self.assertEqual(verdict["blocks"], ["contact"])
+        self.assertFalse(verdict["outside_library"])
+        self.assertGreater(verdict["probability"], 0.9)
+
+    def test_its_parameters_are_those_of_the_recording(self):
+        found = {
+            p["name"]: p["value"]
+            for p in self.document["causes"][0]["parameters"]
+        }
+        self.assertAlmostEqual(found["arm_stiffness_N_m"] / ARM, 1, delta=0.2)
+        self.assertAlmostEqual(found["relaxation_time_s"] / TIME, 1, delta=0.2)
+
+    def test_the_subject_is_found_beside_the_effect(self):
+        for p in self.document["subject"]["parameters"]:
+            with self.subTest(parameter=p["name"]):
+                # Four standard errors: the fit runs are few, the test is one.
+                self.assertAlmostEqual(
+                    p["value"],
+                    TRUTH[p["name"]],
+                    delta=4.0 * p["standard_error"],
+                )
+
+    def test_the_gap_closes_on_the_validation_run(self):
+        shrink = self.document["shrink"]
+        self.assertGreater(shrink["closed"], 0.85)
+        low, high = shrink["closed_interval"]
+        self.assertLess(low, shrink["closed"])
+        self.assertGreater(high, shrink["closed"])
+        self.assertGreater(shrink["before"], 1.5)
+
+    def test_shares_of_each_budget_add_up(self):
+        for name in ("channels", "phases", "bands", "blocks"):
+            shares = [row["share"] for row in self.document["where"][name]]
+            with self.subTest(budget=name):
+                self.assertAlmostEqual(sum(shares), 1.0, places=6)
+
+    def test_the_controller_which_is_exact_is_acquitted(self):
+        rows = {r["block"]: r for r in self.document["where"]["blocks"]}
+        self.assertTrue(rows["controller"]["acquitted"])
+        self.assertFalse(rows["contact"]["acquitted"])
+
+    def test_the_report_shows_the_verdict(self):
+        page = (self.out / "report.html").read_text()
+        self.assertIn(find_effect("relaxation").title, page)
+
+
+class TestFit(unittest.TestCase):
+    def test_a_fit_needs_no_more_than_the_recording(self):
+        with tempfile.TemporaryDirectory() as folder:
+            code = main(["fit", str(EXAMPLE), "--out", folder])
+            document = json.loads((Path(folder) / "fit.json").read_text())
+        self.assertEqual(code, 0)
+        self.assertEqual(len(document["parameters"]), 6)
+        correlation = np.array(document["correlation"])
+        np.testing.assert_allclose(np.diag(correlation), 1.0)
+        # The network's stiffness is a start within a fifth of the truth.
+        starts = {s["run"]: s for s in document["contact_starts"]}
+        truth = TRUTH["contact_stiffness_N_m"]
+        self.assertAlmostEqual(
+            starts["push"]["stiffness"] / (truth + ARM), 1.0, delta=0.4
+        )
+
+
+class TestRealDrive(unittest.TestCase):
+    @needs_shared("real/emps")
+    def test_the_published_friction_of_a_real_drive_is_found(self):
+        campaign = LoadCampaign(SHARED / "real" / "emps")
+        document = MakeDocument(diagnose(campaign))
+        self.assertEqual(document["verdict"]["effects"], ["coulomb_friction"])
+        subject = {
+            p["name"]: p["value"] for p in document["subject"]["parameters"]
+        }
+        (coulomb,) = document["causes"][0]["parameters"]
+        published = (
+            (subject["mass_kg"], 95.11),
+            (subject["viscous_N_s_m"], 203.5),
+            (coulomb["value"], 20.39),
+        )
+        for found, expected in published:
+            self.assertAlmostEqual(found / expected, 1.0, delta=0.03)
+        force = document["shrink"]["force_error_N"]
+        self.assertLess(force["after"] / force["signal"], 0.065)
+        self.assertGreater(force["before"] / force["signal"], 0.10)
+
+
+if __name__ == "__main__":
+    unittest.main()

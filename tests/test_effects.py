@@ -1,0 +1,164 @@
+"""Every card of the library, and each law against its closed form."""
+
+import unittest
+
+import numpy as np
+
+from brace_drake.effects.identifiers import IDENTIFIERS
+from brace_drake.effects.registry import all_effects, effects_for, find_effect
+from brace_drake.effects.stack import stack_effects
+from brace_drake.errors import EffectError
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.twin.bench_rollout import Motion
+from brace_drake.twin.bench_twin import BenchTwin
+
+
+def push(duration=2.0, depth=-0.004):
+    """A smooth push and its derivatives at 1 kHz (ticks, 3)."""
+    t = np.arange(round(duration * 1000) + 1) / 1000.0
+    s, w = np.sin(np.pi * t / duration), np.pi / duration
+    c = np.cos(np.pi * t / duration)
+    y = depth * s**2
+    return np.column_stack(
+        [y, 2 * depth * w * s * c, 2 * depth * w**2 * (c**2 - s**2)]
+    )
+
+
+class TestCards(unittest.TestCase):
+    def test_every_card_has_source_equation_signature_and_experiment(self):
+        for name, card in all_effects().items():
+            with self.subTest(effect=name):
+                for text in (
+                    card.source,
+                    card.equation,
+                    card.signature,
+                    card.experiment,
+                    card.title,
+                ):
+                    self.assertGreater(len(text), 8)
+                self.assertTrue(card.impostors)
+                self.assertIn(name, IDENTIFIERS)
+
+    def test_every_start_lies_within_its_limits(self):
+        for name, card in all_effects().items():
+            for p in card.parameters:
+                for start in p.starts:
+                    with self.subTest(effect=name, parameter=p.name):
+                        self.assertLessEqual(p.lower, start)
+                        self.assertLess(start, p.upper)
+
+    def test_an_unknown_effect_is_answered_with_the_closest_name(self):
+        with self.assertRaisesRegex(EffectError, "'coulomb_friction'"):
+            find_effect("coulomb_frictoin")
+
+    def test_a_value_outside_its_limits_is_refused_by_name(self):
+        card = find_effect("command_delay")
+        with self.assertRaisesRegex(EffectError, r"delay_s is 1, allowed 0"):
+            card.vector({"delay_s": 1.0})
+
+    def test_more_effects_than_the_twin_carries_are_refused(self):
+        card = find_effect("force_bias")
+        with self.assertRaisesRegex(EffectError, "at most 2"):
+            stack_effects([(card, np.zeros(1))] * 3)
+
+
+class TestAllEffects(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.twin = BenchTwin(BenchScenario(), 5e-4)
+        cls.motion = Motion(push(), True)
+        cls.subject = np.array([p.nominal for p in cls.twin.subject])
+        cls.nominal = cls.twin.simulate(cls.motion, cls.subject)
+
+    def test_zero_strength_changes_nothing(self):
+        for name, card in effects_for("bench stage 2").items():
+            values = np.array([p.starts[0] for p in card.parameters])
+            values[0] = 0.0
+            if card.spread is not None:
+                values[:] = 0.0
+            with self.subTest(effect=name):
+                log = self.twin.simulate(
+                    self.motion, self.subject, [(card, values)]
+                )
+                np.testing.assert_allclose(log, self.nominal, atol=1e-9)
+
+    def test_every_effect_at_its_start_changes_the_recording(self):
+        for name, card in effects_for("bench stage 2").items():
+            values = np.array([p.starts[-1] or 1e-3 for p in card.parameters])
+            with self.subTest(effect=name):
+                log = self.twin.simulate(
+                    self.motion, self.subject, [(card, values)]
+                )
+                self.assertTrue(np.all(np.isfinite(log)))
+                self.assertGreater(np.abs(log - self.nominal).max(), 1e-6)
+
+    def test_the_same_noise_seed_gives_the_same_recording(self):
+        for name, card in effects_for("bench stage 2").items():
+            values = np.array([p.starts[0] for p in card.parameters])
+            with self.subTest(effect=name):
+                first, second = (
+                    self.twin.simulate(
+                        self.motion,
+                        self.subject,
+                        [(card, values)],
+                        np.random.default_rng(5),
+                    )
+                    for _ in range(2)
+                )
+                np.testing.assert_array_equal(first, second)
+
+
+class TestLaws(unittest.TestCase):
+    def test_sliding_friction_is_the_coulomb_force_against_the_motion(self):
+        law = find_effect("coulomb_friction").laws["drive"]
+        f, x, p = np.zeros(1), np.zeros(6), np.array([1.5])
+        for _ in range(2000):
+            f[0] = 0.0
+            law(0.0, 2e-4, f, f, np.array([-0.01]), f, p, x)
+        self.assertAlmostEqual(f[0], 1.5, places=6)
+
+    def test_a_delayed_command_arrives_after_its_dead_time(self):
+        law = find_effect("command_delay").laws["drive"]
+        dt, delay = 2.5e-4, 3.5e-3
+        x, p, rate = np.zeros(64 * 6), np.array([delay]), np.zeros(6)
+        seen = []
+        for step in range(80):
+            t = step * dt
+            tick = int(np.floor(t / 1e-3 + 1e-6))
+            u = np.full(6, float(tick + 1))
+            f = u.copy()
+            law(t, dt, u, rate, rate, f, p, x)
+            seen.append(f[0])
+        # At 10 ms the command of 6.5 ms is in force, that of tick 6.
+        self.assertAlmostEqual(seen[40], 7.0, places=9)
+        self.assertEqual(seen[0], 0.0)
+
+    def test_an_arm_under_constant_speed_relaxes_exponentially(self):
+        law = find_effect("relaxation").laws["contact"]
+        k, tau, dt, v = 2000.0, 0.5, 1e-3, 0.01
+        x, p, N = np.zeros(2), np.array([k, tau]), np.zeros(1)
+        for _ in range(701):
+            N[0] = 0.0
+            law(0.0, dt, 0, np.array([0.001, v]), np.zeros(6), N, p, x)
+        exact = k * tau * v * (1.0 - np.exp(-0.7 / tau))
+        self.assertAlmostEqual(N[0], exact, places=9)
+
+    def test_a_scaled_and_biased_force_is_read_as_such(self):
+        F = np.array([1.0, -2.0, 3.0])
+        none = np.zeros(6)
+        args = (0.0, 1e-3, none, none, F)
+        scale, bias = find_effect("force_scale"), find_effect("force_bias")
+        scale.laws["sensing"](*args, np.array([0.1]), none)
+        bias.laws["sensing"](*args, np.array([0.5]), none)
+        np.testing.assert_allclose(F, [1.1, -1.7, 3.3])
+
+    def test_hardening_is_cubic_in_the_depth(self):
+        law = find_effect("hardening").laws["contact"]
+        N = np.zeros(1)
+        d = np.array([0.002, 0.0])
+        law(0.0, 1e-3, 0, d, np.zeros(6), N, np.array([1e9]), np.zeros(1))
+        self.assertAlmostEqual(N[0], 8.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,64 @@
+"""Noise floor and weights against noise of known spectrum."""
+
+import unittest
+
+import numpy as np
+
+from brace_drake.gap.floor import (
+    estimate_floor,
+    repeat_ratio,
+    written_quantum,
+)
+
+
+def coloured(generator, count, samples=2000):
+    """White noise of 0.5 and a slow random walk with known variance."""
+    white = 0.5 * generator.standard_normal((count, samples, 1))
+    slow = generator.standard_normal((count, samples, 1))
+    for i in range(1, samples):
+        slow[:, i] = 0.95 * slow[:, i - 1] + np.sqrt(1 - 0.95**2) * slow[:, i]
+    return np.concatenate([white, slow], axis=2)
+
+
+class TestFloor(unittest.TestCase):
+    def setUp(self):
+        self.generator = np.random.default_rng(4)
+        noise = coloured(self.generator, 40)
+        self.floor = estimate_floor(noise, 200.0, np.zeros(2))
+
+    def test_weighted_noise_has_unit_variance_in_every_channel(self):
+        weights = self.floor.weights(2000, 200.0)
+        fresh = coloured(self.generator, 20)
+        transform = np.fft.rfft(fresh, axis=1) * weights
+        energy = (np.abs(transform) ** 2).sum(axis=1).mean(axis=0)
+        np.testing.assert_allclose(energy / 2000.0, 1.0, atol=0.03)
+
+    def test_the_root_mean_square_is_that_of_the_noise(self):
+        np.testing.assert_allclose(self.floor.rms, [0.5, 1.0], rtol=0.05)
+
+    def test_a_repeat_of_doubled_noise_shows_four_times_the_variance(self):
+        first, second = 2.0 * coloured(self.generator, 2)
+        ratio = repeat_ratio(first - second, self.floor, 200.0)
+        np.testing.assert_allclose(ratio, 4.0, rtol=0.25)
+
+    def test_a_slow_motion_that_did_not_repeat_leaves_the_ratio_alone(self):
+        first, second = coloured(self.generator, 2)
+        t = np.arange(2000)[:, None] / 200.0
+        drift = 50.0 * np.sin(2 * np.pi * 0.3 * t)
+        ratio = repeat_ratio(first - second + drift, self.floor, 200.0)
+        np.testing.assert_allclose(ratio, 1.0, atol=0.3)
+
+    def test_the_step_of_written_decimals_is_found(self):
+        values = self.generator.standard_normal((500, 2))
+        written = np.column_stack([values[:, 0].round(3), values[:, 1]])
+        quantum = written_quantum(written, values)
+        self.assertEqual(quantum[0], 1e-3)
+        self.assertLess(quantum[1], 1e-9)
+
+    def test_rounding_that_the_simulation_has_too_is_not_counted_twice(self):
+        values = self.generator.standard_normal((500, 1)).round(3)
+        self.assertEqual(written_quantum(values, values)[0], 0.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

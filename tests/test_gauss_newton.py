@@ -1,0 +1,79 @@
+"""The bounded Gauss-Newton search on problems with known answers."""
+
+import unittest
+
+import numpy as np
+
+from brace_drake.fit.gauss_newton import solve_gauss_newton
+
+T = np.linspace(0.0, 3.0, 60)
+
+
+def batch_of(data):
+    def batch(points, coarse=False):
+        return [data - z[0] * np.exp(-z[1] * T) for z in points]
+
+    return batch
+
+
+def solve(batch, start, lower, upper, **options):
+    n = len(start)
+    return solve_gauss_newton(
+        batch,
+        np.array(start),
+        np.array(lower),
+        np.array(upper),
+        np.full(n, 1e-6),
+        np.full(n, 1.0),
+        tolerance=1e-12,
+        max_iterations=40,
+        **options,
+    )
+
+
+class TestGaussNewton(unittest.TestCase):
+    def test_the_parameters_of_an_exponential_are_recovered(self):
+        data = 2.0 * np.exp(-0.7 * T)
+        found = solve(batch_of(data), [1.0, 1.5], [0, 0], [9, 9])
+        np.testing.assert_allclose(found.z, [2.0, 0.7], atol=1e-6)
+
+    def test_a_limit_is_kept_and_the_rest_is_optimal_given_it(self):
+        data = 2.0 * np.exp(-0.7 * T)
+        found = solve(batch_of(data), [1.0, 0.3], [0, 0], [9, 0.5])
+        basis = np.exp(-0.5 * T)
+        self.assertAlmostEqual(found.z[1], 0.5)
+        self.assertAlmostEqual(
+            found.z[0], basis @ data / (basis @ basis), places=5
+        )
+
+    def test_kept_columns_lead_to_the_same_answer(self):
+        data = 2.0 * np.exp(-0.7 * T)
+        batch = batch_of(data)
+        full = solve(batch, [1.8, 0.8], [0, 0], [9, 9])
+        known = full.first_jacobian[:, :1]
+        kept = solve(
+            batch, [1.8, 0.8], [0, 0], [9, 9], known=known, refresh=[1]
+        )
+        np.testing.assert_allclose(kept.z, full.z, atol=1e-5)
+
+    def test_a_point_that_fails_is_stepped_back_from(self):
+        data = 2.0 * np.exp(-0.7 * T)
+        plain = batch_of(data)
+
+        def fragile(points, coarse=False):
+            found = plain(points)
+            return [
+                None if z[1] < 0.6 else r
+                for z, r in zip(points, found, strict=True)
+            ]
+
+        found = solve(fragile, [1.0, 2.5], [0, 0], [9, 9])
+        np.testing.assert_allclose(found.z, [2.0, 0.7], atol=1e-5)
+
+    def test_a_start_that_fails_is_an_error(self):
+        with self.assertRaises(ValueError):
+            solve(lambda p, coarse=False: [None] * len(p), [1.0], [0], [9])
+
+
+if __name__ == "__main__":
+    unittest.main()

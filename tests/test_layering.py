@@ -1,0 +1,69 @@
+"""Imports point one way: each layer knows only those above it."""
+
+import ast
+import unittest
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[1] / "brace_drake"
+
+# Upper rows know nothing of lower ones; a row's members may know each other.
+LAYERS = (
+    ("errors", "resources"),
+    ("output", "laws", "campaign"),
+    ("effects",),
+    ("scenario",),
+    ("systems", "plant", "twin"),
+    ("station", "leg_station", "simulate", "contact_mapping"),
+    ("gap", "fit"),
+    ("report",),
+    ("cli",),
+)
+LEVEL = {name: i for i, row in enumerate(LAYERS) for name in row}
+# The report reads cards; traces of a diagnosis are made in its form.
+ALLOWED = {("gap", "report")}
+
+
+def imports(path):
+    """Top-level parts of the package that a file imports."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        names = []
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [node.module]
+            if node.module == "brace_drake":
+                names = [f"brace_drake.{a.name}" for a in node.names]
+        elif isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        for name in names:
+            parts = name.split(".")
+            if parts[0] == "brace_drake" and len(parts) > 1:
+                yield parts[1]
+
+
+class TestLayering(unittest.TestCase):
+    def test_no_import_points_downwards(self):
+        for path in PACKAGE.rglob("*.py"):
+            part = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+            if part == "__init__":
+                continue
+            for imported in imports(path):
+                arrow = (part, imported)
+                if imported == part or arrow in ALLOWED:
+                    continue
+                with self.subTest(file=str(path.name), imports=imported):
+                    self.assertLessEqual(LEVEL[imported], LEVEL[part])
+
+    def test_every_part_has_its_place(self):
+        parts = {
+            p.relative_to(PACKAGE).parts[0].removesuffix(".py")
+            for p in PACKAGE.rglob("*.py")
+        }
+        self.assertEqual(parts - {"__init__"}, set(LEVEL))
+
+    def test_modules_are_of_readable_length(self):
+        for path in PACKAGE.rglob("*.py"):
+            with self.subTest(file=str(path.relative_to(PACKAGE))):
+                self.assertLessEqual(len(path.read_text().splitlines()), 340)
+
+
+if __name__ == "__main__":
+    unittest.main()
