@@ -48,7 +48,7 @@ class TestBadInput(unittest.TestCase):
     def test_an_empty_folder(self):
         shutil.rmtree(self.campaign)
         self.campaign.mkdir()
-        self.assert_refused("campaign.yaml")
+        self.assert_refused("empty")
 
     def test_an_unreadable_yaml(self):
         (self.campaign / "campaign.yaml").write_text("format: [a\n")

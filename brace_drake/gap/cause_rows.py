@@ -1,0 +1,105 @@
+"""The ranked causes of a diagnosis as rows of its document."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brace_drake.effects.card import Effect
+from brace_drake.gap import verdict
+from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.gap.uncertainty import EstimateTable, ParameterEstimate
+
+
+def cause_rows(d: Diagnosis) -> list[dict]:
+    """Every candidate, best first, with its parameters and the decision."""
+    rows = []
+    winner = d.verdict.winner
+    for fit in sorted(d.fits, key=lambda f: f.excess):
+        is_winner = winner is not None and fit.name == winner.name
+        estimates = d.table if is_winner else None
+        rows.append(
+            {
+                "effect": fit.name,
+                "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
+                "title": " and ".join(e.title for e in fit.effects),
+                "excess": verdict.misfit(d.evaluator, fit),
+                "explained": max(
+                    0.0,
+                    verdict.closed_amplitude(d.evaluator, d.nominal, fit),
+                ),
+                "converged": fit.name in d.refined,
+                "identifiable": fit.name not in d.verdict.ambiguous_with,
+                "decision": _decision(d, fit, is_winner),
+                "parameters": effect_parameters(fit, estimates),
+            }
+        )
+    return rows
+
+
+def _decision(d: Diagnosis, fit, is_winner: bool) -> str:
+    if is_winner:
+        return "explains the gap"
+    if not d.verdict.gap:
+        return "no gap to explain"
+    if fit.name in d.verdict.ambiguous_with:
+        return "as good as the first on these data"
+    gain = verdict.gain(d.evaluator, d.nominal, fit)
+    if gain <= d.null.gain_threshold:
+        return "gains no more than noise would"
+    rest = 1.0 + max(0.0, verdict.misfit(d.evaluator, fit))
+    return f"leaves {np.sqrt(rest):.1f} times the floor on the fit runs"
+
+
+def effect_parameters(fit, table: EstimateTable | None) -> list[dict]:
+    """Fitted parameters of a candidate; with intervals where `table` is."""
+    rows, at = [], len(fit.subject)
+    for effect, values in fit.uses:
+        size = len(effect.parameters)
+        known = table.parameters[at : at + size] if table else None
+        if effect.spread is not None:
+            rows.append(_spread_row(effect, fit.spread, size))
+        elif known:
+            rows += [estimate_row(p) for p in known]
+        else:
+            rows += [
+                {
+                    "name": p.name,
+                    "unit": p.unit,
+                    "value": float(v),
+                    "standard_error": None,
+                    "lower95": None,
+                    "upper95": None,
+                    "at_limit": bool(v <= p.lower or v >= p.upper),
+                }
+                for p, v in zip(effect.parameters, values, strict=True)
+            ]
+        at += size
+    return rows
+
+
+def _spread_row(effect: Effect, spread: float, count: int) -> dict:
+    """A standard deviation estimated from `count` draws."""
+    name, unit = effect.spread
+    error = spread / np.sqrt(2.0 * count)
+    return {
+        "name": name,
+        "unit": unit,
+        "value": spread,
+        "standard_error": error,
+        "lower95": spread - 1.96 * error,
+        "upper95": spread + 1.96 * error,
+        "at_limit": False,
+    }
+
+
+def estimate_row(p: ParameterEstimate) -> dict:
+    """One estimate in plain types."""
+    return {
+        "name": p.name,
+        "unit": p.unit,
+        "value": p.value,
+        "standard_error": p.standard_error,
+        "lower95": p.lower95,
+        "upper95": p.upper95,
+        "at_limit": p.at_limit,
+    }

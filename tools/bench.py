@@ -1,0 +1,102 @@
+"""Times what must be fast and prints one table, with ratios of one run.
+
+    python tools/bench.py [--campaign FOLDER] [--quick]
+"""
+
+import argparse
+import os
+import time
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np  # noqa: E402
+from pydrake.multibody.plant import MultibodyPlant  # noqa: E402
+from pydrake.systems.analysis import Simulator  # noqa: E402
+from pydrake.systems.framework import DiagramBuilder  # noqa: E402
+
+from brace_drake.campaign import LoadCampaign  # noqa: E402
+from brace_drake.fit.campaign_fit import fit_campaign  # noqa: E402
+from brace_drake.gap.diagnose import diagnose  # noqa: E402
+from brace_drake.plant import AddBenchBodies  # noqa: E402
+from brace_drake.scenario.bench import BenchScenario  # noqa: E402
+from brace_drake.simulate import SimulateBench  # noqa: E402
+from brace_drake.station import MakeBenchStation  # noqa: E402
+from brace_drake.twin.bench_twin import BenchTwin  # noqa: E402
+from brace_drake.twin.reference import (  # noqa: E402
+    MakeReference,
+    reference_of_run,
+)
+
+EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
+DURATION = 12.0
+
+
+def best_of(count, function):
+    """Shortest of several timings, s."""
+    times = []
+    for _ in range(count):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def bare_plant(step):
+    """Time of two floating bodies without forces over a run, s."""
+    builder = DiagramBuilder()
+    plant = builder.AddSystem(MultibodyPlant(step))
+    scenario = BenchScenario()
+    scenario.gravity = 0.0
+    AddBenchBodies(plant, scenario)
+    plant.SetUseSampledOutputPorts(False)
+    plant.Finalize()
+    diagram = builder.Build()
+    return best_of(3, lambda: Simulator(diagram).AdvanceTo(DURATION))
+
+
+def closed_loop(run, step):
+    """Times of the Drake diagram and of the compiled rollout, s."""
+    scenario = BenchScenario()
+    scenario.time_step = step
+    reference = MakeReference(*reference_of_run(run))
+    station = MakeBenchStation(scenario, reference)
+    end = run.time_s[-1] - run.time_s[0]
+    SimulateBench(station, 0.1)
+    diagram = best_of(3, lambda: SimulateBench(station, end))
+    twin = BenchTwin(scenario)
+    subject = np.array([p.nominal for p in twin.subject])
+    motion = twin.motion(run)
+    rollout = best_of(5, lambda: twin.simulate(motion, subject))
+    return diagram, rollout
+
+
+def main():
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--campaign", default=str(EXAMPLE))
+    parser.add_argument("--quick", action="store_true", help="runs only")
+    args = parser.parse_args()
+    campaign = LoadCampaign(args.campaign)
+    run = next(r for r in campaign.runs if r.contact and r.motion == "push")
+    print(f"{'what':44} {'s':>8} {'x bare plant':>13}")
+    for step in (5e-4, 2e-4):
+        bare = bare_plant(step)
+        diagram, rollout = closed_loop(run, step)
+        for name, value in (
+            ("bare plant", bare),
+            ("closed loop, Drake diagram", diagram),
+            ("closed loop, compiled rollout", rollout),
+        ):
+            label = f"{name}, 12 s at {1e3 * step:g} ms"
+            print(f"{label:44} {value:8.3f} {value / bare:13.2f}")
+    if args.quick:
+        return
+    jobs = os.cpu_count() or 1
+    for name, function in (("fit", fit_campaign), ("diagnose", diagnose)):
+        label = f"{name} of {campaign.name}, {jobs} threads"
+        print(f"{label:44} {best_of(1, lambda f=function: f(campaign)):8.1f}")
+
+
+if __name__ == "__main__":
+    main()
