@@ -130,7 +130,8 @@ def _try_causes(evaluator, nominal, seed, say):
         leader = min(fits, key=lambda f: f.excess)
         pairs = []
         for i, effect in enumerate(cards):
-            if effect.name == leader.name:
+            if effect.name == leader.name or effect.spread is not None:
+                # With dozens of parameters beside it any effect looks right.
                 continue
             say(f"pair with {effect.name}", 0.6 + 0.2 * i / len(cards))
             pair = _attempt(
