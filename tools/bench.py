@@ -1,6 +1,6 @@
 """Times what must be fast and prints one table, with ratios of one run.
 
-    python tools/bench.py [--campaign FOLDER] [--quick]
+python tools/bench.py [--campaign FOLDER] [--quick]
 """
 
 import argparse
@@ -10,20 +10,20 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import numpy as np  # noqa: E402
-from pydrake.multibody.plant import MultibodyPlant  # noqa: E402
-from pydrake.systems.analysis import Simulator  # noqa: E402
-from pydrake.systems.framework import DiagramBuilder  # noqa: E402
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.campaign import LoadCampaign  # noqa: E402
-from brace_drake.fit.campaign_fit import fit_campaign  # noqa: E402
-from brace_drake.gap.diagnose import diagnose  # noqa: E402
-from brace_drake.plant import AddBenchBodies  # noqa: E402
-from brace_drake.scenario.bench import BenchScenario  # noqa: E402
-from brace_drake.simulate import SimulateBench  # noqa: E402
-from brace_drake.station import MakeBenchStation  # noqa: E402
-from brace_drake.twin.bench_twin import BenchTwin  # noqa: E402
-from brace_drake.twin.reference import (  # noqa: E402
+from brace_drake.campaign import LoadCampaign
+from brace_drake.fit.campaign_fit import fit_campaign
+from brace_drake.gap.diagnose import diagnose
+from brace_drake.plant import AddBenchBodies
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.simulate import SimulateBench
+from brace_drake.station import MakeBenchStation
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.reference import (
     MakeReference,
     reference_of_run,
 )

@@ -21,7 +21,7 @@ from brace_drake.gap.uncertainty import EstimateTable, estimate_table
 from brace_drake.gap.verdict import Verdict, decide, explains, has_gap
 
 # A rival whose screening leaves this many times the leader's rest is out.
-_CONTENDER = 4.0
+_CONTENDER = 1.5
 _MAX_CONTENDERS = 2
 
 Progress = Callable[[str, float], None]

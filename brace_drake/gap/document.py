@@ -155,7 +155,7 @@ def _receipt(d: Diagnosis) -> dict:
         "misfit_threshold": d.null.misfit_threshold,
         "gain_threshold": d.null.gain_threshold,
         "integration_error": d.null.numerical,
-        "smallest_explained_share": verdict.MAJOR,
+        "smallest_explained_share": verdict.smallest_share(d.evaluator),
         "probability_is": "share of campaigns, resampled by runs, with the"
         " same answer; not yet calibrated on withheld effects",
         "versions": {p: importlib.metadata.version(p) for p in packages},

@@ -30,9 +30,12 @@ class BenchTwin:
     Attributes:
         channels: Names of the columns of what `simulate` returns.
         subject: Parameters to be estimated for every subject.
+        instruments_known: Whether noise and numbers are given by a data
+            sheet, not taken from the recording itself.
     """
 
     channels = CHANNELS
+    instruments_known = True
 
     def __init__(self, scenario: BenchScenario, time_step: float | None = None):
         self.scenario = scenario

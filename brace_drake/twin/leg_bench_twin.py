@@ -121,6 +121,7 @@ class LegBenchTwin:
 
     channels = CHANNELS
     device = DEVICE
+    instruments_known = False
 
     def __init__(
         self, scenario: LegBenchScenario, time_step: float | None = None
