@@ -55,7 +55,8 @@ def make_campaign(seconds: float = 4.0, uses=(), noise: float = 2e-8):
     ):
         desired = a * (1.0 - np.cos(2.0 * np.pi * f * time))
         desired += 0.002 * (1.0 - np.cos(2.0 * np.pi * 3.1 * time))
-        twin = LegBenchTwin(scenario)
+        # At half the twin's plant step, to which fits are corrected.
+        twin = LegBenchTwin(scenario).finer()
         log = twin.simulate(
             make_motion(desired, ticks=len(time)),
             SUBJECT,

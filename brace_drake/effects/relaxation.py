@@ -8,19 +8,19 @@ from brace_drake.laws.hooks import plug
 
 @plug("contact")
 def _law(t, dt, pad, d, law, N, p, x):
-    # x[pad]: force of the Maxwell arm, zero where the run starts.
-    arm = x[pad]
-    N[0] += arm
-    decay = math.exp(-dt / p[1])
-    x[pad] = decay * arm + p[0] * p[1] * (1.0 - decay) * d[1]
+    # x[pad]: creep of the tissue, 0 where the run starts: the brace has just
+    # been put on, and the arm carries its part of the preload.
+    depth = max(d[0], 0.0)
+    N[0] += p[0] * (depth - x[pad])
+    x[pad] += (1.0 - math.exp(-dt / p[1])) * (depth - x[pad])
 
 
 CARD = Effect(
     name="relaxation",
     block="contact",
     title="viscoelastic relaxation of the tissue under the pads",
-    equation="N = k d + c d' + q, q' = k_v d' - q / tau (standard linear"
-    " solid, one Maxwell arm)",
+    equation="N = k d + c d' + k_v (d - z), z' = (d - z) / tau, z = 0 at the"
+    " start (standard linear solid, one Maxwell arm)",
     source="Fung, Biomechanics: Mechanical Properties of Living Tissues,"
     " section 2.11; times and fractions: Zheng and Mak 1999",
     parameters=(

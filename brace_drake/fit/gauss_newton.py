@@ -102,7 +102,7 @@ def solve_gauss_newton(
     refresh: Sequence[int] | None = None,
     renew: bool = True,
     max_iterations: int = 12,
-    tolerance: float = 1e-4,
+    tolerance: float = 3e-6,
     on_iteration: Callable[[int, float], None] | None = None,
 ) -> LeastSquaresSolution:
     """Minimises the sum of squares of a simulated residual in a box.

@@ -21,7 +21,7 @@ _SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
 # Spread at which a search over many alike parameters begins.
 _FIRST_SPREAD = 2.0
 _SCREENING_STEPS = 4
-_STEPS = 8
+_STEPS = 10
 # Effects with more parameters than this are screened with one Jacobian.
 _FEW = 4
 
