@@ -16,8 +16,8 @@ from brace_drake.gap.evaluation import Evaluator, PreparedRun
 from brace_drake.gap.floor import on_grid, written_quantum
 
 _REPLICATES = 4
-# A block's residual may exceed its own noise this much before it is accused:
-# the spread between replicates is a few percent.
+# A block's residual may exceed its own noise this much, and three times the
+# spread between replicates, before it is accused.
 _TOLERANCE = 1.15
 
 
@@ -76,7 +76,11 @@ def climb(
         if not pairs:
             continue
         recorded = np.mean([p[0] for p in pairs])
-        noise = np.mean([np.mean(p[1:]) for p in pairs])
+        replicates = np.mean([p[1:] for p in pairs], axis=0)
+        noise = np.mean(replicates)
+        threshold = _TOLERANCE
+        if noise > 0.0:
+            threshold += 3.0 * float(np.std(np.sqrt(replicates / noise)))
         ratio = float(np.sqrt(recorded / noise)) if noise > 0.0 else np.inf
         rows.append(
             {
@@ -84,8 +88,8 @@ def climb(
                 "input": rung.given,
                 "output": rung.found,
                 "normalised_rms": ratio,
-                "threshold": _TOLERANCE,
-                "acquitted": bool(ratio <= _TOLERANCE),
+                "threshold": threshold,
+                "acquitted": bool(ratio <= threshold),
             }
         )
     excess = np.array([max(0.0, r["normalised_rms"] ** 2 - 1.0) for r in rows])
