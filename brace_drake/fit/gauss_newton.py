@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -103,7 +103,6 @@ def solve_gauss_newton(
     renew: bool = True,
     max_iterations: int = 12,
     tolerance: float = 3e-6,
-    on_iteration: Callable[[int, float], None] | None = None,
 ) -> LeastSquaresSolution:
     """Minimises the sum of squares of a simulated residual in a box.
 
@@ -122,7 +121,6 @@ def solve_gauss_newton(
         renew: Otherwise those columns are differenced once.
         max_iterations: Limit.
         tolerance: On the predicted relative decrease of the cost.
-        on_iteration: Called with iteration and cost.
 
     Raises:
         ValueError: The residual could not be evaluated at the start.
@@ -151,8 +149,6 @@ def solve_gauss_newton(
         if accepted is not None:
             z, residual = accepted
             decrease = cost - float(residual @ residual)
-        if on_iteration:
-            on_iteration(iteration, cost - decrease)
         if first_jacobian is None:
             first_jacobian = jacobian.copy()
         small = decrease < tolerance * max(cost, 1.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -37,7 +37,6 @@ class CandidateFit:
         solution: The search's end, scaled parameters.
         scales: Of those, so that parameter = z * scale.
         excess: Sum of squares above noise, prior rows left out.
-        num_free: Parameters added to the subject's.
         spread: Fitted standard deviation of many alike parameters, or None.
         excess_by_run: The excess of each fit run.
     """
@@ -48,7 +47,6 @@ class CandidateFit:
     solution: LeastSquaresSolution
     scales: np.ndarray
     excess: float
-    num_free: int
     spread: float | None
     excess_by_run: np.ndarray
 
@@ -153,23 +151,17 @@ def _scale_of(parameter) -> float:
     return start if start > 0.0 else 0.05 * parameter.upper
 
 
-def fit_nominal(
-    evaluator: Evaluator,
-    start: np.ndarray | None = None,
-    on_iteration: Callable[[int, float], None] | None = None,
-) -> CandidateFit:
+def fit_nominal(evaluator: Evaluator) -> CandidateFit:
     """Fits the subject's parameters alone."""
     problem = CandidateProblem(evaluator, ())
     nominal = np.array([p.nominal for p in evaluator.twin.subject])
-    first = nominal if start is None else start
     solution = solve_gauss_newton(
         problem.batch,
-        first / problem.scales,
+        nominal / problem.scales,
         problem.lower,
         problem.upper,
         problem.steps(),
         problem.radius(),
-        on_iteration=on_iteration,
     )
     return correct_step(problem, finish_fit(problem, solution))
 
@@ -294,7 +286,7 @@ def finish_fit(
     rows = len(solution.residual) - problem.num_prior
     residual = solution.residual[:rows]
     subject, uses = problem.split(solution.z)
-    ends = np.cumsum([len(p.weigh(p.measured)) for p in evaluator.prepared])
+    ends = np.cumsum([p.num_weighted for p in evaluator.prepared])
     level = evaluator.noise_level(uses, coarse)
     excess_by_run = np.array(
         [
@@ -314,7 +306,6 @@ def finish_fit(
         replace(solution, residual=residual),
         problem.scales,
         float(excess_by_run.sum()),
-        len(problem.scales) - problem.num_subject,
         spread,
         excess_by_run,
     )

@@ -54,6 +54,11 @@ class PreparedRun:
         )
 
     @property
+    def num_weighted(self) -> int:
+        """Length of what `weigh` returns."""
+        return (2 * len(self.weights) - 1) * int(self.used.sum())
+
+    @property
     def count(self) -> int:
         """Number of independent values, expectation of the noise's squares."""
         return len(self.measured) * int(self.used.sum())

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.effects.stack import Use
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.floor import (
     NoiseFloor,
@@ -22,24 +23,25 @@ _SIGNIFICANT = 5.0
 
 
 def noise_replicates(
-    twin, run: Run, subject: np.ndarray, count: int, seed: int
+    twin,
+    motion,
+    subject: np.ndarray,
+    uses: Sequence[Use],
+    seeds: Sequence[Sequence[int]],
 ) -> np.ndarray:
-    """Deviations of noisy from exact replays of a run (count, N, C)."""
-    motion = twin.motion(run)
-    exact = twin.simulate(motion, subject)
+    """Deviations of noisy from exact replays, one for each seed (n, N, C)."""
+    exact = twin.simulate(motion, subject, uses)
     return np.array(
         [
-            twin.simulate(
-                motion, subject, (), np.random.default_rng([seed, 7, i])
-            )
+            twin.simulate(motion, subject, uses, np.random.default_rng(seed))
             - exact
-            for i in range(count)
+            for seed in seeds
         ]
     )
 
 
 def estimate_floors(
-    twin, campaign: Campaign, subject: np.ndarray, seed: int, map_tasks=None
+    twin, campaign: Campaign, subject: np.ndarray, seed: int
 ) -> tuple[dict[bool, NoiseFloor], dict[str, float]]:
     """Floors with and without contact, carried through the twin's loop.
 
@@ -59,7 +61,13 @@ def estimate_floors(
         chosen = _spread_choice(runs, 3)
         each = _REPLICATES // len(chosen)
         noise = [
-            noise_replicates(twin, run, subject, each, seed + i)
+            noise_replicates(
+                twin,
+                twin.motion(run),
+                subject,
+                (),
+                [[seed + i, 7, k] for k in range(each)],
+            )
             for i, run in enumerate(chosen)
         ]
         samples = min(n.shape[1] for n in noise)

@@ -9,6 +9,7 @@ import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.prepare import noise_replicates
 
 _REPLICATES = 6
 _DRAWS = 400
@@ -93,21 +94,17 @@ def draw_null(
 
 
 def _weighted_noise(evaluator, nominal, seed):
-    def one(run, replicate):
-        noisy = evaluator.twin.simulate(
+    def one(run):
+        noise = noise_replicates(
+            evaluator.twin,
             run.motion,
             nominal.subject,
             (),
-            np.random.default_rng([seed, 13, run.seed, replicate]),
+            [[seed, 13, run.seed, i] for i in range(_REPLICATES)],
         )
-        exact = evaluator.twin.simulate(run.motion, nominal.subject)
-        return run.weigh(noisy - exact)
+        return [run.weigh(e) for e in noise]
 
-    tasks = [(p, i) for p in evaluator.prepared for i in range(_REPLICATES)]
-    found = evaluator.map(one, tasks)
-    return [
-        found[i : i + _REPLICATES] for i in range(0, len(found), _REPLICATES)
-    ]
+    return evaluator.map(one, [(p,) for p in evaluator.prepared])
 
 
 def _orthogonal_part(basis, fit, n):

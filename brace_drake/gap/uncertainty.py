@@ -8,6 +8,7 @@ import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.prepare import noise_replicates
 
 _REPLICATES = 12
 _Z95 = 1.959964
@@ -78,23 +79,20 @@ def estimate_table(
 
 
 def _score_covariance(evaluator, fit, q, seed):
-    def one(run, replicate, begin, end):
-        exact = evaluator.twin.simulate(run.motion, fit.subject, fit.uses)
-        noisy = evaluator.twin.simulate(
+    def one(run, rows):
+        noise = noise_replicates(
+            evaluator.twin,
             run.motion,
             fit.subject,
             fit.uses,
-            np.random.default_rng([seed, 17, run.seed, replicate]),
+            [[seed, 17, run.seed, i] for i in range(_REPLICATES)],
         )
-        return q[begin:end].T @ run.weigh(noisy - exact)
+        return [rows.T @ run.weigh(e) for e in noise]
 
-    tasks, at = [], 0
-    for run in evaluator.prepared:
-        size = len(run.weigh(run.measured))
-        tasks += [(run, i, at, at + size) for i in range(_REPLICATES)]
-        at += size
+    ends = np.cumsum([p.num_weighted for p in evaluator.prepared])
+    parts = np.split(q, ends[:-1])
+    tasks = list(zip(evaluator.prepared, parts, strict=True))
     scores = np.array(evaluator.map(one, tasks))
-    scores = scores.reshape(len(evaluator.prepared), _REPLICATES, -1)
     # Runs are independent; so are the replicates of each.
     return np.einsum("rmi,rmj->ij", scores, scores) / _REPLICATES
 
