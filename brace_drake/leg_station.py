@@ -126,7 +126,8 @@ class DriveForce(LeafSystem):
         memory = self._host.memory(context)
         if not self._host.is_idle:
             now = context.get_time(), self._dt
-            self._host.apply(context, memory, *now, u, position, velocity, f)
+            leg = u, position, velocity, viscous, f
+            self._host.apply(context, memory, *now, *leg)
         return f, memory
 
     def _CalcForce(self, context: Context, output: BasicVector) -> None:

@@ -114,7 +114,7 @@ class TestLaws(unittest.TestCase):
         f, x, p = np.zeros(1), np.zeros(6), np.array([1.5])
         for _ in range(2000):
             f[0] = 0.0
-            law(0.0, 2e-4, f, f, np.array([-0.01]), f, p, x)
+            law(0.0, 2e-4, f, f, np.array([-0.01]), f, f, p, x)
         self.assertAlmostEqual(f[0], 1.5, places=6)
 
     def test_a_delayed_command_arrives_after_its_dead_time(self):
@@ -127,7 +127,7 @@ class TestLaws(unittest.TestCase):
             tick = int(np.floor(t / 1e-3 + 1e-6))
             u = np.full(6, float(tick + 1))
             f = u.copy()
-            law(t, dt, u, rate, rate, f, p, x)
+            law(t, dt, u, rate, rate, u, f, p, x)
             seen.append(f[0])
         # At 10 ms the command of 6.5 ms is in force, that of tick 6.
         self.assertAlmostEqual(seen[40], 7.0, places=9)

@@ -12,7 +12,7 @@ _LEGS = 6
 
 
 @plug("drive")
-def _law(t, dt, u, l, l_dot, f, p, x):  # noqa: E741 (l: leg length)
+def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     # x: commands of the last _DEPTH ticks, by tick modulo _DEPTH.
     n = f.shape[0]
     tick = math.floor(t / _PERIOD + 1e-6)

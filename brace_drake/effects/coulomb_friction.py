@@ -13,7 +13,7 @@ _MAX_DAMPING = 600.0  # N s/m
 
 
 @plug("drive")
-def _law(t, dt, u, l, l_dot, f, p, x):  # noqa: E741 (l: leg length)
+def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     # x[k]: deflection of the bristles of leg k, advanced implicitly.
     coulomb = p[0]
     stiffness = min(coulomb / _PRESLIDING, _MAX_STIFFNESS)

@@ -5,7 +5,7 @@ from brace_drake.laws.hooks import plug
 
 
 @plug("drive")
-def _law(t, dt, u, l, l_dot, f, p, x):  # noqa: E741 (l: leg length)
+def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(f.shape[0]):
         f[k] -= p[0] * l_dot[k]
 

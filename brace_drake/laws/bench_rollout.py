@@ -17,7 +17,8 @@ from brace_drake.laws.hooks import (
     vector,
     vectors,
 )
-from brace_drake.laws.rigid_body import step_free_body
+from brace_drake.laws.rigid_body import step_free_body_at
+from brace_drake.laws.rotation import quaternion_to_matrix
 
 # Columns of the log.
 NUM_LOGGED = 19
@@ -49,6 +50,7 @@ def _write_row(row, u, readings, with_torso, virtual):
         *[stack_type(point) for point in PLUG_POINTS],
         vectors,
         *[vectors] * len(PLUG_POINTS),
+        boolean[:, ::1],
         matrix,
     ),
     cache=True,
@@ -79,6 +81,7 @@ def rollout_bench(
     torso_memory,
     ring_memory,
     sensing_memory,
+    active,
     log,
 ):
     """Simulates one run and writes its log.
@@ -98,6 +101,7 @@ def rollout_bench(
         drive ... sensing: Laws of the effects at each plug point.
         parameters: Parameters of each effect.
         drive_memory ... sensing_memory: Their states, updated.
+        active: Whether an effect sits at a plug point (points, MAX_EFFECTS).
         log: Output (samples, 19): commands (6), N; lengths (6), m; force
             (3), N; marker (3), m; virtual position, m.
 
@@ -115,6 +119,7 @@ def rollout_bench(
     V_WR, V_WT = bodies[14:20], bodies[20:26]
     mass_R, mass_T = bodies_mass[0], bodies_mass[1]
     J, pose = np.empty((6, 6)), np.empty(6)
+    R_WR, R_WT = np.empty((3, 3)), np.empty((3, 3))
     lengths, rates, f, u = np.empty(6), np.empty(6), np.zeros(6), np.zeros(6)
     F_R, F_T, f_T = np.zeros(6), np.zeros(6), np.zeros(3)
     pads, ideal, readings = np.empty((2, 17)), np.zeros(12), np.zeros(12)
@@ -127,16 +132,17 @@ def rollout_bench(
     for tick in range(desired.shape[0]):
         for sub in range(steps_per_tick):
             t = tick * period + sub * dt
-            blocks.calc_ring_kinematics(
-                q_WR, p_WR, V_WR, p_WB, p_RT, lengths, rates, J
-            )
+            quaternion_to_matrix(q_WR, R_WR)
+            quaternion_to_matrix(q_WT, R_WT)
+            legs.calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J)
+            legs.calc_leg_rates(J, V_WR[0:3], V_WR[3:6], rates)
             F_R[:] = 0.0
             F_T[:] = 0.0
             if with_torso:
                 blocks.add_hooked_pads(
-                    t, dt, bodies, contact_law, pads, compression, contact,
-                    parameters, compression_memory, contact_memory,
-                    F_R, F_T, f_T,
+                    t, dt, bodies, R_WR, R_WT, contact_law, pads, active,
+                    compression, contact, parameters, compression_memory,
+                    contact_memory, F_R, F_T, f_T,
                 )  # fmt: skip
             if sub == 0:
                 ideal[0:6] = lengths
@@ -145,6 +151,8 @@ def rollout_bench(
                     ideal[9 + i] = p_WT[i] - rest[i]
                 readings[:] = ideal
                 for e in range(MAX_EFFECTS):
+                    if not active[5, e]:
+                        continue
                     sensing[e](
                         t, period, u, readings[0:6], readings[6:9],
                         parameters[e], sensing_memory[e],
@@ -153,7 +161,7 @@ def rollout_bench(
                     resolution,
                     noise[tick] if noise.shape[0] > 0 else no_noise,
                     readings,
-                )
+                )  # fmt: skip
                 if not controller.control_tick(
                     readings, desired[tick], control_law, memory, estimate, u
                 ):
@@ -163,12 +171,17 @@ def rollout_bench(
                     _write_row(row, u, readings, with_torso, virtual[1])
             blocks.calc_leg_forces(u, viscous, rates, f)
             for e in range(MAX_EFFECTS):
+                if not active[0, e]:
+                    continue
                 drive[e](
-                    t, dt, u, lengths, rates, f, parameters[e], drive_memory[e]
-                )
+                    t, dt, u, lengths, rates, viscous, f,
+                    parameters[e], drive_memory[e],
+                )  # fmt: skip
             legs.add_leg_wrench(J, f, F_R)
             blocks.calc_displacement(q_WR, p_WR, rest, pose)
             for e in range(MAX_EFFECTS):
+                if not active[4, e]:
+                    continue
                 ring[e](
                     t, dt, pose[0:3], pose[3:6], V_WR, F_R,
                     parameters[e], ring_memory[e],
@@ -177,12 +190,14 @@ def rollout_bench(
             if with_torso:
                 blocks.add_posture(bodies, rest, posture_law, pose, F_T)
                 for e in range(MAX_EFFECTS):
+                    if not active[3, e]:
+                        continue
                     torso[e](
-                        t, dt, pose[0:3], pose[3:6], V_WT, F_T,
+                        t, dt, pose[0:3], pose[3:6], V_WT, posture_law, F_T,
                         parameters[e], torso_memory[e],
                     )  # fmt: skip
-                step_free_body(q_WT, p_WT, V_WT, mass_T, F_T, dt)
-            step_free_body(q_WR, p_WR, V_WR, mass_R, F_R, dt)
+                step_free_body_at(R_WT, q_WT, p_WT, V_WT, mass_T, F_T, dt)
+            step_free_body_at(R_WR, q_WR, p_WR, V_WR, mass_R, F_R, dt)
         if not abs(p_WR[1]) + abs(p_WT[1]) < 1.0:
             return tick
     return -1

@@ -37,20 +37,8 @@ def calc_leg_forces(u, viscous, rates, f):
 
 
 @njit(**_compile)
-def calc_pad(pad, bodies, law, o):
-    """Writes the geometry of one pad and d, d' of its contact.
-
-    Args:
-        pad: 0 at +y, 1 at -y.
-        bodies: q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,).
-        law: Stiffness, damping, friction, regularisation speed, pad offset,
-            preload (6,).
-        o: Output (17,): `contact.calc_compression`, then d, d', then a place
-            for the normal force.
-    """
-    R_WR, R_WT = np.empty((3, 3)), np.empty((3, 3))
-    quaternion_to_matrix(bodies[0:4], R_WR)
-    quaternion_to_matrix(bodies[7:11], R_WT)
+def calc_pad_at(pad, bodies, R_WR, R_WT, law, o):
+    """`calc_pad` where the rotation matrices (3, 3) are at hand."""
     contact.calc_compression(
         1.0 - 2.0 * pad,
         law[4],
@@ -65,6 +53,24 @@ def calc_pad(pad, bodies, law, o):
     )
     o[14] = o[0]
     o[15] = o[1]
+
+
+@njit(**_compile)
+def calc_pad(pad, bodies, law, o):
+    """Writes the geometry of one pad and d, d' of its contact.
+
+    Args:
+        pad: 0 at +y, 1 at -y.
+        bodies: q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,).
+        law: Stiffness, damping, friction, regularisation speed, pad offset,
+            preload (6,).
+        o: Output (17,): `contact.calc_compression`, then d, d', then a place
+            for the normal force.
+    """
+    R_WR, R_WT = np.empty((3, 3)), np.empty((3, 3))
+    quaternion_to_matrix(bodies[0:4], R_WR)
+    quaternion_to_matrix(bodies[7:11], R_WT)
+    calc_pad_at(pad, bodies, R_WR, R_WT, law, o)
 
 
 @njit(**_compile)
@@ -142,8 +148,11 @@ def add_hooked_pads(
     t,
     dt,
     bodies,
+    R_WR,
+    R_WT,
     law,
     pads,
+    active,
     compression,
     contact_laws,
     parameters,
@@ -157,13 +166,17 @@ def add_hooked_pads(
     f_T_W[:] = 0.0
     for pad in range(2):
         o = pads[pad]
-        calc_pad(pad, bodies, law, o)
+        calc_pad_at(pad, bodies, R_WR, R_WT, law, o)
         for e in range(MAX_EFFECTS):
+            if not active[1, e]:
+                continue
             compression[e](
                 t, dt, pad, o[14:16], parameters[e], compression_memory[e]
             )
         calc_pad_normal_force(law, o)
         for e in range(MAX_EFFECTS):
+            if not active[2, e]:
+                continue
             contact_laws[e](
                 t,
                 dt,

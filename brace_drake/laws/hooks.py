@@ -6,20 +6,22 @@ compiled function serves the LeafSystem and the compiled rollout. `p` are the
 effect's parameters and `x` the states it keeps at this plug point, which it
 advances by one step; both belong to the caller.
 
-    drive        (t, dt, u, l, l_dot, f, p, x)
+    drive        (t, dt, u, l, l_dot, law, f, p, x)
         Leg forces f (n,), N, from the held commands u (n,), leg lengths l
-        and rates l_dot. Every plant step.
+        and rates l_dot; `law` holds the viscous friction of each leg. Every
+        plant step.
     compression  (t, dt, pad, d, p, x)
         Compression and its rate d (2,), m and m/s, of one pad, before the
         contact law. Every plant step and pad.
     contact      (t, dt, pad, d, law, N, p, x)
         Normal force N (1,), N, of one pad before it is cut at zero; `law` is
         the block's parameter vector. Every plant step and pad.
-    torso        (t, dt, p_T, r_T, V, F, p, x)
+    torso        (t, dt, p_T, r_T, V, law, F, p, x)
         Spatial force F (6,), torque first, on the torso from its displacement
-        p_T, rotation vector r_T and velocity V = [w; v]. Every plant step.
+        p_T, rotation vector r_T and velocity V = [w; v]; `law` is the
+        posture's parameter vector. Every plant step.
     ring         (t, dt, p_R, r_R, V, F, p, x)
-        The same for the ring.
+        The same for the ring, without `law`.
     sensing      (t, h, u, l, F, p, x)
         Ideal readings, leg lengths l (n,), m, and force F (3,), N, before
         noise and rounding, given the commands u held so far. Every tick.
@@ -33,10 +35,10 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 vector = float64[::1]
 
 SIGNATURES = {
-    "drive": types.void(float64, float64, *[vector] * 6),
+    "drive": types.void(float64, float64, *[vector] * 7),
     "compression": types.void(float64, float64, int64, *[vector] * 3),
     "contact": types.void(float64, float64, int64, *[vector] * 5),
-    "torso": types.void(float64, float64, *[vector] * 6),
+    "torso": types.void(float64, float64, *[vector] * 7),
     "ring": types.void(float64, float64, *[vector] * 6),
     "sensing": types.void(float64, float64, *[vector] * 5),
 }
@@ -60,7 +62,7 @@ def stack_type(point: str):
 
 
 @plug("drive")
-def _no_drive(t, dt, u, l, l_dot, f, p, x):  # noqa: E741 (l: leg length)
+def _no_drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     pass
 
 
@@ -75,7 +77,7 @@ def _no_contact(t, dt, pad, d, law, N, p, x):
 
 
 @plug("torso")
-def _no_torso(t, dt, p_T, r_T, V, F, p, x):
+def _no_torso(t, dt, p_T, r_T, V, law, F, p, x):
     pass
 
 

@@ -123,8 +123,8 @@ def rollout_leg(
             calc_drive_force(u, viscous, velocity, f)
             for e in range(MAX_EFFECTS):
                 drive[e](
-                    tick * period + sub * dt, dt, u, position, velocity, f,
-                    parameters[e], drive_memory[e],
+                    tick * period + sub * dt, dt, u, position, velocity,
+                    viscous, f, parameters[e], drive_memory[e],
                 )  # fmt: skip
             force = f[0] - offset[0] + asked[tick, 2]
             velocity[0] += dt * (force / mass[0])

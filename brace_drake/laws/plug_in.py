@@ -29,7 +29,12 @@ class PlugIn:
     @property
     def is_idle(self) -> bool:
         """Whether no effect sits here."""
-        return all(law is NO_LAW[self.point] for law in self.laws)
+        return not any(self.active)
+
+    @property
+    def active(self) -> tuple[bool, ...]:
+        """Whether each place holds an effect's law."""
+        return tuple(law is not NO_LAW[self.point] for law in self.laws)
 
     def fresh_memory(self) -> tuple[np.ndarray, ...]:
         """Copies of the initial states, to be advanced by a rollout."""

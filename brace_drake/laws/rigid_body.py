@@ -10,22 +10,8 @@ from brace_drake.laws.rotation import (
 
 
 @njit(cache=True)
-def step_free_body(q, p, V, body, F_W, dt):
-    """Semi-implicit Euler: velocity from the forces now, then the pose.
-
-    m v' = f, I w' = t - w x I w with I = R diag(inertia) R' about the centre
-    of mass, which is the body's origin; then p += dt v, q += dt q'(w).
-
-    Args:
-        q, p: Quaternion (4,) and position (3,) in W, updated.
-        V: Spatial velocity [w; v] in W (6,), updated.
-        body: Mass, kg, and principal moments about the origin, kg m^2: at
-            least (4,).
-        F_W: Spatial force [torque; force] on the origin (6,).
-        dt: s.
-    """
-    R = np.empty((3, 3))
-    quaternion_to_matrix(q, R)
+def step_free_body_at(R, q, p, V, body, F_W, dt):
+    """`step_free_body` where the body's rotation matrix R is at hand."""
     mass, inertia = body[0], body[1:4]
     # In the body frame the inertia is diagonal and its inverse is cheap.
     wx = R[0, 0] * V[0] + R[1, 0] * V[1] + R[2, 0] * V[2]
@@ -45,3 +31,23 @@ def step_free_body(q, p, V, body, F_W, dt):
         V[3 + i] += dt * F_W[3 + i] / mass
         p[i] += dt * V[3 + i]
     integrate_quaternion(q, V[0], V[1], V[2], dt)
+
+
+@njit(cache=True)
+def step_free_body(q, p, V, body, F_W, dt):
+    """Semi-implicit Euler: velocity from the forces now, then the pose.
+
+    m v' = f, I w' = t - w x I w with I = R diag(inertia) R' about the centre
+    of mass, which is the body's origin; then p += dt v, q += dt q'(w).
+
+    Args:
+        q, p: Quaternion (4,) and position (3,) in W, updated.
+        V: Spatial velocity [w; v] in W (6,), updated.
+        body: Mass, kg, and principal moments about the origin, kg m^2: at
+            least (4,).
+        F_W: Spatial force [torque; force] on the origin (6,).
+        dt: s.
+    """
+    R = np.empty((3, 3))
+    quaternion_to_matrix(q, R)
+    step_free_body_at(R, q, p, V, body, F_W, dt)

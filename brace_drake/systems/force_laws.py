@@ -89,7 +89,7 @@ class ForceLaws:
         if self._with_pads:
             self._AddPads(bodies, law[42:48], bench, apply)
         blocks.calc_leg_forces(u, law[0:6], rates, f)
-        apply("drive", u, lengths, rates, f)
+        apply("drive", u, lengths, rates, law[0:6], f)
         legs.add_leg_wrench(self._J, f, F_R_W)
         pose = self._ring_pose
         blocks.calc_displacement(bodies[0:4], bodies[4:7], rest, pose)
@@ -97,7 +97,8 @@ class ForceLaws:
         if with_torso:
             pose = bench[21:27]
             blocks.add_posture(bodies, rest, law[48:60], pose, F_T_W)
-            apply("torso", pose[0:3], pose[3:6], V_WT, F_T_W)
+            posture = law[48:60]
+            apply("torso", pose[0:3], pose[3:6], V_WT, posture, F_T_W)
 
     def _AddPads(self, bodies, law, bench, apply) -> None:
         for pad in range(2):

@@ -95,6 +95,7 @@ def simulate_bench(
         *(plugs[p].laws for p in PLUG_POINTS),
         _parameters(plugs),
         *(plugs[p].fresh_memory() for p in PLUG_POINTS),
+        np.array([plugs[p].active for p in PLUG_POINTS]),
         log,
     )
     if broke_at >= 0:
