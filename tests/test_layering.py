@@ -13,7 +13,7 @@ LAYERS = (
     ("effects",),
     ("scenario",),
     ("systems", "plant", "twin"),
-    ("station", "leg_station", "simulate", "contact_mapping"),
+    ("station", "leg_station", "pad_station", "simulate", "contact_mapping"),
     ("gap", "fit"),
     ("report",),
     ("cli",),

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from brace_drake.campaign.recording import Campaign
 from brace_drake.errors import CampaignError
 from brace_drake.gap.bench_ladder import (
@@ -15,10 +13,22 @@ from brace_drake.gap.bench_ladder import (
     prepared_phase_inputs,
 )
 from brace_drake.gap.ladder import Rung
+from brace_drake.gap.leg_ladder import (
+    leg_phase_inputs,
+    leg_quantities,
+    leg_rungs,
+)
+from brace_drake.gap.pad_ladder import (
+    pad_phase_inputs,
+    pad_quantities,
+    pad_rungs,
+)
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.leg_bench import MakeLegBenchScenario
+from brace_drake.scenario.pad_bench import MakePadBenchScenario
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.leg_bench_twin import LegBenchTwin
+from brace_drake.twin.pad_bench_twin import PadBenchTwin
 
 
 @dataclass(frozen=True)
@@ -48,68 +58,33 @@ def MakeDevice(campaign: Campaign, scenario=None) -> Device:
     Raises:
         CampaignError: No twin of this device yet.
     """
-    if campaign.device == "bench stage 2":
-        twin = BenchTwin(scenario or BenchScenario())
-        return Device(
-            twin,
-            bench_rungs(twin, campaign.rate_hz),
-            bench_quantities,
-            prepared_phase_inputs,
+    if campaign.device not in _DEVICES:
+        names = ", ".join(repr(name) for name in _DEVICES)
+        raise CampaignError(
+            f"{campaign.path}: there is no twin of device {campaign.device!r}"
+            f" yet; diagnosed are {names}"
         )
-    if campaign.device == "leg bench":
-        twin = LegBenchTwin(MakeLegBenchScenario(campaign))
-        return Device(
-            twin, _leg_rungs(twin), _leg_quantities, _leg_phase_inputs
-        )
-    raise CampaignError(
-        f"{campaign.path}: there is no twin of device {campaign.device!r} yet;"
-        " diagnosed are 'bench stage 2' and 'leg bench'"
-    )
+    return _DEVICES[campaign.device](campaign, scenario)
 
 
-def _leg_rungs(twin: LegBenchTwin) -> list[Rung]:
-    def controller(prepared, x, subject):
-        if not twin.numbers.is_closed_loop:
-            return None
-        run = _with_channels(prepared.run, x)
-        residual = x[:, 0] - twin.control_law(run)
-        if twin.command_holds_external(prepared.run):
-            residual = residual - run.channels.get("external_force_N", 0.0)
-        return residual[np.isfinite(residual)]
-
-    def actuation(prepared, x, subject):
-        mass, viscous, offset = subject
-        step = np.median(np.diff(prepared.run.time_s))
-        position = _smooth(x[:, 1], step)
-        velocity = np.gradient(position, step)
-        asked = mass * np.gradient(velocity, step) + viscous * velocity + offset
-        inner = slice(int(0.5 / step), -int(0.5 / step))
-        return (_smooth(x[:, 0], step) - asked)[inner]
-
-    return [
-        Rung("controller", "position, reference", "command", controller),
-        Rung("actuation", "command, motion", "balance of forces", actuation),
-    ]
+def _MakeBench(campaign: Campaign, scenario) -> Device:
+    twin = BenchTwin(scenario or BenchScenario())
+    rungs = bench_rungs(twin, campaign.rate_hz)
+    return Device(twin, rungs, bench_quantities, prepared_phase_inputs)
 
 
-def _smooth(signal, step):
-    from brace_drake.gap.ladder import low_pass
-
-    return low_pass(signal, 20.0, 1.0 / step)
-
-
-def _with_channels(run, x):
-    from dataclasses import replace
-
-    channels = dict(run.channels)
-    channels["force_command_N"], channels["position_m"] = x[:, 0], x[:, 1]
-    return replace(run, channels=channels)
+def _MakeLegBench(campaign: Campaign, scenario) -> Device:
+    twin = LegBenchTwin(MakeLegBenchScenario(campaign))
+    return Device(twin, leg_rungs(twin), leg_quantities, leg_phase_inputs)
 
 
-def _leg_quantities(twin, x):
-    return {"force_error_N": x[:, [0]], "position_error_mm": 1e3 * x[:, [1]]}
+def _MakePadBench(campaign: Campaign, scenario) -> Device:
+    twin = PadBenchTwin(MakePadBenchScenario(campaign))
+    return Device(twin, pad_rungs(twin), pad_quantities, pad_phase_inputs)
 
 
-def _leg_phase_inputs(prepared):
-    channels = prepared.run.channels
-    return channels.get("position_desired_m", channels["position_m"]), None
+_DEVICES = {
+    "bench stage 2": _MakeBench,
+    "leg bench": _MakeLegBench,
+    "pad bench": _MakePadBench,
+}

@@ -20,7 +20,8 @@ _POSITIVE = (
     " contact.hydroelastic_modulus contact.hydroelastic_thickness control.rate"
     " control.kp control.velocity_cutoff_hz control.force_filter_tau"
     " control.desired_mass control.desired_stiffness control.desired_damping"
-    " sensors.log_period mass control.force_limit"
+    " sensors.log_period mass control.force_limit stiffness depth_scale"
+    " rate_scale"
 ).split()
 _NOT_NEGATIVE = (
     "gravity leg.viscous torso.posture_stiffness torso.posture_damping"
@@ -29,6 +30,7 @@ _NOT_NEGATIVE = (
     " control.kd control.kv sensors.leg_length_noise"
     " sensors.leg_length_resolution sensors.force_noise"
     " sensors.force_resolution sensors.marker_noise viscous position_noise"
+    " damping force_noise displacement_noise"
 ).split()
 _WORDS = {
     "contact.model": ("linear", "hydroelastic"),
@@ -68,7 +70,8 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
             fail(source, path, value, "0 or more")
         if path in _WORDS and value not in _WORDS[path]:
             fail(source, path, value, " or ".join(_WORDS[path]))
-    _check_period(source, values, "time_step", 1.0 / scenario.control.rate)
+    if "control.rate" in values:
+        _check_period(source, values, "time_step", 1.0 / values["control.rate"])
     for i, use in enumerate(scenario.effects):
         if not use.name:
             fail(source, f"effects[{i}].name", use.name, "an effect's name")

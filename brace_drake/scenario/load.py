@@ -16,11 +16,17 @@ from brace_drake.scenario.bench import DEVICE, BenchScenario
 from brace_drake.scenario.check import CheckScenario, fail, suggest
 from brace_drake.scenario.leg_bench import DEVICE as LEG_DEVICE
 from brace_drake.scenario.leg_bench import LegBenchScenario
+from brace_drake.scenario.pad_bench import DEVICE as PAD_DEVICE
+from brace_drake.scenario.pad_bench import PadBenchScenario
 
 # The device that a file names decides what it may hold.
-SCHEMAS = {DEVICE: BenchScenario, LEG_DEVICE: LegBenchScenario}
+SCHEMAS = {
+    DEVICE: BenchScenario,
+    LEG_DEVICE: LegBenchScenario,
+    PAD_DEVICE: PadBenchScenario,
+}
 
-Scenario = BenchScenario | LegBenchScenario
+Scenario = BenchScenario | LegBenchScenario | PadBenchScenario
 
 
 def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:

@@ -1,0 +1,60 @@
+"""Rungs of the leg bench's substitution ladder."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.campaign.recording import Run
+from brace_drake.gap.evaluation import PreparedRun
+from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.twin.leg_bench_twin import LegBenchTwin
+
+_CUTOFF_HZ = 20.0
+# At both ends of a run, which the low pass folds, s.
+_END_S = 0.5
+
+
+def leg_rungs(twin: LegBenchTwin) -> list[Rung]:
+    """Controller and actuation."""
+
+    def controller(prepared, x, subject):
+        if not twin.numbers.is_closed_loop:
+            return None
+        run = _with_channels(prepared.run, x)
+        residual = x[:, 0] - twin.control_law(run)
+        if twin.command_holds_external(prepared.run):
+            residual = residual - run.channels.get("external_force_N", 0.0)
+        return residual[np.isfinite(residual)]
+
+    def actuation(prepared, x, subject):
+        mass, viscous, offset = subject
+        step = np.median(np.diff(prepared.run.time_s))
+        position = low_pass(x[:, 1], _CUTOFF_HZ, 1.0 / step)
+        velocity = np.gradient(position, step)
+        asked = mass * np.gradient(velocity, step) + viscous * velocity + offset
+        inner = slice(int(_END_S / step), -int(_END_S / step))
+        return (low_pass(x[:, 0], _CUTOFF_HZ, 1.0 / step) - asked)[inner]
+
+    return [
+        Rung("controller", "position, reference", "command", controller),
+        Rung("actuation", "command, motion", "balance of forces", actuation),
+    ]
+
+
+def _with_channels(run: Run, x: np.ndarray) -> Run:
+    channels = dict(run.channels)
+    channels["force_command_N"], channels["position_m"] = x[:, 0], x[:, 1]
+    return replace(run, channels=channels)
+
+
+def leg_quantities(twin: LegBenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
+    """What users ask for: command, N, and position, mm."""
+    return {"force_error_N": x[:, [0]], "position_error_mm": 1e3 * x[:, [1]]}
+
+
+def leg_phase_inputs(prepared: PreparedRun):
+    """Reference, or else position, of a run, for its phases; no force."""
+    channels = prepared.run.channels
+    return channels.get("position_desired_m", channels["position_m"]), None

@@ -1,0 +1,104 @@
+"""The pad bench's scenario: one pad pressed into tissue along a given path."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from brace_drake.campaign.recording import Campaign
+from brace_drake.scenario.bench import EffectUse
+from brace_drake.scenario.pad_noise import (
+    NOISE_EDGES_HZ,
+    estimate_displacement_noise,
+    estimate_force_noise,
+)
+from brace_drake.scenario.pad_start import estimate_contact
+
+DEVICE = "pad bench"
+
+
+def _silent() -> np.ndarray:
+    return np.zeros(len(NOISE_EDGES_HZ))
+
+
+@dataclass
+class PadBenchScenario:
+    """One pad: N = max(0, k d + c d') where d = displacement - offset > 0."""
+
+    device: str = DEVICE
+    time_step: float = 0.0005  # s, longest step of the effects' states
+    stiffness: float = 6400.0  # N/m
+    damping: float = 150.0  # N s/m
+    contact_offset: float = 0.0  # m, displacement at which the pad touches
+    # N, standard deviation that a reading would have were its noise at all
+    # frequencies as strong as from this one of NOISE_EDGES_HZ on
+    force_noise: np.ndarray = field(default_factory=_silent)
+    displacement_noise: float = 0.0  # m, standard deviation of a reading
+    # Excursion of the pad, m, and rate, m/s, that the fit's steps go by.
+    depth_scale: float = 0.01
+    rate_scale: float = 0.01
+    effects: list[EffectUse] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class PadBenchNumbers:
+    """The scenario's numbers as the laws take them.
+
+    Attributes:
+        contact: Stiffness, damping, friction, regularisation speed, pad
+            offset, preload (6,), as the bench has it; here the preload is
+            minus the contact offset, and the three before it do not count.
+        force_noise: In the bands of NOISE_EDGES_HZ (B,), N.
+        displacement_noise: (1,), m.
+        scales: Of depth, m, and rate, m/s (2,).
+    """
+
+    contact: np.ndarray
+    force_noise: np.ndarray
+    displacement_noise: np.ndarray
+    scales: np.ndarray
+
+    def with_changes(self, **arrays: np.ndarray) -> "PadBenchNumbers":
+        """A copy with some arrays replaced."""
+        return replace(self, **arrays)
+
+
+def pack_pad_bench(scenario: PadBenchScenario) -> PadBenchNumbers:
+    """Arrays of the nominal twin that a scenario describes."""
+    return PadBenchNumbers(
+        contact=np.array(
+            [
+                scenario.stiffness,
+                scenario.damping,
+                0.0,
+                1.0,
+                0.0,
+                -scenario.contact_offset,
+            ]
+        ),
+        force_noise=np.array(scenario.force_noise, dtype=float),
+        displacement_noise=np.array([scenario.displacement_noise]),
+        scales=np.array([scenario.depth_scale, scenario.rate_scale]),
+    )
+
+
+def MakePadBenchScenario(campaign: Campaign) -> PadBenchScenario:
+    """The nominal pad bench of a campaign.
+
+    Stiffness and damping are the campaign's `nominal` and, where it has none,
+    those of the recordings to be fitted; contact offset and noise always are.
+    """
+    runs = campaign.split("fit")
+    found = estimate_contact(
+        runs,
+        campaign.nominal.get("stiffness_N_m"),
+        campaign.nominal.get("damping_N_s_m"),
+    )
+    return PadBenchScenario(
+        stiffness=found.stiffness,
+        damping=found.damping,
+        contact_offset=found.offset,
+        force_noise=estimate_force_noise(runs, campaign.rate_hz),
+        displacement_noise=estimate_displacement_noise(runs),
+        depth_scale=found.depth_scale,
+        rate_scale=found.rate_scale,
+    )

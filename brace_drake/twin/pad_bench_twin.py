@@ -1,0 +1,225 @@
+"""The pad bench's twin as fits and diagnoses see it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from brace_drake.campaign.recording import Run
+from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.errors import BraceError
+from brace_drake.laws.pad_rollout import rollout_pad
+from brace_drake.laws.plug_in import PlugIn, idle
+from brace_drake.scenario.pad_bench import (
+    DEVICE,
+    PadBenchNumbers,
+    PadBenchScenario,
+    pack_pad_bench,
+)
+from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ, white_noise
+from brace_drake.twin.pad_motion import PadMotion, noise_gain
+from brace_drake.twin.subject import SubjectParameter
+
+CHANNELS = ("force_N",)
+# Plug points that a pad has.
+POINTS = ("compression", "contact", "sensing")
+
+# Specimens may be that many times softer or stiffer than nominal: from fat to
+# muscle, and from the first touch to the full depth, tissue spans decades.
+_SPREAD = 30.0
+# What a damping can be: this many times what carries all of the force.
+_MOST_DAMPING = 10.0
+# A fit counts damping in this share of the elastic force.
+_DAMPING_SHARE = 0.1
+# Longer steps that suffice for differences between points.
+_COARSE = 4.0
+
+# The reading of a sample follows what the rollout needs for itself.
+_WORK = 20
+
+
+def simulate_pad(
+    numbers: PadBenchNumbers,
+    time: np.ndarray,
+    path: np.ndarray,
+    time_step: float,
+    plug_ins: Mapping[str, PlugIn] | None = None,
+) -> np.ndarray:
+    """Simulates one run with the compiled rollout.
+
+    Args:
+        numbers: The twin.
+        time: Sample times from 0 (N,), s.
+        path: Displacement, m, and rate, m/s, at the samples (N, 2).
+        time_step: Longest step of the effects' states, s.
+        plug_ins: Effects by plug point.
+
+    Returns:
+        Force readings (N,), N.
+
+    Raises:
+        BraceError: The run broke down (the message says when).
+    """
+    given = plug_ins or {}
+    plugs = [given.get(point) or idle(point) for point in POINTS]
+    work = np.zeros(len(time) + _WORK)
+    broke_at = rollout_pad(
+        steps_per_sample(time, time_step),
+        time,
+        path,
+        numbers.contact,
+        *(p.laws for p in plugs),
+        plugs[0].parameters,
+        *(p.fresh_memory() for p in plugs),
+        work,
+    )
+    if broke_at >= 0:
+        raise BraceError(
+            f"the simulated run broke down at {time[broke_at]:.3f} s"
+        )
+    return work[: len(time)].copy()
+
+
+def steps_per_sample(time: np.ndarray, time_step: float) -> int:
+    """Steps between two samples, none of them longer than `time_step`."""
+    return math.ceil(float(np.median(np.diff(time))) / time_step - 1e-9)
+
+
+class PadBenchTwin:
+    """Presses a pad along recorded displacements.
+
+    Attributes:
+        channels: Names of the columns of what `simulate` returns.
+        subject: Parameters to be estimated for every specimen.
+    """
+
+    channels = CHANNELS
+    device = DEVICE
+    instruments_known = False
+
+    def __init__(
+        self, scenario: PadBenchScenario, time_step: float | None = None
+    ):
+        self.scenario = scenario
+        self.time_step = time_step or scenario.time_step
+        self.numbers = pack_pad_bench(scenario)
+        self.subject = pad_subject(self.numbers)
+
+    def coarse(self) -> PadBenchTwin:
+        """The same twin with longer steps of the effects' states."""
+        return PadBenchTwin(self.scenario, self.time_step * _COARSE)
+
+    def finer(self) -> PadBenchTwin:
+        """The same twin with half the step."""
+        return PadBenchTwin(self.scenario, self.time_step / 2.0)
+
+    def motion(self, run: Run) -> PadMotion:
+        """The run's path."""
+        displacement = np.array(run.channels["displacement_m"], dtype=float)
+        sigma = self.numbers.displacement_noise[0]
+        return PadMotion(
+            run.time_s - run.time_s[0],
+            displacement,
+            noise_gain(displacement, sigma),
+        )
+
+    def measured(self, run: Run) -> np.ndarray:
+        """The run's recorded channels, shape (N, 1)."""
+        return run.stack(self.channels)
+
+    def active(self, run: Run) -> np.ndarray:
+        """Which channels carry information in a run, bool (1,)."""
+        return np.array([True])
+
+    def simulate(
+        self,
+        motion: PadMotion,
+        subject: np.ndarray,
+        uses: Sequence[Use] = (),
+        generator: np.random.Generator | None = None,
+    ) -> np.ndarray:
+        """Replay of a run, shape (N, 1).
+
+        Args:
+            motion: From `motion`.
+            subject: Values of the subject's parameters.
+            uses: Effects with their parameters.
+            generator: Draws the noise of both readings, that of displacement
+                on its way through the smoothing; None: exact readings.
+
+        Raises:
+            BraceError: The simulated run broke down.
+        """
+        numbers = modify_numbers(self.with_subject(subject), uses)
+        samples, noise, force_noise = len(motion.time), None, 0.0
+        if generator is not None:
+            noise = generator.standard_normal(samples)
+            noise = noise * numbers.displacement_noise[0]
+            force_noise = draw_force_noise(
+                numbers.force_noise, motion.time, generator
+            )
+        force = simulate_pad(
+            numbers,
+            motion.time,
+            motion.path(noise),
+            self.time_step,
+            stack_effects(uses),
+        )
+        return (force + force_noise)[:, None]
+
+    def with_subject(self, values: np.ndarray) -> PadBenchNumbers:
+        """The numbers of a specimen, values in the order of `subject`."""
+        contact = self.numbers.contact.copy()
+        contact[0], contact[1], contact[5] = values[0], values[1], -values[2]
+        return self.numbers.with_changes(contact=contact)
+
+    def estimate_noise(self, runs: Sequence[Run]) -> float:
+        """White noise of the force readings of recordings, N."""
+        forces = [run.channels["force_N"] for run in runs]
+        return max((white_noise(f) for f in forces), default=0.0)
+
+
+def pad_subject(numbers: PadBenchNumbers) -> tuple[SubjectParameter, ...]:
+    """Subject parameters of the pad bench with nominal values and limits.
+
+    The contact offset is the displacement at which the pad touches; below all
+    recorded ones where it never leaves.
+    """
+    k, c, offset = numbers.contact[0], numbers.contact[1], -numbers.contact[5]
+    depth, rate = numbers.scales
+    unit = max(c, _DAMPING_SHARE * k * depth / rate)
+    return (
+        SubjectParameter("stiffness_N_m", "N/m", k, k / _SPREAD, k * _SPREAD),
+        SubjectParameter(
+            "damping_N_s_m", "N s/m", c, 0.0, _MOST_DAMPING * unit, unit
+        ),
+        SubjectParameter(
+            "contact_offset_m",
+            "m",
+            offset,
+            offset - 2.0 * depth,
+            offset + depth,
+            depth,
+        ),
+    )
+
+
+def draw_force_noise(
+    sigma: np.ndarray, time: np.ndarray, generator: np.random.Generator
+) -> np.ndarray:
+    """One draw of the noise of force readings (N,), N.
+
+    Args:
+        sigma: In the bands of NOISE_EDGES_HZ (B,), N.
+        time: Sample times (N,), s.
+        generator: Source of the draw.
+    """
+    white = generator.standard_normal(len(time))
+    if np.all(sigma == sigma[0]):
+        return sigma[0] * white
+    step = float(np.median(np.diff(time)))
+    frequency = np.fft.rfftfreq(len(time), step)
+    band = np.searchsorted(NOISE_EDGES_HZ, frequency, side="right") - 1
+    return np.fft.irfft(sigma[band] * np.fft.rfft(white), len(time))
