@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -23,6 +24,10 @@ class EffectParameter:
         lower, upper: Physical limits; the sign is part of the physics.
         starts: Values to start a fit from, none of them at a limit.
         meaning: One line.
+        off: Value at which the effect is not there; None for parameters of
+            its shape alone.
+        choices: The only values that the parameter takes, where it is not
+            continuous: a fit tries each.
     """
 
     name: str
@@ -31,6 +36,8 @@ class EffectParameter:
     upper: float
     starts: tuple[float, ...]
     meaning: str
+    off: float | None = 0.0
+    choices: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,8 @@ class Effect:
 
     Attributes:
         name: Identifier as in a diagnosis.
+        form: Tells apart several laws of the same effect; a diagnosis tries
+            each and answers with the name.
         block: actuation, mechanism, contact, torso or sensing.
         title: A few words for a reader.
         equation: The law, in plain text.
@@ -74,6 +83,7 @@ class Effect:
     devices: tuple[str, ...] = ("bench stage 2",)
     dithered: bool = False
     spread: tuple[str, str] | None = None
+    form: str = ""
 
     def __post_init__(self):
         if self.block not in BLOCKS:
@@ -105,15 +115,31 @@ class Effect:
         """Upper limits of the parameters."""
         return np.array([p.upper for p in self.parameters])
 
+    @property
+    def key(self) -> str:
+        """Name, and form where there are several."""
+        return f"{self.name} ({self.form})" if self.form else self.name
+
+    @property
+    def is_continuous(self) -> np.ndarray:
+        """Parameters that a fit moves (n,), bool."""
+        return np.array([not p.choices for p in self.parameters])
+
     def starts(self) -> list[np.ndarray]:
-        """Start vectors: the i-th start of every parameter together."""
-        count = max(len(p.starts) for p in self.parameters)
-        return [
-            np.array(
-                [p.starts[min(i, len(p.starts) - 1)] for p in self.parameters]
-            )
-            for i in range(count)
-        ]
+        """Start vectors: all combinations of the parameters' starts."""
+        each = [p.choices or p.starts for p in self.parameters]
+        return [np.array(v) for v in itertools.product(*each)]
+
+    def off(self) -> np.ndarray:
+        """Parameter values at which the effect changes nothing."""
+        return np.array(
+            [
+                starts[0] if p.off is None else p.off
+                for p, starts in (
+                    (p, p.choices or p.starts) for p in self.parameters
+                )
+            ]
+        )
 
     def vector(self, values: Mapping[str, float]) -> np.ndarray:
         """The law's parameter vector from named values.

@@ -1,5 +1,7 @@
 """Dry friction in the drives of the legs."""
 
+from numba import njit
+
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
 
@@ -12,19 +14,34 @@ _MAX_STIFFNESS = 1e6  # N/m
 _MAX_DAMPING = 600.0  # N s/m
 
 
+@njit(cache=True)
+def bristle_force(dt, speed, level, k, x):
+    """Friction force of leg k, N; its bristles' deflection x[k] is advanced.
+
+    z' = v - s_0 |v| z / g, F = s_0 z + s_1 z', integrated implicitly.
+
+    Args:
+        dt: s.
+        speed: v, m/s.
+        level: g, the force when sliding at that speed, N, above 0.
+        k: Index of the leg.
+        x: Deflections, m.
+    """
+    stiffness = min(level / _PRESLIDING, _MAX_STIFFNESS)
+    damping = min(_DAMPING_TIME * stiffness, _MAX_DAMPING)
+    grip = 1.0 + dt * stiffness * abs(speed) / level
+    z = (x[k] + dt * speed) / grip
+    force = stiffness * z + damping * (z - x[k]) / dt
+    x[k] = z
+    return force
+
+
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    # x[k]: deflection of the bristles of leg k, advanced implicitly.
-    coulomb = p[0]
-    stiffness = min(coulomb / _PRESLIDING, _MAX_STIFFNESS)
-    damping = min(_DAMPING_TIME * stiffness, _MAX_DAMPING)
-    for k in range(f.shape[0]):
-        if coulomb <= 0.0:
-            continue
-        grip = 1.0 + dt * stiffness * abs(l_dot[k]) / coulomb
-        z = (x[k] + dt * l_dot[k]) / grip
-        f[k] -= stiffness * z + damping * (z - x[k]) / dt
-        x[k] = z
+    # x[k]: deflection of the bristles of leg k.
+    if p[0] > 0.0:
+        for k in range(f.shape[0]):
+            f[k] -= bristle_force(dt, l_dot[k], p[0], k, x)
 
 
 CARD = Effect(

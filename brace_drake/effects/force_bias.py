@@ -21,6 +21,7 @@ CARD = Effect(
         ),
     ),
     laws={"sensing": _law},
+    devices=("bench stage 2", "pad bench"),
     signature="a force reading without contact; the ring gives way to a force"
     " that is not there",
     impostors={

@@ -22,6 +22,7 @@ CARD = Effect(
         ),
     ),
     laws={"sensing": _law},
+    devices=("bench stage 2", "pad bench"),
     signature="force reading and motion of torso and ring disagree by a"
     " constant factor",
     impostors={"force_gain": "a gain of the drives, seen in free runs as well"},

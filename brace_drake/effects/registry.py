@@ -1,4 +1,4 @@
-"""All effects: every module in this folder that holds a CARD."""
+"""All effects: every module in this folder that holds a CARD, or CARDS."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from brace_drake.errors import EffectError
 
 @cache
 def all_effects() -> dict[str, Effect]:
-    """Cards by name, in the order of the files.
+    """Cards by key (see `Effect.key`), in the order of the files.
 
     Raises:
-        EffectError: Two files hold the same name.
+        EffectError: Two cards have the same key.
     """
     cards: dict[str, Effect] = {}
     for module in pkgutil.iter_modules(brace_drake.effects.__path__):
         loaded = importlib.import_module(f"brace_drake.effects.{module.name}")
         card = getattr(loaded, "CARD", None)
-        if card is None:
-            continue
-        if card.name in cards:
-            raise EffectError(f"effect {card.name} is registered twice")
-        cards[card.name] = card
+        forms = getattr(loaded, "CARDS", () if card is None else (card,))
+        for form in forms:
+            if form.key in cards:
+                raise EffectError(f"effect {form.key} is registered twice")
+            cards[form.key] = form
     return cards
 
 
@@ -36,17 +36,18 @@ def effects_for(device: str) -> dict[str, Effect]:
     return {n: e for n, e in all_effects().items() if device in e.devices}
 
 
-def find_effect(name: str) -> Effect:
-    """The card of a name.
+def find_effect(key: str) -> Effect:
+    """The card of a key, or of a name: then its first form.
 
     Raises:
         EffectError: No such effect; the message offers the closest.
     """
     cards = all_effects()
-    if name not in cards:
-        close = difflib.get_close_matches(name, cards, n=1, cutoff=0.0)
-        raise EffectError(
-            f"no effect {name!r}; did you mean {close[0]!r}? There are"
-            f" {', '.join(cards)}"
-        )
-    return cards[name]
+    for card in cards.values():
+        if key in (card.key, card.name):
+            return card
+    close = difflib.get_close_matches(key, cards, n=1, cutoff=0.0)
+    raise EffectError(
+        f"no effect {key!r}; did you mean {close[0]!r}? There are"
+        f" {', '.join(cards)}"
+    )

@@ -1,0 +1,42 @@
+"""Pads that do not touch where they should."""
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.hooks import plug
+
+
+@plug("compression")
+def _law(t, dt, pad, d, p, x):
+    if p[0] == 0.0 or pad == int(p[0]) - 1:
+        d[0] -= p[1]
+
+
+CARD = Effect(
+    name="clearance",
+    block="contact",
+    title="a gap between pad and torso",
+    equation="N = k (d - s) + c d' where d > s, else 0; at both pads or one",
+    source="Johnson, Contact Mechanics, section 11; a brace that sits loose",
+    parameters=(
+        EffectParameter(
+            "pad",
+            "1",
+            0.0,
+            2.0,
+            (0.0,),
+            "which pad: 0 both, 1 at +y, 2 at -y",
+            off=None,
+            choices=(0.0, 1.0, 2.0),
+        ),
+        EffectParameter(
+            "clearance_m", "m", 0.0, 0.02, (5e-4, 2e-3), "width s of the gap"
+        ),
+    ),
+    laws={"compression": _law},
+    devices=("bench stage 2", "pad bench"),
+    signature="no force over the first part of a push, then the usual one",
+    impostors={
+        "hardening": "grows with depth, no threshold",
+        "backlash": "in the legs: shows in free runs as well",
+    },
+    experiment="slow reversals through the rest position",
+)

@@ -1,0 +1,31 @@
+"""Leg encoders that do not read the true length."""
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.hooks import plug
+
+
+@plug("sensing")
+def _law(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
+    for k in range(l.shape[0]):
+        l[k] += p[k]
+
+
+CARD = Effect(
+    name="encoder_offset",
+    block="sensing",
+    title="constant offsets of the leg lengths",
+    equation="l_k,read = l_k + o_k",
+    source="Merlet, Parallel Robots, chapter 10 (calibration)",
+    parameters=tuple(
+        EffectParameter(
+            f"offset{k}_m", "m", -0.01, 0.01, (1e-4,), f"offset of leg {k}"
+        )
+        for k in range(1, 7)
+    ),
+    laws={"sensing": _law},
+    signature="the ring starts with a jump and holds a wrong pose",
+    impostors={
+        "anchor_error": "force directions off as well, lengths change with pose"
+    },
+    experiment="any run: the first second shows it",
+)

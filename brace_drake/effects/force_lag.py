@@ -1,0 +1,41 @@
+"""A force sensor that answers late."""
+
+import math
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.hooks import plug
+
+
+@plug("sensing")
+def _law(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
+    # x: filtered force (3), then whether it has been started.
+    gain = 1.0
+    if p[0] > 1e-6 and x[3] != 0.0:
+        gain = 1.0 - math.exp(-h / p[0])
+    x[3] = 1.0
+    for i in range(3):
+        x[i] += gain * (F[i] - x[i])
+        F[i] = x[i]
+
+
+CARD = Effect(
+    name="force_lag",
+    block="sensing",
+    title="first-order lag of the force sensor",
+    equation="T F_read' = F - F_read",
+    source="Fraden, Handbook of Modern Sensors, section 3.16",
+    parameters=(
+        EffectParameter(
+            "lag_s", "s", 0.0, 1.0, (0.01, 0.05), "time constant T"
+        ),
+    ),
+    laws={"sensing": _law},
+    num_states={"sensing": 4},
+    devices=("bench stage 2", "pad bench"),
+    signature="the force trails the motion in fast contact runs",
+    impostors={
+        "command_delay": "free runs show it as well",
+        "hunt_crossley": "depends on depth",
+    },
+    experiment="multisine in contact",
+)

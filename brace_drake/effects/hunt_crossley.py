@@ -1,0 +1,61 @@
+"""Damping of the tissue that grows with depth."""
+
+import math
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.hooks import plug
+
+# Depth at which the stiffness is that of the linear law, whatever n is.
+_DEPTH = 0.003
+
+
+@plug("contact")
+def _law(t, dt, pad, d, law, N, p, x):
+    if d[0] <= 0.0:
+        return
+    shape = law[0] * d[0] * math.pow(d[0] / _DEPTH, p[1] - 1.0)
+    N[0] = shape * (1.0 + p[0] * d[1]) + p[2] * law[1] * d[1]
+
+
+CARD = Effect(
+    name="hunt_crossley",
+    block="contact",
+    title="damping in proportion to the elastic force",
+    equation="N = k d (d / 3 mm)^(n-1) (1 + a d') + e c d', e = 0 where it"
+    " stands in place of linear damping",
+    source="Hunt and Crossley, Coefficient of restitution interpreted as"
+    " damping in vibroimpact, J. Appl. Mech. 42, 1975",
+    parameters=(
+        EffectParameter(
+            "dissipation_s_m", "s/m", 0.0, 500.0, (8.0,), "dissipation a"
+        ),
+        EffectParameter(
+            "exponent",
+            "1",
+            1.0,
+            2.0,
+            (1.0,),
+            "exponent n of the elastic force",
+            off=1.0,
+            choices=(1.0, 1.5),
+        ),
+        EffectParameter(
+            "linear_share",
+            "1",
+            0.0,
+            1.0,
+            (0.0,),
+            "share e of linear damping that remains",
+            off=1.0,
+            choices=(0.0, 1.0),
+        ),
+    ),
+    laws={"contact": _law},
+    devices=("bench stage 2", "pad bench"),
+    signature="damping weak at first touch, strong at depth",
+    impostors={
+        "hardening": "the same at every speed",
+        "relaxation": "force creeps in holds",
+    },
+    experiment="multisine at two depths",
+)

@@ -1,0 +1,42 @@
+"""One leg that gives less than it is asked for."""
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.hooks import plug
+
+
+@plug("drive")
+def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
+    k = int(p[0]) - 1
+    f[k] -= p[1] * u[k]
+
+
+CARD = Effect(
+    name="weak_leg",
+    block="actuation",
+    title="one drive with less force than commanded",
+    equation="f_k = (1 - s) u_k - b l_k' for one leg k",
+    source="Blanke, Kinnaert, Lunze, Staroswiecki, Diagnosis and"
+    " Fault-Tolerant Control, section 4 (loss of effectiveness)",
+    parameters=(
+        EffectParameter(
+            "leg",
+            "1",
+            1.0,
+            6.0,
+            (1.0,),
+            "number of the leg",
+            off=None,
+            choices=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
+        ),
+        EffectParameter(
+            "force_loss", "1", -0.5, 0.95, (0.1,), "share s that is missing"
+        ),
+    ),
+    laws={"drive": _law},
+    signature="one leg commanded more than symmetry allows, a tilt of the ring",
+    impostors={
+        "force_gain": "all legs alike: no tilt",
+        "anchor_error": "leg lengths off at rest as well",
+    },
+    experiment="stairs in both directions",
+)
