@@ -11,7 +11,7 @@ from brace_drake.resources import scenario_path
 from brace_drake.scenario.load import LoadScenario
 from brace_drake.scenario.pad_bench import PadBenchScenario, pack_pad_bench
 from brace_drake.twin.pad_bench_twin import simulate_pad
-from brace_drake.twin.pad_motion import PadMotion
+from brace_drake.twin.pad_motion import MakePadMotion
 
 RATE = 100.0
 
@@ -27,7 +27,7 @@ class TestAgreement(unittest.TestCase):
         scenario = PadBenchScenario(contact_offset=0.002)
         numbers, time = pack_pad_bench(scenario), np.arange(200) / RATE
         displacement = 0.008 * np.sin(5.0 * time) + 0.001 * np.sin(31.0 * time)
-        path = PadMotion(time, displacement, np.ones(len(time))).path()
+        path = MakePadMotion(time, displacement, 0.0).path()
         plug_ins = stack_effects(uses)
         compiled = simulate_pad(numbers, time, path, 0.002, plug_ins)
         station = MakePadBenchStation(numbers, time, path, 0.002, plug_ins)

@@ -14,8 +14,8 @@ _CUTOFF_HZ = 10.0
 _SLOW_HZ = 1.0
 # Least free time for a verdict on the sensor, s.
 _LEAST_FREE_S = 0.5
-# Deviations of the averaged force from its value at the outermost
-# displacement that mean touch, in standard deviations of that average.
+# Deviations of the force from its value at the outermost displacement that
+# mean touch, in standard deviations.
 _TOUCH = 5.0
 
 
@@ -24,7 +24,7 @@ def pad_rungs(twin: PadBenchTwin) -> list[Rung]:
 
     def contact(prepared, x, subject):
         time, numbers = prepared.motion.time, twin.with_subject(subject)
-        path = prepared.motion.path()
+        path = prepared.motion.path(None, twin.corner_share(subject))
         inside = path[:, 0] > subject[2]
         if not inside.any():
             return None
@@ -63,9 +63,15 @@ def free_samples(prepared: PreparedRun, offset: float) -> np.ndarray:
     order = np.argsort(displacement, kind="stable")
     width = max(8, len(order) // 200)
     blocks = [order[i : i + width] for i in range(0, len(order), width)]
-    means = np.array([force[b].mean() for b in blocks])
-    tolerance = _TOUCH * prepared.floor.rms[0] / np.sqrt(width)
-    left = np.flatnonzero(np.abs(means - means[0]) > np.sqrt(2.0) * tolerance)
+    sigma = _TOUCH * prepared.floor.rms[0]
+    rest = force[blocks[0]].mean()
+    # A slow part on average, and the one sample of a fast touch.
+    left = [
+        abs(force[b].mean() - rest) > sigma * np.sqrt(2.0 / width)
+        or np.abs(force[b] - rest).max() > sigma
+        for b in blocks
+    ]
+    left = np.flatnonzero(left)
     # The block of the touch, and the one before, hold samples of both.
     last = left[0] - 1 if len(left) else len(blocks)
     if last < 1:

@@ -4,7 +4,7 @@ The same laws in the same order as the Drake diagram of
 `brace_drake.pad_station`, which remains the reference.
 """
 
-from numba import int64, njit
+from numba import boolean, int64, njit
 
 from brace_drake.laws.contact import normal_force
 from brace_drake.laws.hooks import (
@@ -80,6 +80,7 @@ def cut_normal_force(d, N):
         vectors,
         vectors,
         vectors,
+        boolean[:, ::1],
         vector,
     ),
     cache=True,
@@ -98,6 +99,7 @@ def rollout_pad(
     compression_memory,
     contact_memory,
     sensing_memory,
+    active,
     work,
 ):
     """Presses the pad along a path and writes the force readings.
@@ -110,6 +112,8 @@ def rollout_pad(
         compression, contact, sensing: Laws of the effects.
         parameters: Theirs.
         compression_memory, contact_memory, sensing_memory: Their states.
+        active: Whether an effect sits at compression, contact and sensing
+            (3, MAX_EFFECTS).
         work: Output and work space (N + 20,): the readings, N, then path (2),
             compression (2), force (1), reading (3), commands (6), lengths (6).
 
@@ -131,22 +135,26 @@ def rollout_pad(
             interpolate_path(sub * dt, h, path[i], path[following], at)
             calc_pad_compression(at, law, d)
             for e in range(MAX_EFFECTS):
-                compression[e](
-                    t, dt, 0, d, parameters[e], compression_memory[e]
-                )
+                if active[0, e]:
+                    compression[e](
+                        t, dt, 0, d, parameters[e], compression_memory[e]
+                    )
             calc_normal_force(d, law, N)
             for e in range(MAX_EFFECTS):
-                contact[e](
-                    t, dt, 0, d, law, N, parameters[e], contact_memory[e]
-                )
+                if active[1, e]:
+                    contact[e](
+                        t, dt, 0, d, law, N, parameters[e], contact_memory[e]
+                    )
             cut_normal_force(d, N)
             if sub == 0:
                 F[:] = 0.0
                 F[FORCE_AXIS] = N[0]
                 for e in range(MAX_EFFECTS):
-                    sensing[e](
-                        t, h, u, lengths, F, parameters[e], sensing_memory[e]
-                    )
+                    if active[2, e]:
+                        sensing[e](
+                            t, h, u, lengths, F,
+                            parameters[e], sensing_memory[e],
+                        )  # fmt: skip
                 work[i] = F[FORCE_AXIS]
         if not abs(work[i]) < 1e9:
             return i

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from brace_drake.campaign.recording import Campaign
+from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.laws.pad_path import filter_cosines, noise_gain, path_slopes
 from brace_drake.scenario.bench import EffectUse
 from brace_drake.scenario.pad_noise import (
     NOISE_EDGES_HZ,
@@ -36,6 +37,7 @@ class PadBenchScenario:
     # Excursion of the pad, m, and rate, m/s, that the fit's steps go by.
     depth_scale: float = 0.01
     rate_scale: float = 0.01
+    has_corners: bool = False  # whether the path has corners on samples
     effects: list[EffectUse] = field(default_factory=list)
 
 
@@ -50,12 +52,14 @@ class PadBenchNumbers:
         force_noise: In the bands of NOISE_EDGES_HZ (B,), N.
         displacement_noise: (1,), m.
         scales: Of depth, m, and rate, m/s (2,).
+        has_corners: Whether the path has corners on samples.
     """
 
     contact: np.ndarray
     force_noise: np.ndarray
     displacement_noise: np.ndarray
     scales: np.ndarray
+    has_corners: bool
 
     def with_changes(self, **arrays: np.ndarray) -> "PadBenchNumbers":
         """A copy with some arrays replaced."""
@@ -78,6 +82,7 @@ def pack_pad_bench(scenario: PadBenchScenario) -> PadBenchNumbers:
         force_noise=np.array(scenario.force_noise, dtype=float),
         displacement_noise=np.array([scenario.displacement_noise]),
         scales=np.array([scenario.depth_scale, scenario.rate_scale]),
+        has_corners=scenario.has_corners,
     )
 
 
@@ -93,12 +98,20 @@ def MakePadBenchScenario(campaign: Campaign) -> PadBenchScenario:
         campaign.nominal.get("stiffness_N_m"),
         campaign.nominal.get("damping_N_s_m"),
     )
+    sigma = estimate_displacement_noise(runs)
     return PadBenchScenario(
         stiffness=found.stiffness,
         damping=found.damping,
         contact_offset=found.offset,
         force_noise=estimate_force_noise(runs, campaign.rate_hz),
-        displacement_noise=estimate_displacement_noise(runs),
+        displacement_noise=sigma,
         depth_scale=found.depth_scale,
         rate_scale=found.rate_scale,
+        has_corners=any(_has_corners(run, sigma) for run in runs),
     )
+
+
+def _has_corners(run: Run, sigma: float) -> bool:
+    displacement = run.channels["displacement_m"]
+    smooth = filter_cosines(displacement, noise_gain(displacement, sigma))
+    return bool(np.any(path_slopes(run.time_s, smooth, sigma)[1]))

@@ -24,6 +24,12 @@ _LEAST_BINS = 8
 # Coefficients of a fourth difference: what is smooth cancels.
 _FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _MEDIAN_TO_SIGMA = 1.4826
+# Fourth differences this many times the usual are corners of the motion.
+_CORNER = 4.5
+_CLEARLY_LESS = 0.8
+# Variance of their mean square, relative, times the number of samples: twice
+# the sum of their squared correlations.
+_VARIANCE = 5.3
 
 
 def estimate_force_noise(runs: Sequence[Run], rate_hz: float) -> np.ndarray:
@@ -39,8 +45,7 @@ def estimate_force_noise(runs: Sequence[Run], rate_hz: float) -> np.ndarray:
     """
     forces = [run.channels["force_N"] for run in runs]
     least = _FINEST * max((np.ptp(f) for f in forces), default=0.0)
-    white = max((white_noise(f) for f in forces), default=0.0)
-    sigma = np.full(len(NOISE_EDGES_HZ), max(white, least))
+    sigma = np.full(len(NOISE_EDGES_HZ), max(_pooled(forces), least))
     by_file = {run.file: run for run in runs}
     pairs = [
         (by_file[run.repeat_of], run)
@@ -53,32 +58,63 @@ def estimate_force_noise(runs: Sequence[Run], rate_hz: float) -> np.ndarray:
 
 
 def estimate_displacement_noise(runs: Sequence[Run]) -> float:
-    """Noise of the displacement readings, m; the largest of the runs."""
-    displacements = [run.channels["displacement_m"] for run in runs]
-    return max((white_noise(d) for d in displacements), default=0.0)
+    """Noise of the displacement readings of all runs, m."""
+    return _pooled([run.channels["displacement_m"] for run in runs])
+
+
+def _pooled(signals: Sequence[np.ndarray]) -> float:
+    """White noise of several signals: the upper end of what they allow.
+
+    Their mean square and twice its standard error, so that a short recording
+    does not pass its own motion for more than noise.
+    """
+    count = sum(len(s) for s in signals)
+    if count == 0:
+        return 0.0
+    squares = sum(len(s) * white_noise(s) ** 2 for s in signals) / count
+    return float(np.sqrt(squares * (1.0 + 2.0 * np.sqrt(_VARIANCE / count))))
 
 
 def white_noise(signal: np.ndarray) -> float:
     """Standard deviation of the white noise of a reading (N,).
 
-    The smaller of two estimates, both of which a fast motion can only enlarge:
-    the upper end of the spectrum, and the median size of fourth differences,
-    to which a few corners mean nothing. Not less than what rounding makes.
+    From fourth differences, without those that a corner of the motion makes
+    large, or, where that finds clearly less, the upper end of the spectrum:
+    fast motion can only enlarge both. Not less than what rounding makes.
     """
-    differences = np.convolve(signal, _FOURTH, mode="valid")
+    differences = fourth_differences(signal)
     if len(differences) < _LEAST_BINS:
         return 0.0
-    spread = _MEDIAN_TO_SIGMA * np.median(np.abs(differences))
-    spread /= np.linalg.norm(_FOURTH)
-    return float(max(min(spread, white_part(signal)), _rounding(signal)))
+    typical = _MEDIAN_TO_SIGMA * np.median(np.abs(differences))
+    usual = differences[np.abs(differences) <= _CORNER * typical]
+    spread = float(np.sqrt(np.mean(usual**2))) if len(usual) else 0.0
+    spectral = white_part(signal)
+    if spectral < _CLEARLY_LESS * spread:
+        spread = spectral
+    return max(spread, _rounding(signal, differences))
 
 
-def _rounding(signal: np.ndarray) -> float:
-    """Standard deviation of the rounding to the smallest step of a reading."""
+def fourth_differences(signal: np.ndarray) -> np.ndarray:
+    """Fourth differences, of white noise's own standard deviation (N - 4,)."""
+    differences = np.convolve(signal, _FOURTH, mode="valid")
+    return differences / np.linalg.norm(_FOURTH)
+
+
+def _rounding(signal: np.ndarray, differences: np.ndarray) -> float:
+    """Standard deviation of the rounding to the smallest step of a reading.
+
+    0 for a path of straight pieces, whose values lie on a grid too, but whose
+    fourth differences vanish.
+    """
+    least = 1e-9 * np.ptp(signal)
     steps = np.diff(np.unique(signal))
     # Smaller steps are the decimals of the same number.
-    steps = steps[steps > 1e-9 * np.ptp(signal)]
-    return float(steps.min()) / np.sqrt(12.0) if len(steps) else 0.0
+    steps = steps[steps > least]
+    moves = signal[4:] != signal[:-4]
+    rough = np.abs(differences[moves]) > least
+    if not len(steps) or not len(rough) or rough.mean() < 0.5:
+        return 0.0
+    return float(steps.min()) / np.sqrt(12.0)
 
 
 def _repeat_noise(pairs, rate_hz: float) -> np.ndarray:

@@ -6,16 +6,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import nnls
+from scipy.signal import lfilter
 
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import CampaignError
 
 # Contact offsets that are tried, over twice the pad's excursion.
-_OFFSETS = 81
-# The rate is taken from a displacement averaged over this long, s, and the
-# force with it: the start is that of the slow part.
+_OFFSETS = 61
+# Readings are averaged over this long, s: the start is that of the slow part.
 _AVERAGE_S = 0.05
-_MOST_SAMPLES = 4000
+_MOST_SAMPLES = 3000
+# Time constants of tissue that relaxes, s, beside which the damping is told.
+_ARMS_S = (0.3, 2.0, 10.0)
+# The linear stiffness keeps at least this share of the mean one.
+_LEAST_SHARE = 0.2
 
 
 @dataclass(frozen=True)
@@ -37,6 +42,16 @@ class ContactEstimate:
     rate_scale: float
 
 
+@dataclass(frozen=True)
+class _Slow:
+    """The slow part of a run: sampling period, s, then d, d', F (M,)."""
+
+    step: float
+    displacement: np.ndarray
+    rate: np.ndarray
+    force: np.ndarray
+
+
 def estimate_contact(
     runs: Sequence[Run],
     stiffness: float | None = None,
@@ -44,9 +59,12 @@ def estimate_contact(
 ) -> ContactEstimate:
     """The contact that explains the slow part of recordings best.
 
-    Over a grid of offsets d_0, F = k (d - d_0) + c d' is fitted with k, c >= 0
-    where d > d_0, and F = 0 elsewhere. The grid reaches one excursion to the
-    outside of the recorded displacements, for pads that never leave.
+    Over a grid of offsets, F = k d + c d' + k_3 d^3 + sum k_i (d - z_i) with
+    creep z_i' = (d - z_i) / tau_i is fitted, no coefficient negative, where
+    d = displacement - offset > 0; elsewhere F = 0. The terms beyond k and c
+    keep these two, and the offset, from standing in for them. The grid reaches
+    one excursion outside of the recorded displacements, for pads that never
+    leave.
 
     Args:
         runs: To be fitted, together.
@@ -56,65 +74,69 @@ def estimate_contact(
         CampaignError: The pad never moves.
     """
     parts = [_slow_part(run) for run in runs]
-    d, v, force = (np.concatenate(p) for p in zip(*parts, strict=True))
-    low, high = float(d.min()), float(d.max())
+    low = min(float(p.displacement.min()) for p in parts)
+    high = max(float(p.displacement.max()) for p in parts)
     span = high - low
     if not span > 0.0:
         raise CampaignError("the pad does not move in any run with split: fit")
-    best = None
-    for offset in np.linspace(low - span, high, _OFFSETS, endpoint=False):
-        k, c, cost = _fit_at(offset, d, v, force, stiffness, damping)
-        if best is None or cost < best[0]:
-            best = cost, k, c, float(offset)
-    _, k, c, offset = best
-    rate = float(np.sqrt(np.mean(v**2)))
-    # Force that falls with depth, or none: what is left is its size.
-    least = 1e-3 * max(float(np.ptp(force)), 1e-6) / span
+    fits = [
+        _fit_at(float(offset), parts, (stiffness, damping))
+        for offset in np.linspace(low - span, high, _OFFSETS, endpoint=False)
+    ]
+    _, k, c, offset = min(fits)
+    rate = np.sqrt(np.mean(np.concatenate([p.rate for p in parts]) ** 2))
+    # A force that falls with depth, or none, still has a size.
+    size = max(float(np.ptp(p.force)) for p in parts)
+    least = 1e-3 * max(size, 1e-6) / span
     return ContactEstimate(max(k, least), c, offset, span, max(rate, 1e-9))
 
 
-def _slow_part(run: Run) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Displacement, rate and force of a run, averaged, and thinned."""
+def _slow_part(run: Run) -> _Slow:
     time = run.time_s
     step = float(np.median(np.diff(time)))
     width = min(max(1, round(_AVERAGE_S / step)), max(1, len(time) // 8))
-    columns = np.column_stack(
-        [time, run.channels["displacement_m"], run.channels["force_N"]]
-    )
     box = np.ones(width) / width
-    smooth = [np.convolve(c, box, mode="valid") for c in columns.T]
-    rate = np.gradient(smooth[1], smooth[0])
-    every = max(1, len(rate) // _MOST_SAMPLES)
-    return smooth[1][::every], rate[::every], smooth[2][::every]
+    columns = (time, run.channels["displacement_m"], run.channels["force_N"])
+    slow = [np.convolve(c, box, mode="valid") for c in columns]
+    rate = np.gradient(slow[1], slow[0])
+    every = max(width, -(-len(rate) // _MOST_SAMPLES))
+    thin = slice(None, None, every)
+    return _Slow(step * every, slow[1][thin], rate[thin], slow[2][thin])
 
 
-def _fit_at(offset, d, v, force, stiffness, damping):
-    """Stiffness, damping and the sum of squares for one contact offset."""
-    inside = d > offset
-    depth, rate, pressed = d[inside] - offset, v[inside], force[inside]
-    k, c = _two_not_negative(depth, rate, pressed, stiffness, damping)
-    predicted = np.maximum(k * depth + c * rate, 0.0)
-    rest = pressed - predicted
-    return k, c, float(rest @ rest + force[~inside] @ force[~inside])
+def _fit_at(offset, parts, given) -> tuple[float, float, float, float]:
+    """Sum of squares, stiffness, damping, and the offset itself."""
+    bases = [_basis(offset, part) for part in parts]
+    basis = np.vstack(bases)
+    force = np.concatenate([p.force for p in parts])
+    values = np.zeros(basis.shape[1])
+    free = np.ones(len(values), dtype=bool)
+    for i, value in enumerate(given):
+        if value is not None:
+            values[i], free[i] = value, False
+    size = np.maximum(np.linalg.norm(basis, axis=0), 1e-300)
+    triangle = np.linalg.qr(
+        np.column_stack([(basis / size)[:, free], force - basis @ values]),
+        mode="r",
+    )
+    found, _ = nnls(triangle[:-1, :-1], triangle[:-1, -1])
+    values[free] = found / size[free]
+    rest = force - np.maximum(basis @ values, 0.0)
+    k, c = values[:2]
+    if given[0] is None:
+        depth = basis[:, 0]
+        mean = float(depth @ force) / max(float(depth @ depth), 1e-300)
+        k = max(k, _LEAST_SHARE * mean)
+    return float(rest @ rest), float(k), float(c), offset
 
 
-def _two_not_negative(x, y, target, k, c) -> tuple[float, float]:
-    """Least squares of k x + c y, neither negative, some given."""
-    if k is None and c is None:
-        xx, xy, yy = x @ x, x @ y, y @ y
-        determinant = xx * yy - xy * xy
-        if determinant > 1e-12 * xx * yy:
-            k = (yy * (x @ target) - xy * (y @ target)) / determinant
-            c = (xx * (y @ target) - xy * (x @ target)) / determinant
-        if c is None or c < 0.0:
-            c, k = 0.0, None
-    if k is None:
-        k = _one_not_negative(x, target - c * y)
-    if c is None:
-        c = _one_not_negative(y, target - k * x)
-    return max(k, 0.0), max(c, 0.0)
-
-
-def _one_not_negative(x, target) -> float:
-    square = float(x @ x)
-    return max(0.0, float(x @ target) / square) if square > 0.0 else 0.0
+def _basis(offset: float, part: _Slow) -> np.ndarray:
+    """Depth, rate, depth cubed and the relaxing arms at each sample (M, 6)."""
+    depth = np.maximum(part.displacement - offset, 0.0)
+    inside = depth > 0.0
+    columns = [depth, np.where(inside, part.rate, 0.0), depth**3]
+    for tau in _ARMS_S:
+        decay = np.exp(-part.step / tau)
+        creep = lfilter([0.0, 1.0 - decay], [1.0, -decay], depth)
+        columns.append(np.where(inside, depth - creep, 0.0))
+    return np.column_stack(columns)

@@ -19,7 +19,7 @@ from brace_drake.scenario.pad_bench import (
     pack_pad_bench,
 )
 from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ, white_noise
-from brace_drake.twin.pad_motion import PadMotion, noise_gain
+from brace_drake.twin.pad_motion import MakePadMotion, PadMotion
 from brace_drake.twin.subject import SubjectParameter
 
 CHANNELS = ("force_N",)
@@ -31,6 +31,8 @@ POINTS = ("compression", "contact", "sensing")
 _SPREAD = 30.0
 # What a damping can be: this many times what carries all of the force.
 _MOST_DAMPING = 10.0
+# And what is as good as none, without being out of every equation.
+_LEAST_DAMPING = 1e-4
 # A fit counts damping in this share of the elastic force.
 _DAMPING_SHARE = 0.1
 # Longer steps that suffice for differences between points.
@@ -73,6 +75,7 @@ def simulate_pad(
         *(p.laws for p in plugs),
         plugs[0].parameters,
         *(p.fresh_memory() for p in plugs),
+        np.array([p.active for p in plugs]),
         work,
     )
     if broke_at >= 0:
@@ -117,12 +120,10 @@ class PadBenchTwin:
 
     def motion(self, run: Run) -> PadMotion:
         """The run's path."""
-        displacement = np.array(run.channels["displacement_m"], dtype=float)
-        sigma = self.numbers.displacement_noise[0]
-        return PadMotion(
-            run.time_s - run.time_s[0],
-            displacement,
-            noise_gain(displacement, sigma),
+        return MakePadMotion(
+            run.time_s,
+            run.channels["displacement_m"],
+            self.numbers.displacement_noise[0],
         )
 
     def measured(self, run: Run) -> np.ndarray:
@@ -153,9 +154,9 @@ class PadBenchTwin:
             BraceError: The simulated run broke down.
         """
         numbers = modify_numbers(self.with_subject(subject), uses)
-        samples, noise, force_noise = len(motion.time), None, 0.0
+        noise, force_noise = None, 0.0
         if generator is not None:
-            noise = generator.standard_normal(samples)
+            noise = generator.standard_normal(len(motion.time))
             noise = noise * numbers.displacement_noise[0]
             force_noise = draw_force_noise(
                 numbers.force_noise, motion.time, generator
@@ -163,7 +164,7 @@ class PadBenchTwin:
         force = simulate_pad(
             numbers,
             motion.time,
-            motion.path(noise),
+            motion.path(noise, self.corner_share(subject)),
             self.time_step,
             stack_effects(uses),
         )
@@ -175,6 +176,10 @@ class PadBenchTwin:
         contact[0], contact[1], contact[5] = values[0], values[1], -values[2]
         return self.numbers.with_changes(contact=contact)
 
+    def corner_share(self, values: np.ndarray) -> float:
+        """What a specimen's `corner_share` is, 0 where nothing tells it."""
+        return float(values[3]) if len(self.subject) > 3 else 0.0
+
     def estimate_noise(self, runs: Sequence[Run]) -> float:
         """White noise of the force readings of recordings, N."""
         forces = [run.channels["force_N"] for run in runs]
@@ -185,15 +190,22 @@ def pad_subject(numbers: PadBenchNumbers) -> tuple[SubjectParameter, ...]:
     """Subject parameters of the pad bench with nominal values and limits.
 
     The contact offset is the displacement at which the pad touches; below all
-    recorded ones where it never leaves.
+    recorded ones where it never leaves. The corner share is the instruments':
+    at a corner of the path the rate is known only to lie between the slopes on
+    both sides, so that what the damping makes of it is fitted.
     """
     k, c, offset = numbers.contact[0], numbers.contact[1], -numbers.contact[5]
     depth, rate = numbers.scales
     unit = max(c, _DAMPING_SHARE * k * depth / rate)
-    return (
+    parameters = (
         SubjectParameter("stiffness_N_m", "N/m", k, k / _SPREAD, k * _SPREAD),
         SubjectParameter(
-            "damping_N_s_m", "N s/m", c, 0.0, _MOST_DAMPING * unit, unit
+            "damping_N_s_m",
+            "N s/m",
+            max(c, _LEAST_DAMPING * unit),
+            _LEAST_DAMPING * unit,
+            _MOST_DAMPING * unit,
+            unit,
         ),
         SubjectParameter(
             "contact_offset_m",
@@ -204,6 +216,10 @@ def pad_subject(numbers: PadBenchNumbers) -> tuple[SubjectParameter, ...]:
             depth,
         ),
     )
+    if not numbers.has_corners:
+        return parameters
+    share = SubjectParameter("corner_share", "1", 0.0, -0.5, 0.5, 1.0)
+    return (*parameters, share)
 
 
 def draw_force_noise(

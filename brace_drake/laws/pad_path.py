@@ -1,0 +1,99 @@
+"""From displacement readings to the path of a pad: smoothing and slopes."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.fft import dct, idct
+
+# A frequency counts as motion where its power is this many times the noise's.
+_ABOVE_NOISE = 4.0
+# Values of the spectrum that are averaged before that comparison.
+_AVERAGED = 9
+_ORDER = 8
+# Changes of slope below this many standard deviations are noise.
+_SIGNIFICANT = 4.0
+# Rounding of a slope, relative to the largest.
+_ROUNDING = 1e-6
+
+
+def filter_cosines(signal: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """Filters (N,) without phase: `gain` (N,) on its cosine transform.
+
+    The transform takes the signal as mirrored at both ends, so that a record
+    that ends elsewhere than it began is no step.
+    """
+    if np.all(gain == 1.0):
+        return signal.copy()
+    return idct(gain * dct(signal, norm="ortho"), norm="ortho")
+
+
+def noise_gain(displacement: np.ndarray, sigma: float) -> np.ndarray:
+    """The low pass that a displacement's own noise asks for (N,).
+
+    Its cutoff is the highest frequency at which the displacement still stands
+    above the white noise of its readings: beyond that the recording holds no
+    motion, and differentiating it would feed noise to the damping. Readings
+    without noise are left as they are.
+
+    Args:
+        displacement: (N,), m.
+        sigma: Standard deviation of the noise of a reading, m.
+    """
+    samples = len(displacement)
+    power = dct(displacement - displacement.mean(), norm="ortho") ** 2
+    box = np.ones(min(_AVERAGED, samples))
+    counts = np.convolve(np.ones(samples), box, mode="same")
+    power = np.convolve(power, box, mode="same") / counts
+    above = np.flatnonzero(power > _ABOVE_NOISE * sigma**2)
+    cutoff = above[-1] + 1 if len(above) else 1
+    if cutoff + _AVERAGED >= samples:
+        return np.ones(samples)
+    return 1.0 / (1.0 + (np.arange(samples) / cutoff) ** _ORDER)
+
+
+def path_slopes(
+    time: np.ndarray, displacement: np.ndarray, sigma: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rates of a path at its samples, and where they are in doubt.
+
+    Akima's slopes: of the secants on both sides the one counts more whose own
+    side is the straighter, which puts a corner between two samples where it
+    is. What noise does to the weights is added to both. A corner on a sample
+    then has the mean of both slopes, and its rate may be either.
+
+    Args:
+        time, displacement: (N,), s and m; N >= 2.
+        sigma: Standard deviation of the noise of a reading, m.
+
+    Returns:
+        Rates (N,), m/s; jumps of the slope at corners on samples (N,), m/s,
+        0 elsewhere.
+
+    Source: Akima, J. ACM 17, 1970.
+    """
+    step = np.diff(time)
+    secants = np.diff(displacement) / step
+    # Two more on both sides, in a straight line, as Akima has them.
+    s = np.concatenate(
+        [
+            secants[0] - (secants[1] - secants[0]) * np.array([2.0, 1.0])
+            if len(secants) > 1
+            else secants[[0, 0]],
+            secants,
+            secants[-1] + (secants[-1] - secants[-2]) * np.array([1.0, 2.0])
+            if len(secants) > 1
+            else secants[[0, 0]],
+        ]
+    )
+    change = np.abs(np.diff(s))
+    noise = _SIGNIFICANT * np.sqrt(6.0) * sigma / np.median(step)
+    noise += _ROUNDING * np.abs(secants).max() + 1e-30
+    left, right = change[:-2], change[2:]
+    before, after = s[1:-2], s[2:-1]
+    weight = right + noise, left + noise
+    rate = (weight[0] * before + weight[1] * after) / (weight[0] + weight[1])
+    jump = after - before
+    doubtful = (np.abs(jump) > 4.0 * noise) & (
+        np.maximum(left, right) < np.maximum(noise, 0.05 * np.abs(jump))
+    )
+    return rate, np.where(doubtful, jump, 0.0)

@@ -1,0 +1,239 @@
+"""The pad bench: closed forms, known parameters, verdicts from recordings."""
+
+import json
+import tempfile
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.campaign.write import WriteCampaign
+from brace_drake.cli.main import main
+from brace_drake.effects.registry import find_effect
+from brace_drake.errors import CampaignError
+from brace_drake.gap.candidates import fit_nominal
+from brace_drake.gap.devices import MakeDevice
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.scenario.pad_bench import (
+    MakePadBenchScenario,
+    PadBenchScenario,
+)
+from brace_drake.scenario.pad_noise import (
+    estimate_displacement_noise,
+    estimate_force_noise,
+    white_noise,
+)
+from brace_drake.twin.pad_bench_twin import PadBenchTwin
+from tests.pad_recordings import (
+    CYCLES,
+    STAIRS,
+    hardening_solid,
+    make_campaign,
+    make_run,
+    standard_linear_solid,
+)
+
+SUBJECT = {"k": 1500.0, "c": 12.0, "offset": 0.0013}
+ARM = {"arm": 900.0, "tau": 1.4}
+CUBIC = 8e6
+
+
+def linear(motion, time):
+    return standard_linear_solid(motion, time, **SUBJECT)
+
+
+def relaxing(motion, time):
+    return standard_linear_solid(motion, time, **SUBJECT, **ARM)
+
+
+def stiffening(motion, time):
+    return hardening_solid(motion, time, **SUBJECT, cubic=CUBIC)
+
+
+def use(name: str, **values: float):
+    effect = find_effect(name)
+    return effect, effect.vector(values)
+
+
+def exact_run(motion, force_of, rate=1000.0):
+    noise = {"force_noise": 0.0, "displacement_noise": 0.0}
+    return make_run("exact.csv", motion, force_of, 0, rate=rate, **noise)
+
+
+class TestLaws(unittest.TestCase):
+    def replay(self, run, uses=()):
+        """The twin's force and where the rate of the path is not in doubt."""
+        twin = PadBenchTwin(PadBenchScenario())
+        subject = np.array(list(SUBJECT.values()))
+        motion = twin.motion(run)
+        force = twin.simulate(motion, subject, uses)[:, 0]
+        d = run.channels["displacement_m"]
+        corner = np.zeros(len(d), dtype=bool)
+        corner[1:-1] = np.abs(np.diff(d, 2)) > 1e-9
+        return force, ~corner
+
+    def test_a_linear_contact_is_exact_between_corners(self):
+        run = exact_run(CYCLES, linear)
+        force, sure = self.replay(run)
+        np.testing.assert_allclose(
+            force[sure], run.channels["force_N"][sure], rtol=0.0, atol=1e-6
+        )
+
+    def test_ramp_and_hold_is_that_of_a_standard_linear_solid(self):
+        run = exact_run(STAIRS, relaxing)
+        arm, tau = ARM.values()
+        uses = [use("relaxation", arm_stiffness_N_m=arm, relaxation_time_s=tau)]
+        force, sure = self.replay(run, uses)
+        # The arm lags by half a step of the state at the fastest ramp.
+        bound = 0.5 * 0.0005 * arm * 0.02
+        np.testing.assert_allclose(
+            force[sure], run.channels["force_N"][sure], rtol=0.0, atol=bound
+        )
+
+    def test_hardening_adds_the_cube_of_the_depth(self):
+        run = exact_run(STAIRS, stiffening)
+        uses = [use("hardening", cubic_stiffness_N_m3=CUBIC)]
+        force, _ = self.replay(run, uses)
+        depth = 0.012 - SUBJECT["offset"]
+        expected = SUBJECT["k"] * depth + CUBIC * depth**3
+        self.assertAlmostEqual(force[-1], expected, delta=1e-9)
+
+    def test_the_pad_never_pulls(self):
+        run = exact_run(CYCLES, linear)
+        force, _ = self.replay(run)
+        self.assertEqual(force.min(), 0.0)
+        shallow = run.channels["displacement_m"] < SUBJECT["offset"]
+        self.assertEqual(np.abs(force[shallow]).max(), 0.0)
+
+    def test_the_seed_decides_the_noise(self):
+        campaign = make_campaign(linear)
+        twin = PadBenchTwin(MakePadBenchScenario(campaign))
+        motion = twin.motion(campaign.runs[0])
+        subject = np.array([p.nominal for p in twin.subject])
+        first, same, other = (
+            twin.simulate(motion, subject, (), np.random.default_rng(seed))
+            for seed in (1, 1, 2)
+        )
+        np.testing.assert_array_equal(first, same)
+        self.assertGreater(np.abs(first - other).max(), 0.01)
+
+
+class TestNoise(unittest.TestCase):
+    def test_white_noise_is_told_from_the_motion(self):
+        runs = make_campaign(relaxing).split("fit")[:3]
+        found = estimate_force_noise(runs, 100.0)
+        # An upper end: at most two standard errors, 3.5 % each, too large.
+        np.testing.assert_allclose(found, 0.021, rtol=0.06)
+        displacement = estimate_displacement_noise(runs)
+        self.assertAlmostEqual(displacement / 2e-6, 1.05, delta=0.06)
+
+    def test_a_clean_path_of_straight_pieces_has_none(self):
+        run = exact_run(STAIRS, linear, rate=100.0)
+        noise = white_noise(run.channels["displacement_m"])
+        self.assertLess(noise, 1e-12)
+
+    def test_rounding_is_noise(self):
+        time = np.arange(5000) / 100.0
+        reading = np.round(5.0 * np.sin(time), 1)
+        noise = white_noise(reading)
+        self.assertAlmostEqual(noise / (0.1 / np.sqrt(12.0)), 1.0, delta=0.3)
+
+    def test_what_does_not_repeat_counts_where_it_is(self):
+        campaign = make_campaign(linear)
+        runs = list(campaign.split("fit"))
+        time = runs[3].time_s
+        slow = 0.5 * np.sin(2.0 * np.pi * 0.5 * time)
+        channels = runs[3].channels
+        channels = channels | {"force_N": channels["force_N"] + slow}
+        runs[3] = replace(runs[3], channels=channels)
+        found = estimate_force_noise(runs, 100.0)
+        self.assertGreater(found[2], 5.0 * found[-1])
+        self.assertAlmostEqual(found[-1] / 0.021, 1.0, delta=0.1)
+
+
+class TestFit(unittest.TestCase):
+    def check(self, campaign, tolerance):
+        """Fits stiffness, damping and offset; `tolerance` (3,) is relative."""
+        twin = MakeDevice(campaign).twin
+        start = np.array([p.nominal for p in twin.subject])
+        floors, _ = estimate_floors(twin, campaign, start, seed=0)
+        runs = campaign.split("fit")
+        prepared = prepare_runs(twin, runs, floors, campaign.rate_hz, 0)
+        fit = fit_nominal(Evaluator(twin, prepared, jobs=1))
+        ratio = fit.subject[:3] / list(SUBJECT.values())
+        self.assertLess(np.max(np.abs(ratio - 1.0) / tolerance), 1.0)
+        self.assertLess(abs(fit.excess), 0.25 * len(fit.solution.residual))
+
+    def test_the_subject_comes_back_without_any_nominal_values(self):
+        self.check(make_campaign(linear), [1e-3, 1e-2, 1e-3])
+
+    def test_it_does_from_a_nominal_far_away(self):
+        nominal = {"stiffness_N_m": 4000.0, "damping_N_s_m": 100.0}
+        self.check(make_campaign(linear, nominal), [1e-3, 1e-2, 1e-3])
+
+    def test_it_does_from_slow_and_from_fast_recordings(self):
+        for rate in (20.0, 1000.0):
+            with self.subTest(rate=rate):
+                campaign = make_campaign(linear, rate=rate)
+                self.check(campaign, [2e-3, 2e-2, 1e-3])
+
+    def test_a_pad_that_rests_is_refused(self):
+        run = make_run("rest.csv", ([0, 5], [1, 1]), linear, 0,
+                       displacement_noise=0.0)  # fmt: skip
+        campaign = replace(make_campaign(linear), runs=(run,))
+        with self.assertRaisesRegex(CampaignError, "does not move"):
+            MakeDevice(campaign)
+
+
+class TestDiagnosis(unittest.TestCase):
+    def diagnose(self, force_of, **changes):
+        """The document that the command leaves for a campaign."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "campaign"
+            WriteCampaign(make_campaign(force_of, **changes), path)
+            out = Path(folder) / "out"
+            self.assertEqual(
+                main(["diagnose", str(path), "--out", str(out)]), 0
+            )
+            return json.loads((out / "diagnosis.json").read_text())
+
+    def test_a_linear_contact_has_no_gap(self):
+        document = self.diagnose(linear)
+        self.assertFalse(document["verdict"]["gap"])
+        self.assertEqual(document["verdict"]["effects"], [])
+
+    def test_relaxation_is_named_and_measured(self):
+        document = self.diagnose(relaxing)
+        verdict = document["verdict"]
+        self.assertEqual(verdict["effects"], ["relaxation"])
+        self.assertEqual(verdict["blocks"], ["contact"])
+        values = [p["value"] for p in document["causes"][0]["parameters"]]
+        np.testing.assert_allclose(values, list(ARM.values()), rtol=5e-3)
+        self.assertGreater(document["shrink"]["closed"], 0.98)
+        accused = [
+            row["block"]
+            for row in document["where"]["blocks"]
+            if not row["acquitted"]
+        ]
+        self.assertEqual(accused, ["contact"])
+
+    def test_hardening_and_relaxation_together_are_both_named(self):
+        def both(motion, time):
+            return relaxing(motion, time) + (
+                stiffening(motion, time) - linear(motion, time)
+            )
+
+        document = self.diagnose(both)
+        effects = sorted(document["verdict"]["effects"])
+        self.assertEqual(effects, ["hardening", "relaxation"])
+
+    def test_a_biased_sensor_shows_off_the_tissue(self):
+        document = self.diagnose(lambda m, t: linear(m, t) + 0.3)
+        self.assertEqual(document["verdict"]["effects"], ["force_bias"])
+        self.assertEqual(document["verdict"]["blocks"], ["sensing"])
+
+
+if __name__ == "__main__":
+    unittest.main()
