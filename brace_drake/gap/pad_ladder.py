@@ -10,10 +10,12 @@ from brace_drake.twin.pad_bench_twin import PadBenchTwin, simulate_pad
 
 # Motion of tissue under a pad is slower than this, Hz.
 _CUTOFF_HZ = 10.0
-# A sensor that drifts is slower than this, Hz.
-_SLOW_HZ = 1.0
-# Least free time for a verdict on the sensor, s.
+# Of a sensor off the tissue the mean over this long counts, s.
 _LEAST_FREE_S = 0.5
+# Samples are looked at in this many blocks, of no fewer than so many.
+_BLOCKS, _LEAST_BLOCK = 200, 8
+# Least part of a run's excursion over which the force must be seen to rest.
+_LEAST_WAY = 0.03
 # Deviations of the force from its value at the outermost displacement that
 # mean touch, in standard deviations.
 _TOUCH = 5.0
@@ -34,12 +36,10 @@ def pad_rungs(twin: PadBenchTwin) -> list[Rung]:
         return low_pass(x[:, 0] - law, cutoff, rate)[inside]
 
     def sensing(prepared, x, subject):
-        time = prepared.motion.time
-        rate = 1.0 / np.median(np.diff(time))
+        rate = 1.0 / np.median(np.diff(prepared.motion.time))
         free = free_samples(prepared, subject[2])
-        if np.count_nonzero(free) < max(8.0, _LEAST_FREE_S * rate):
-            return None
-        return _slow_part(x[:, 0], free, rate)
+        means = _slow_part(x[:, 0], free, max(1, round(_LEAST_FREE_S * rate)))
+        return means if len(means) else None
 
     return [
         Rung("contact", "displacement of the pad", "force on it", contact),
@@ -59,38 +59,50 @@ def free_samples(prepared: PreparedRun, offset: float) -> np.ndarray:
         offset: Contact offset of the nominal fit, m.
     """
     displacement = prepared.motion.displacement
-    force = prepared.measured[:, 0]
+    blocks = _resting_blocks(
+        displacement, prepared.measured[:, 0], prepared.floor.rms[0]
+    )
+    free = np.zeros(len(displacement), dtype=bool)
+    if not blocks:
+        return free
+    edge = min(displacement[blocks[-1][-1]], offset)
+    # A force that keeps its value says nothing where the pad rests.
+    least = _LEAST_WAY * np.ptp(displacement) + _TOUCH * prepared.motion.sigma
+    if edge - displacement.min() < least:
+        return free
+    return displacement < edge
+
+
+def _resting_blocks(
+    displacement: np.ndarray, force: np.ndarray, sigma: float
+) -> list[np.ndarray]:
+    """Samples by displacement, in blocks, as far as the force rests.
+
+    It rests until a block's mean, or one sample of a fast touch, differs from
+    the first block's. The block before that holds samples of both.
+    """
     order = np.argsort(displacement, kind="stable")
-    width = max(8, len(order) // 200)
+    width = max(_LEAST_BLOCK, len(order) // _BLOCKS)
     blocks = [order[i : i + width] for i in range(0, len(order), width)]
-    sigma = _TOUCH * prepared.floor.rms[0]
     rest = force[blocks[0]].mean()
-    # A slow part on average, and the one sample of a fast touch.
-    left = [
-        abs(force[b].mean() - rest) > sigma * np.sqrt(2.0 / width)
-        or np.abs(force[b] - rest).max() > sigma
-        for b in blocks
-    ]
-    left = np.flatnonzero(left)
-    # The block of the touch, and the one before, hold samples of both.
-    last = left[0] - 1 if len(left) else len(blocks)
-    if last < 1:
-        return np.zeros(len(order), dtype=bool)
-    touch = displacement[blocks[last - 1][-1]]
-    return displacement < min(touch, offset)
+    for i, block in enumerate(blocks):
+        slow = abs(force[block].mean() - rest) / np.sqrt(2.0 / len(block))
+        if max(slow, np.abs(force[block] - rest).max()) > _TOUCH * sigma:
+            return blocks[: max(0, i - 1)]
+    return blocks
 
 
-def _slow_part(force: np.ndarray, free: np.ndarray, rate: float) -> np.ndarray:
-    """Means of the force over the free stretches, piece by piece."""
-    length = max(1, round(rate / _SLOW_HZ))
+def _slow_part(force: np.ndarray, free: np.ndarray, least: int) -> np.ndarray:
+    """Means of the force over free stretches, in pieces of `least` or more."""
     at = np.flatnonzero(free)
     stretches = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
     pieces = [
-        part
+        piece
         for stretch in stretches
-        for part in np.array_split(stretch, max(1, len(stretch) // length))
+        if len(stretch) >= least
+        for piece in np.array_split(stretch, len(stretch) // least)
     ]
-    return np.array([force[p].mean() for p in pieces if len(p)])
+    return np.array([force[p].mean() for p in pieces])
 
 
 def pad_quantities(twin: PadBenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
