@@ -71,7 +71,7 @@ def estimate_contact(
         stiffness, damping: Given values, which are kept.
 
     Raises:
-        CampaignError: The pad never moves.
+        CampaignError: The pad never moves, or the force never changes.
     """
     parts = [_slow_part(run) for run in runs]
     low = min(float(p.displacement.min()) for p in parts)
@@ -79,15 +79,19 @@ def estimate_contact(
     span = high - low
     if not span > 0.0:
         raise CampaignError("the pad does not move in any run with split: fit")
+    size = max(float(np.ptp(p.force)) for p in parts)
+    if not size > 0.0:
+        raise CampaignError(
+            "the force does not change in any run with split: fit"
+        )
     fits = [
         _fit_at(float(offset), parts, (stiffness, damping))
         for offset in np.linspace(low - span, high, _OFFSETS, endpoint=False)
     ]
     _, k, c, offset = min(fits)
     rate = np.sqrt(np.mean(np.concatenate([p.rate for p in parts]) ** 2))
-    # A force that falls with depth, or none, still has a size.
-    size = max(float(np.ptp(p.force)) for p in parts)
-    least = 1e-3 * max(size, 1e-6) / span
+    # A force that falls with depth still has a size.
+    least = 1e-3 * size / span
     return ContactEstimate(max(k, least), c, offset, span, max(rate, 1e-9))
 
 
