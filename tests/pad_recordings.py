@@ -88,3 +88,29 @@ def make_campaign(force_of, nominal=None, rate=RATE, **noise) -> Campaign:
     return Campaign(
         path, "pad bench", rate, "phantom", tuple(runs), nominal or {}
     )
+
+
+SUBJECT = {"k": 1500.0, "c": 12.0, "offset": 0.0013}
+ARM = {"arm": 900.0, "tau": 1.4}
+CUBIC = 8e6
+
+
+def linear(motion, time):
+    """A contact without any effect."""
+    return standard_linear_solid(motion, time, **SUBJECT)
+
+
+def relaxing(motion, time):
+    """The same with one Maxwell arm."""
+    return standard_linear_solid(motion, time, **SUBJECT, **ARM)
+
+
+def stiffening(motion, time):
+    """The same with a cubic spring."""
+    return hardening_solid(motion, time, **SUBJECT, cubic=CUBIC)
+
+
+def exact_run(motion, force_of, rate=1000.0):
+    """A recording without noise."""
+    noise = {"force_noise": 0.0, "displacement_noise": 0.0}
+    return make_run("exact.csv", motion, force_of, 0, rate=rate, **noise)

@@ -1,4 +1,4 @@
-"""The pad bench: closed forms, known parameters, verdicts from recordings."""
+"""The pad bench: closed forms, and known parameters."""
 
 import json
 import tempfile
@@ -20,46 +20,25 @@ from brace_drake.scenario.pad_bench import (
     MakePadBenchScenario,
     PadBenchScenario,
 )
-from brace_drake.scenario.pad_noise import (
-    estimate_displacement_noise,
-    estimate_force_noise,
-    white_noise,
-)
 from brace_drake.twin.pad_bench_twin import PadBenchTwin
 from tests.pad_recordings import (
+    ARM,
+    CUBIC,
     CYCLES,
     STAIRS,
-    hardening_solid,
+    SUBJECT,
+    exact_run,
+    linear,
     make_campaign,
     make_run,
-    standard_linear_solid,
+    relaxing,
+    stiffening,
 )
-
-SUBJECT = {"k": 1500.0, "c": 12.0, "offset": 0.0013}
-ARM = {"arm": 900.0, "tau": 1.4}
-CUBIC = 8e6
-
-
-def linear(motion, time):
-    return standard_linear_solid(motion, time, **SUBJECT)
-
-
-def relaxing(motion, time):
-    return standard_linear_solid(motion, time, **SUBJECT, **ARM)
-
-
-def stiffening(motion, time):
-    return hardening_solid(motion, time, **SUBJECT, cubic=CUBIC)
 
 
 def use(name: str, **values: float):
     effect = find_effect(name)
     return effect, effect.vector(values)
-
-
-def exact_run(motion, force_of, rate=1000.0):
-    noise = {"force_noise": 0.0, "displacement_noise": 0.0}
-    return make_run("exact.csv", motion, force_of, 0, rate=rate, **noise)
 
 
 class TestLaws(unittest.TestCase):
@@ -120,39 +99,6 @@ class TestLaws(unittest.TestCase):
         self.assertGreater(np.abs(first - other).max(), 0.01)
 
 
-class TestNoise(unittest.TestCase):
-    def test_white_noise_is_told_from_the_motion(self):
-        runs = make_campaign(relaxing).split("fit")[:3]
-        found = estimate_force_noise(runs, 100.0)
-        # An upper end: at most two standard errors, 3.5 % each, too large.
-        np.testing.assert_allclose(found, 0.021, rtol=0.06)
-        displacement = estimate_displacement_noise(runs)
-        self.assertAlmostEqual(displacement / 2e-6, 1.05, delta=0.06)
-
-    def test_a_clean_path_of_straight_pieces_has_none(self):
-        run = exact_run(STAIRS, linear, rate=100.0)
-        noise = white_noise(run.channels["displacement_m"])
-        self.assertLess(noise, 1e-12)
-
-    def test_rounding_is_noise(self):
-        time = np.arange(5000) / 100.0
-        reading = np.round(5.0 * np.sin(time), 1)
-        noise = white_noise(reading)
-        self.assertAlmostEqual(noise / (0.1 / np.sqrt(12.0)), 1.0, delta=0.3)
-
-    def test_what_does_not_repeat_counts_where_it_is(self):
-        campaign = make_campaign(linear)
-        runs = list(campaign.split("fit"))
-        time = runs[3].time_s
-        slow = 0.5 * np.sin(2.0 * np.pi * 0.5 * time)
-        channels = runs[3].channels
-        channels = channels | {"force_N": channels["force_N"] + slow}
-        runs[3] = replace(runs[3], channels=channels)
-        found = estimate_force_noise(runs, 100.0)
-        self.assertGreater(found[2], 5.0 * found[-1])
-        self.assertAlmostEqual(found[-1] / 0.021, 1.0, delta=0.1)
-
-
 class TestFit(unittest.TestCase):
     def check(self, campaign, tolerance):
         """Fits stiffness, damping and offset; `tolerance` (3,) is relative."""
@@ -209,54 +155,6 @@ class TestFit(unittest.TestCase):
         ):
             error = abs(p["value"] - truth)
             self.assertLess(error, 4.0 * p["standard_error"], p["name"])
-
-
-class TestDiagnosis(unittest.TestCase):
-    def diagnose(self, force_of, **changes):
-        """The document that the command leaves for a campaign."""
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "campaign"
-            WriteCampaign(make_campaign(force_of, **changes), path)
-            out = Path(folder) / "out"
-            self.assertEqual(
-                main(["diagnose", str(path), "--out", str(out)]), 0
-            )
-            return json.loads((out / "diagnosis.json").read_text())
-
-    def test_a_linear_contact_has_no_gap(self):
-        document = self.diagnose(linear)
-        self.assertFalse(document["verdict"]["gap"])
-        self.assertEqual(document["verdict"]["effects"], [])
-
-    def test_relaxation_is_named_and_measured(self):
-        document = self.diagnose(relaxing)
-        verdict = document["verdict"]
-        self.assertEqual(verdict["effects"], ["relaxation"])
-        self.assertEqual(verdict["blocks"], ["contact"])
-        values = [p["value"] for p in document["causes"][0]["parameters"]]
-        np.testing.assert_allclose(values, list(ARM.values()), rtol=5e-3)
-        self.assertGreater(document["shrink"]["closed"], 0.98)
-        accused = [
-            row["block"]
-            for row in document["where"]["blocks"]
-            if not row["acquitted"]
-        ]
-        self.assertEqual(accused, ["contact"])
-
-    def test_hardening_and_relaxation_together_are_both_named(self):
-        def both(motion, time):
-            return relaxing(motion, time) + (
-                stiffening(motion, time) - linear(motion, time)
-            )
-
-        document = self.diagnose(both)
-        effects = sorted(document["verdict"]["effects"])
-        self.assertEqual(effects, ["hardening", "relaxation"])
-
-    def test_a_biased_sensor_shows_off_the_tissue(self):
-        document = self.diagnose(lambda m, t: linear(m, t) + 0.3)
-        self.assertEqual(document["verdict"]["effects"], ["force_bias"])
-        self.assertEqual(document["verdict"]["blocks"], ["sensing"])
 
 
 if __name__ == "__main__":

@@ -73,18 +73,7 @@ def path_slopes(
     """
     step = np.diff(time)
     secants = np.diff(displacement) / step
-    # Two more on both sides, in a straight line, as Akima has them.
-    s = np.concatenate(
-        [
-            secants[0] - (secants[1] - secants[0]) * np.array([2.0, 1.0])
-            if len(secants) > 1
-            else secants[[0, 0]],
-            secants,
-            secants[-1] + (secants[-1] - secants[-2]) * np.array([1.0, 2.0])
-            if len(secants) > 1
-            else secants[[0, 0]],
-        ]
-    )
+    s = _with_two_more(secants)
     change = np.abs(np.diff(s))
     noise = _SIGNIFICANT * np.sqrt(6.0) * sigma / np.median(step)
     noise += _ROUNDING * np.abs(secants).max() + 1e-30
@@ -97,3 +86,13 @@ def path_slopes(
         np.maximum(left, right) < np.maximum(noise, 0.05 * np.abs(jump))
     )
     return rate, np.where(doubtful, jump, 0.0)
+
+
+def _with_two_more(secants: np.ndarray) -> np.ndarray:
+    """Secants (M,) with two more on both sides, in a straight line (M + 4,)."""
+    first = last = 0.0
+    if len(secants) > 1:
+        first, last = secants[1] - secants[0], secants[-1] - secants[-2]
+    before = secants[0] - first * np.array([2.0, 1.0])
+    after = secants[-1] + last * np.array([1.0, 2.0])
+    return np.concatenate([before, secants, after])
