@@ -29,16 +29,16 @@ POINTS = ("compression", "contact", "sensing")
 # Specimens may be that many times softer or stiffer than nominal: from fat to
 # muscle, and from the first touch to the full depth, tissue spans decades.
 _SPREAD = 30.0
-# What a damping can be: this many times what carries all of the force.
-_MOST_DAMPING = 10.0
-# And what is as good as none, without being out of every equation.
-_LEAST_DAMPING = 1e-4
-# A fit counts damping in this share of the elastic force.
+# A fit counts damping in what makes this share of the elastic force, or in its
+# start value where that is more.
 _DAMPING_SHARE = 0.1
+# Limits in that unit; the lower one is as good as none, and keeps the damping's
+# companions in the equations.
+_LEAST_DAMPING, _MOST_DAMPING = 1e-4, 10.0
 # Longer steps that suffice for differences between points.
 _COARSE = 4.0
 
-# The reading of a sample follows what the rollout needs for itself.
+# Places that the rollout needs beside the readings.
 _WORK = 20
 
 

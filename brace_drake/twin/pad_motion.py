@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -38,12 +39,20 @@ class PadMotion:
             share: Of the jump of a corner on a sample, what its rate has over
                 the mean of both sides, -1/2 to 1/2.
         """
-        displacement = self.displacement
-        if noise is not None:
-            displacement = displacement + noise
-        smooth = filter_cosines(displacement, self.pass_band)
-        rate, jumps = path_slopes(self.time, smooth, self.sigma)
+        if noise is None:
+            smooth, rate, jumps = self._recorded
+        else:
+            smooth, rate, jumps = self._smoothed(self.displacement + noise)
         return np.column_stack([smooth, rate + share * jumps])
+
+    @cached_property
+    def _recorded(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self._smoothed(self.displacement)
+
+    def _smoothed(self, displacement: np.ndarray):
+        """Smoothed displacement, its rate, and jumps of that, each (N,)."""
+        smooth = filter_cosines(displacement, self.pass_band)
+        return smooth, *path_slopes(self.time, smooth, self.sigma)
 
 
 def MakePadMotion(
