@@ -1,0 +1,1 @@
+"""Diagnosis put to the test on recordings whose truth is withheld."""

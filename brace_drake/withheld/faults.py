@@ -1,0 +1,241 @@
+"""What may be wrong in a withheld case: each effect and its severities.
+
+A fault turns a strength into numbers of the stand-in. Its three strengths
+(small, medium, large) put the gap at about 1, 5 and 30 noise floors for a
+nominal subject, where physics allows; the truth of a case records how far it
+really lies. A strength of `saturation` is a part of the largest command that
+the bench sends while nothing is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+SEVERITIES = ("small", "medium", "large")
+Changes = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One effect of the stand-in.
+
+    Attributes:
+        name: Identifier of the effect.
+        block: Where it lies.
+        strengths: Small, medium, large; SI units.
+        make: From a generator and a strength to changes of the flaws.
+    """
+
+    name: str
+    block: str
+    strengths: tuple[float, float, float]
+    make: Callable[[np.random.Generator, float], Changes]
+
+
+def _plain(field: str):
+    return lambda rng, s: {field: s}
+
+
+def _either_sign(field: str):
+    return lambda rng, s: {field: float(s * rng.choice([-1.0, 1.0]))}
+
+
+def _stribeck(rng, s):
+    return {
+        "legs.coulomb": 0.4 * s,
+        "legs.breakaway": s,
+        "legs.stribeck_speed": rng.uniform(0.8e-3, 2.5e-3),
+        "legs.stribeck_shape": rng.uniform(1.5, 2.0),
+    }
+
+
+def _one_leg(field, nominal, signs):
+    def make(rng, s):
+        values = np.full(6, nominal)
+        values[rng.integers(6)] += s * rng.choice(signs)
+        return {field: values.tolist()}
+
+    return make
+
+
+def _all_legs(rng, s):
+    return {"legs.gain": [float(1.0 + s * rng.choice([-1.0, 1.0]))] * 6}
+
+
+def _anchors(rng, s):
+    return {
+        "ring.lower": (s * rng.standard_normal((6, 3))).tolist(),
+        "ring.upper": (s * rng.standard_normal((6, 3))).tolist(),
+    }
+
+
+def _relaxation(rng, s):
+    time = float(np.exp(rng.uniform(np.log(0.3), np.log(2.5))))
+    return {"pads.arm": s, "pads.arm_time": time}
+
+
+def _hysteresis(rng, s):
+    return {"pads.loop": s, "pads.loop_width": rng.uniform(2e-4, 5e-4)}
+
+
+def _clearance(rng, s):
+    return {"pads.gap": [s, s]}
+
+
+def _breathing(rng, s):
+    sides = rng.uniform(0.15, 0.45) * rng.choice([-1.0, 1.0])
+    return {
+        "torso.breath": s,
+        "torso.breath_rate": rng.uniform(0.2, 0.32),
+        "torso.breath_second": rng.uniform(0.1, 0.3),
+        "torso.breath_phase": rng.uniform(0.0, 2.0 * np.pi),
+        "torso.breath_sides": float(sides),
+    }
+
+
+def _reflex(rng, s):
+    return {
+        "torso.reflex_stiffness": s,
+        "torso.reflex_damping": s * rng.uniform(0.03, 0.1),
+        "torso.reflex_delay": rng.uniform(0.05, 0.15),
+    }
+
+
+def _posture_drift(rng, s):
+    return {
+        "torso.creep": float(s * rng.choice([-1.0, 1.0])),
+        "torso.creep_time": rng.uniform(4.0, 12.0),
+    }
+
+
+def _delay(rng, s):
+    return {"legs.delay": round(s)}
+
+
+FAULTS = (
+    Fault(
+        "coulomb_friction",
+        "actuation",
+        (0.015, 0.08, 0.6),
+        _plain("legs.coulomb"),
+    ),
+    Fault("stribeck_friction", "actuation", (0.015, 0.08, 0.6), _stribeck),
+    Fault(
+        "viscous_leg", "actuation", (7.0, 30.0, 100.0), _plain("legs.viscous")
+    ),
+    Fault(
+        "backlash", "actuation", (6e-05, 0.0002, 0.0006), _plain("legs.play")
+    ),
+    Fault(
+        "force_deadzone",
+        "actuation",
+        (0.008, 0.05, 0.3),
+        _plain("legs.deadzone"),
+    ),
+    Fault("command_delay", "actuation", (3.0, 6.0, 10.0), _delay),
+    Fault(
+        "weak_leg",
+        "actuation",
+        (0.006, 0.03, 0.2),
+        _one_leg("legs.gain", 1.0, [-1.0]),
+    ),
+    Fault("force_gain", "actuation", (0.004, 0.02, 0.12), _all_legs),
+    Fault("saturation", "actuation", (0.97, 0.9, 0.75), _plain("legs.limit")),
+    Fault("anchor_error", "mechanism", (5e-05, 0.0003, 0.002), _anchors),
+    Fault("ring_mass", "mechanism", (0.004, 0.02, 0.15), _plain("ring.mass")),
+    Fault(
+        "leg_compliance",
+        "mechanism",
+        (3e-05, 8e-05, 0.00016),
+        _plain("legs.compliance"),
+    ),
+    Fault(
+        "hardening",
+        "contact",
+        (300000000.0, 1000000000.0, 3000000000.0),
+        _plain("pads.cubic"),
+    ),
+    Fault("relaxation", "contact", (600.0, 2000.0, 6000.0), _relaxation),
+    Fault("hysteresis", "contact", (0.4, 1.2, 3.0), _hysteresis),
+    Fault("clearance", "contact", (0.0001, 0.0004, 0.0015), _clearance),
+    Fault(
+        "hunt_crossley",
+        "contact",
+        (80.0, 160.0, 320.0),
+        _plain("pads.crossley"),
+    ),
+    Fault("breathing", "torso", (0.0001, 0.0003, 0.0008), _breathing),
+    Fault("reflex", "torso", (150.0, 400.0, 800.0), _reflex),
+    Fault("posture_drift", "torso", (0.0001, 0.0005, 0.002), _posture_drift),
+    Fault(
+        "force_bias", "sensing", (0.02, 0.1, 0.45), _either_sign("sensors.bias")
+    ),
+    Fault(
+        "force_scale",
+        "sensing",
+        (0.006, 0.03, 0.12),
+        _either_sign("sensors.scale"),
+    ),
+    Fault(
+        "force_drift",
+        "sensing",
+        (0.003, 0.015, 0.08),
+        _either_sign("sensors.drift"),
+    ),
+    Fault("force_lag", "sensing", (0.008, 0.025, 0.07), _plain("sensors.lag")),
+    Fault(
+        "encoder_offset",
+        "sensing",
+        (0.00012, 0.0004, 0.0012),
+        _one_leg("sensors.lengths", 0.0, [-1.0, 1.0]),
+    ),
+)
+
+
+def _cable(rng, s):
+    return {"ring.cable": s, "ring.cable_start": -rng.uniform(1e-3, 3e-3)}
+
+
+def _tremor(rng, s):
+    direction = rng.standard_normal(3) * np.array([1.0, 0.5, 0.3])
+    force = s * direction / np.linalg.norm(direction)
+    return {"torso.tremor": force.tolist(), "torso.tremor_rate": 1.3}
+
+
+def _lost(rng, s):
+    return {"legs.hold_rate": s, "legs.hold_time": rng.uniform(0.02, 0.05)}
+
+
+def _cogging(rng, s):
+    return {"legs.cogging": s, "legs.pitch": rng.uniform(0.6e-3, 1.5e-3)}
+
+
+def _tilt(rng, s):
+    angle = rng.uniform(0.0, 2.0 * np.pi)
+    return {"ring.tilt": [s * np.cos(angle), s * np.sin(angle)]}
+
+
+# Nothing of a diagnosis' library: there is a gap, and none of these names.
+OUTSIDE = (
+    Fault("x_cable_pull", "mechanism", (20.0, 120.0, 450.0), _cable),
+    Fault("table_tilt", "mechanism", (0.005, 0.02, 0.08), _tilt),
+    Fault("tremor", "torso", (0.1, 0.4, 2.0), _tremor),
+    Fault("lost_commands", "actuation", (0.5, 2.0, 6.0), _lost),
+    Fault("screw_cogging", "actuation", (0.015, 0.08, 0.5), _cogging),
+    Fault(
+        "quadratic_drag",
+        "actuation",
+        (1000.0, 4000.0, 12000.0),
+        _plain("legs.drag"),
+    ),
+    Fault(
+        "force_crosstalk",
+        "sensing",
+        (0.01, 0.04, 0.15),
+        _either_sign("sensors.crosstalk"),
+    ),
+    Fault("sticky_pad", "contact", (0.3, 1.0, 3.0), _plain("pads.stick")),
+)

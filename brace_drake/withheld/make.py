@@ -1,0 +1,148 @@
+"""Makes withheld cases: recordings in one place, their truth in another."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from brace_drake.campaign import Campaign, Run, WriteCampaign
+from brace_drake.errors import OutputError
+from brace_drake.output import MakeFolder, WriteJson, WriteText
+from brace_drake.withheld.cases import (
+    Case,
+    build_case,
+    draw_faults,
+    draw_kinds,
+)
+from brace_drake.withheld.floors import measure
+from brace_drake.withheld.seals import new_salt, seal
+from brace_drake.withheld.stand_in.bench import (
+    COLUMNS,
+    REFERENCE,
+    run_bench,
+)
+from brace_drake.withheld.stand_in.flaws import Flaws
+from brace_drake.withheld.stand_in.motions import (
+    LOG_PERIOD,
+    Motion,
+    make_motions,
+)
+from brace_drake.withheld.stand_in.numbers import Subject
+
+SEALS = "SEALS.yaml"
+VAULT_FORMAT = "brace-vault/1"
+_DEVICE = "bench stage 2"
+
+
+def record_campaign(
+    case: Case, motions: list[Motion], name: str, rng: np.random.Generator
+) -> Campaign:
+    """Records all motions of a case."""
+    runs = []
+    for motion in motions:
+        log = run_bench(
+            motion.wanted, motion.contact, case.subject, case.flaws, rng
+        )
+        channels = {"time_s": np.arange(len(log)) * LOG_PERIOD}
+        channels |= dict(zip(COLUMNS, log.T, strict=True))
+        channels |= dict(zip(REFERENCE, motion.samples.T, strict=True))
+        runs.append(
+            Run(
+                file=f"{motion.name}.csv",
+                contact=motion.contact,
+                motion=motion.kind,
+                repeat_of=motion.repeat_of,
+                split=motion.split,
+                channels=channels,
+            )
+        )
+    return Campaign(Path(name), _DEVICE, 1.0 / LOG_PERIOD, name, tuple(runs))
+
+
+def largest_command(motions: list[Motion]) -> Callable[[Subject], float]:
+    """The function from a subject to the largest command, N, of a push."""
+    push = next(m for m in motions if m.name == "push")
+
+    def largest(subject: Subject) -> float:
+        log = run_bench(
+            push.wanted,
+            True,
+            subject,
+            Flaws(),
+            np.random.default_rng(0),
+            False,
+        )
+        return float(np.max(np.abs(log[:, :6])))
+
+    return largest
+
+
+def size_of(case: Case, motions: list[Motion], seed: int) -> dict:
+    """Sizes in floors of the faults and, apart from them, of the decoy."""
+    ideal = measure(motions, case.subject, Flaws(), case.decoy, seed)
+    sizes = {"decoy": ideal._asdict(), "faults": None}
+    if case.faults:
+        gap = measure(motions, case.subject, case.decoy, case.flaws, seed)
+        sizes["faults"] = gap._asdict()
+    return sizes
+
+
+def make_cases(
+    out: Path,
+    vault: Path,
+    count: int,
+    seed: int | None = None,
+    progress: Callable[[int], None] = lambda done: None,
+) -> None:
+    """Writes `count` cases, their seals, and the vault.
+
+    Args:
+        out: Folder for the recordings and SEALS.yaml; it must not hold any.
+        vault: File for the truth, outside `out`.
+        count: Of cases.
+        seed: For repeatable cases, which are not blind; by default the
+            operating system's entropy, which is not kept.
+        progress: Told how many cases are done.
+
+    Raises:
+        OutputError: A place is taken or the vault lies among the cases.
+    """
+    out, vault = Path(out).resolve(), Path(vault).resolve()
+    if out == vault.parent or out in vault.parents:
+        raise OutputError(f"{vault}: the vault must lie outside {out}")
+    for taken in (out / SEALS, vault):
+        if taken.exists():
+            raise OutputError(f"{taken}: exists already, not replaced")
+    MakeFolder(out)
+    MakeFolder(vault.parent)
+    entropy = secrets.randbits(256) if seed is None else seed
+    source = np.random.SeedSequence(entropy)
+    kinds_rng, *children = source.spawn(count + 1)
+    kinds = draw_kinds(np.random.default_rng(kinds_rng), count)
+    truths, seals = {}, {}
+    for i, (kind, child) in enumerate(zip(kinds, children, strict=True)):
+        name = f"case{i:03d}"
+        truth = _make_case(out / name, name, kind, np.random.default_rng(child))
+        salt = new_salt()
+        truths[name] = {"salt": salt, "truth": truth}
+        seals[name] = seal(truth, salt)
+        progress(i + 1)
+    # The vault first: seals without a truth would be worthless.
+    WriteJson(vault, {"format": VAULT_FORMAT, "cases": truths})
+    vault.chmod(0o600)
+    WriteText(out / SEALS, yaml.safe_dump({"seals": seals}))
+
+
+def _make_case(
+    path: Path, name: str, kind: str, rng: np.random.Generator
+) -> dict:
+    motions = make_motions(rng)
+    faults, severity = draw_faults(rng, kind)
+    case = build_case(rng, kind, faults, severity, largest_command(motions))
+    WriteCampaign(record_campaign(case, motions, name, rng), path)
+    size = size_of(case, motions, int(rng.integers(2**31)))
+    return {"name": name, **case.truth(), "floors": size}

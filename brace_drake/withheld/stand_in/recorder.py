@@ -1,0 +1,273 @@
+"""One run: the controller ticks at 1 kHz, the machine moves in between.
+
+Motion is integrated by the classical Runge-Kutta method on poses
+(Munthe-Kaas, "High order Runge-Kutta methods on manifolds", Applied Numerical
+Mathematics 29, 1999): turns within a step are exponential coordinates.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from brace_drake.withheld.stand_in import control as controller
+from brace_drake.withheld.stand_in.drives import (
+    delivered,
+    is_loose,
+    joint_stretch,
+)
+from brace_drake.withheld.stand_in.frame import (
+    inverse_mass,
+    leg_geometry,
+    screws,
+)
+from brace_drake.withheld.stand_in.motion import (
+    DRIVE,
+    NUM_STATE,
+    TISSUE,
+    TORSO,
+    calc_rates,
+    make_scratch,
+)
+from brace_drake.withheld.stand_in.numbers import (
+    FORCE_STEP,
+    GRAVITY,
+    LENGTH_STEP,
+    LOG_EVERY,
+    RING_HEIGHTS,
+    RING_INERTIA,
+    RING_MASS,
+    STEPS,
+    TICK,
+)
+from brace_drake.withheld.stand_in.pads import rest_compression, start_memory
+from brace_drake.withheld.stand_in.turning import turn
+
+# Columns of a log: commands (6), lengths (6), force (3), torso (3), virtual y.
+NUM_COLUMNS = 19
+MUSCLE_TIME = 0.03  # s, from a reflex's nerve signal to force
+
+
+@njit(cache=True, error_model="numpy")
+def advance(
+    t, h, x, R, u, W, breath, push, contact, subject, flaws, g, scratch, k
+):
+    """Moves the state and the rotations (2, 3, 3) on by one step h, s.
+
+    `breath` (3, 2, 2) holds the expansion at the step's start, middle and end,
+    k (5, NUM_STATE) is room for the rates of four stages and a state.
+    """
+    on, y = scratch.on, k[4]
+    y[:] = x
+    for stage in range(4):
+        if stage > 0:
+            part = h if stage == 3 else 0.5 * h
+            for i in range(NUM_STATE):
+                y[i] = x[i] + part * k[stage - 1, i]
+        at = (stage + 1) // 2
+        when = t + 0.5 * h * at
+        calc_rates(
+            when,
+            y,
+            R,
+            u,
+            W,
+            breath[at],
+            push,
+            contact,
+            subject,
+            flaws,
+            g,
+            scratch,
+            on,
+            k[stage],
+        )
+    for i in range(NUM_STATE):
+        x[i] += h / 6.0 * (k[0, i] + 2.0 * (k[1, i] + k[2, i]) + k[3, i])
+    for i in range(2):
+        b = 12 * i + 3
+        turn(x[b : b + 3], R[i])
+        x[b : b + 3] = 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def begin(x, R, subject, flaws, expansion, contact, g):
+    """Writes the state at rest: ring and torso at their rest poses."""
+    x[:] = 0.0
+    x[2] = RING_HEIGHTS[1]
+    for i in range(2):
+        R[i] = np.eye(3)
+    length, arm, along = np.empty(6), np.empty((6, 3)), np.empty((6, 3))
+    J = np.empty((6, 6))
+    leg_geometry(x[0:3], R[0], g[0], g[1], length, arm, along)
+    screws(arm, along, J)
+    weight = np.zeros(6)
+    weight[2] = (RING_MASS + flaws.ring.mass) * GRAVITY
+    carried = np.linalg.solve(np.ascontiguousarray(J.T), weight)
+    for k in range(6):
+        x[DRIVE + k] = length[k] + joint_stretch(carried[k], flaws.legs)
+    if contact:
+        for pad in range(2):
+            first = TISSUE + 3 * pad
+            d = rest_compression(pad, subject, flaws.pads) + expansion[pad]
+            start_memory(d, flaws.pads, x[first : first + 3])
+
+
+@njit(cache=True, error_model="numpy")
+def expansion_at(expansion, tick, share, out):
+    """Writes the expansion within a tick and its rate (2, 2)."""
+    for pad in range(2):
+        a, b = expansion[tick, pad], expansion[tick + 1, pad]
+        out[pad, 0] = a + share * (b - a)
+        out[pad, 1] = (b - a) / TICK
+
+
+@njit(cache=True, error_model="numpy")
+def reflex(tick, past, flaws, push):
+    """Muscles' force after this tick, N, from the torso's past (n, 2)."""
+    if flaws.reflex_stiffness == 0.0 and flaws.reflex_damping == 0.0:
+        return 0.0
+    then = tick - round(flaws.reflex_delay / TICK)
+    wanted = 0.0
+    if then >= 0:
+        wanted = -flaws.reflex_stiffness * past[then, 0]
+        wanted -= flaws.reflex_damping * past[then, 1]
+    return push + (1.0 - math.exp(-TICK / MUSCLE_TIME)) * (wanted - push)
+
+
+@njit(cache=True, error_model="numpy")
+def read_force(t, force, noise, flaws, lagged, reading):
+    """Writes the force sensor's reading (3,), before it is rounded."""
+    gain = 1.0
+    if flaws.lag > 0.0 and t > 0.0:
+        gain = 1.0 - math.exp(-TICK / flaws.lag)
+    for i in range(3):
+        lagged[i] += gain * (force[i] - lagged[i])
+    for i in range(3):
+        value = (1.0 + flaws.scale) * lagged[i]
+        if i == 1:
+            value += flaws.bias + flaws.drift * t
+        else:
+            value += flaws.crosstalk * lagged[1]
+        reading[i] = value + noise[i]
+
+
+@njit(cache=True, error_model="numpy")
+def to_step(value, step):
+    """Rounds to the resolution of an instrument."""
+    return step * math.floor(value / step + 0.5)
+
+
+@njit(cache=True, error_model="numpy")
+def record(wanted, contact, subject, flaws, g, nominal, rounding, random):
+    """Runs the bench.
+
+    Args:
+        wanted: Reference y, y', y'' at 1 kHz (n, 3).
+        contact: Whether the torso is there.
+        subject, flaws: Subject, Flaws.
+        g: Anchors as they are (2, 6, 3), m.
+        nominal: Anchors as the controller knows them.
+        rounding: Whether readings are rounded to their resolution.
+        random: Noise of lengths (n, 6) and force (n, 3), chest expansion of
+            both pads (n + 1, 2), lost commands (n, 6).
+
+    Returns:
+        (n / LOG_EVERY, NUM_COLUMNS), without the marker's noise.
+    """
+    length_noise, force_noise, expansion, lost = random
+    n = len(wanted)
+    log = np.empty(((n + LOG_EVERY - 1) // LOG_EVERY, NUM_COLUMNS))
+    x, R = np.empty(NUM_STATE), np.empty((2, 3, 3))
+    begin(x, R, subject, flaws, expansion[0], contact, g)
+    p_found, R_found = x[0:3].copy(), R[0].copy()
+    memory = np.zeros(controller.NUM_MEMORY)
+    sent, past = np.zeros((n, 6)), np.zeros((n, 2))
+    held, u, lagged = np.zeros(6), np.zeros(6), np.zeros(3)
+    length, arm, along = np.empty(6), np.empty((6, 3)), np.empty((6, 3))
+    scratch, stages = make_scratch(), np.zeros((5, NUM_STATE))
+    on, reading = scratch.on, np.empty(3)
+    W, push, breath = np.eye(6), 0.0, np.zeros((3, 2, 2))
+    for tick in range(n):
+        t = tick * TICK
+        expansion_at(expansion, tick, 0.0, breath[0])
+        calc_rates(
+            t,
+            x,
+            R,
+            u,
+            W,
+            breath[0],
+            push,
+            contact,
+            subject,
+            flaws,
+            g,
+            scratch,
+            on,
+            stages[0],
+        )
+        read_force(t, on[2], force_noise[tick], flaws.sensors, lagged, reading)
+        leg_geometry(x[0:3], R[0], g[0], g[1], length, arm, along)
+        W[:, :] = inverse_mass(
+            R[0],
+            arm,
+            along,
+            RING_MASS + flaws.ring.mass,
+            RING_INERTIA,
+            flaws.ring.leg_mass,
+        )
+        if is_loose(flaws.legs):
+            length[:] = x[DRIVE : DRIVE + 6]
+        length += flaws.sensors.lengths + length_noise[tick]
+        if rounding:
+            for k in range(6):
+                length[k] = to_step(length[k], LENGTH_STEP)
+            for i in range(3):
+                reading[i] = to_step(reading[i], FORCE_STEP)
+        controller.control(
+            tick == 0,
+            length,
+            reading[1],
+            wanted[tick],
+            p_found,
+            R_found,
+            nominal,
+            memory,
+            sent[tick],
+        )
+        past[tick, 0], past[tick, 1] = x[TORSO + 1], x[TORSO + 7]
+        push = reflex(tick, past, flaws.torso, push)
+        for k in range(6):
+            if lost[tick, k] == 0 and tick >= flaws.legs.delay:
+                held[k] = sent[tick - flaws.legs.delay, k]
+            u[k] = delivered(held[k], flaws.legs.gain[k], flaws.legs)
+        if tick % LOG_EVERY == 0:
+            row = log[tick // LOG_EVERY]
+            row[0:6] = sent[tick]
+            row[6:12] = length
+            row[12:15] = reading
+            row[15:18] = x[TORSO : TORSO + 3]
+            row[18] = memory[controller.VIRTUAL]
+        for step in range(STEPS):
+            for at in range(3):
+                expansion_at(
+                    expansion, tick, (step + 0.5 * at) / STEPS, breath[at]
+                )
+            advance(
+                t + step * TICK / STEPS,
+                TICK / STEPS,
+                x,
+                R,
+                u,
+                W,
+                breath,
+                push,
+                contact,
+                subject,
+                flaws,
+                g,
+                scratch,
+                stages,
+            )
+    return log
