@@ -13,7 +13,6 @@ from pydrake.systems.primitives import (
     Demultiplexer,
     LogVectorOutput,
     Multiplexer,
-    PassThrough,
     TrajectorySource,
     VectorLogSink,
 )
@@ -23,8 +22,7 @@ from brace_drake.laws.plug_in import PlugIn
 from brace_drake.plant import AddBenchPlant, plant_resolves_contact
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
-from brace_drake.systems import kernels
-from brace_drake.systems.bench_forces import BenchForces
+from brace_drake.systems.bench_forces import BenchForces, pack_bench_law
 from brace_drake.systems.contact_force_hold import ContactForceHold
 from brace_drake.systems.controller_blocks import (
     BraceInverseDynamics,
@@ -33,7 +31,7 @@ from brace_drake.systems.controller_blocks import (
     TickHold,
 )
 from brace_drake.systems.instruments import BenchInstruments
-from brace_drake.systems.pic_controller import PicController
+from brace_drake.systems.pic_controller import PicController, pack_tick_law
 
 
 @dataclass
@@ -44,7 +42,8 @@ class BenchStation:
     that hold for a control tick (unconnected: exact readings); outputs
     `plant_state` and, of the last tick, `leg_command` (6,), N, `readings`
     (12,), and `virtual` (4,): filtered force, virtual position, velocity,
-    acceleration. `sink` logs the last three side by side.
+    acceleration. `sink` logs the last three side by side, in layout `pic` with
+    the memory of the pose estimator behind them.
     """
 
     diagram: Diagram
@@ -84,7 +83,7 @@ def MakeBenchStation(
     add = _CONTROLLERS[scenario.control.layout]
     measured = forces.GetOutputPort("measured")
     desired = source.get_output_port()
-    ports = add(builder, measured, desired, numbers, plug_ins)
+    ports, logged = add(builder, measured, desired, numbers, plug_ins)
     builder.Connect(ports["leg_command"], leg_command)
     # Ports and logs.
     noise_port = ports.pop("noise")
@@ -96,7 +95,7 @@ def MakeBenchStation(
     builder.ExportOutput(plant.get_state_output_port(), "plant_state")
     for name, port in ports.items():
         builder.ExportOutput(port, name)
-    sink = _AddLog(builder, ports.values(), scenario.sensors.log_period)
+    sink = LogVectorOutput(logged, builder, scenario.sensors.log_period)
     diagram = builder.Build()
     diagram.set_name("bench_station")
     return BenchStation(diagram, plant, sink)
@@ -119,10 +118,14 @@ def _AddForces(builder, plant, scenario, numbers, plug_ins):
         ),
     )
     law = builder.AddNamedSystem(
-        "force_law", ConstantVectorSource(kernels.pack_bench_law(numbers))
+        "force_law", ConstantVectorSource(pack_bench_law(numbers))
     )
+    # Native systems join what one look-up from Python then takes: at each
+    # plant step that is cheaper than a port for each.
     state = plant.get_state_output_port()
-    inputs = _Join(builder, forces, [state.size(), 6, kernels.NUM_BENCH_LAW])
+    sources = state.size(), 6, law.get_output_port().size()
+    inputs = builder.AddNamedSystem("forces_inputs", Multiplexer(sources))
+    builder.Connect(inputs.get_output_port(), forces.GetInputPort("inputs"))
     builder.Connect(state, inputs.get_input_port(0))
     builder.Connect(law.get_output_port(), inputs.get_input_port(2))
     builder.Connect(
@@ -130,14 +133,6 @@ def _AddForces(builder, plant, scenario, numbers, plug_ins):
         plant.get_applied_generalized_force_input_port(),
     )
     return forces, inputs.get_input_port(1)
-
-
-def _Join(builder, system, sizes: list[int]) -> Multiplexer:
-    """Adds a multiplexer in front of a system's port `inputs`."""
-    name = f"{system.get_name()}_inputs"
-    join = builder.AddNamedSystem(name, Multiplexer(sizes))
-    builder.Connect(join.get_output_port(), system.GetInputPort("inputs"))
-    return join
 
 
 def _AddContactForce(builder, plant, forces) -> None:
@@ -153,39 +148,35 @@ def _AddContactForce(builder, plant, forces) -> None:
     )
 
 
-def _AddLog(builder, ports, period: float) -> VectorLogSink:
-    """Logs ports side by side at every period."""
-    row = builder.AddNamedSystem(
-        "log_row", Multiplexer([port.size() for port in ports])
-    )
-    for i, port in enumerate(ports):
-        builder.Connect(port, row.get_input_port(i))
-    return LogVectorOutput(row.get_output_port(), builder, period)
-
-
 def _AddPicController(builder, measured, desired, numbers, plug_ins):
-    """Adds the controller as one system; returns its ports by role."""
+    """Adds the controller as one system.
+
+    Returns:
+        Its ports by role, and the port to log.
+    """
     add = builder.AddNamedSystem
     pic = add("pic_controller", PicController(numbers, plug_ins))
-    law = add("pic_law", ConstantVectorSource(kernels.pack_tick_law(numbers)))
-    # Without draws it passes on NaN: exact readings.
-    noise = add("noise", PassThrough(np.full(12, np.nan)))
-    split = add("tick_split", Demultiplexer(np.array([6, 12, 20, 4])))
-    inputs = _Join(builder, pic, [12, 3, 12, kernels.NUM_TICK_LAW])
-    sources = measured, desired, noise.get_output_port(), law.get_output_port()
-    for i, source in enumerate(sources):
-        builder.Connect(source, inputs.get_input_port(i))
-    builder.Connect(pic.GetOutputPort("tick"), split.get_input_port())
-    return {
-        "noise": noise.get_input_port(),
+    law = add("pic_law", ConstantVectorSource(pack_tick_law(numbers)))
+    split = add("tick_split", Demultiplexer(np.array([6, 12, 4, 20])))
+    tick = pic.GetOutputPort("tick")
+    for source, name in (
+        (measured, "measured"),
+        (desired, "desired"),
+        (law.get_output_port(), "law"),
+    ):
+        builder.Connect(source, pic.GetInputPort(name))
+    builder.Connect(tick, split.get_input_port())
+    ports = {
+        "noise": pic.GetInputPort("noise"),
         "leg_command": split.get_output_port(0),
         "readings": split.get_output_port(1),
-        "virtual": split.get_output_port(3),
+        "virtual": split.get_output_port(2),
     }
+    return ports, tick
 
 
 def _AddControllerBlocks(builder, measured, desired, numbers, plug_ins):
-    """Adds the controller block by block; returns its ports by role."""
+    """Adds the controller block by block, as `_AddPicController`."""
     add = builder.AddNamedSystem
     instruments = add("instruments", BenchInstruments(numbers, plug_ins))
     split = add("readings_split", Demultiplexer(np.array([6, 3, 3])))
@@ -208,12 +199,16 @@ def _AddControllerBlocks(builder, measured, desired, numbers, plug_ins):
     ):
         builder.Connect(source, system.GetInputPort(port))
     builder.Connect(readings, split.get_input_port())
-    return {
-        "noise": instruments.GetInputPort("noise"),
+    held = {
         "leg_command": leg_command,
         "readings": hold.GetOutputPort("readings"),
         "virtual": impedance.GetOutputPort("held_virtual"),
     }
+    row = add("log_row", Multiplexer([port.size() for port in held.values()]))
+    for i, port in enumerate(held.values()):
+        builder.Connect(port, row.get_input_port(i))
+    ports = {"noise": instruments.GetInputPort("noise"), **held}
+    return ports, row.get_output_port()
 
 
 _CONTROLLERS = {"pic": _AddPicController, "blocks": _AddControllerBlocks}

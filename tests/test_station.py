@@ -162,6 +162,23 @@ class TestStation(unittest.TestCase):
                 self.assertGreater(np.abs(changed - nominal).max(), 1e-6)
                 np.testing.assert_array_equal(again, nominal)
 
+    def test_a_stiffness_changed_in_the_context_changes_the_run(self):
+        station = MakeBenchStation(bench(), self.reference)
+        law = station.diagram.GetSubsystemByName("force_law")
+
+        def soften(context):
+            own = law.GetMyMutableContextFromRoot(context)
+            # Of the pads: after rest, viscous and the anchors.
+            own.get_mutable_numeric_parameter(0).SetAtIndex(45, 3200.0)
+
+        scenario = bench()
+        scenario.contact.stiffness = 3200.0
+        rebuilt = MakeBenchStation(scenario, self.reference)
+        softened = self.run_with(station, soften)
+        np.testing.assert_array_equal(softened, self.run_with(rebuilt))
+        changed = np.abs(softened - self.run_with(station)).max()
+        self.assertGreater(changed, 1e-4)
+
     def test_doubled_gain_in_the_context_equals_a_rebuilt_station(self):
         station = MakeBenchStation(bench(), self.reference)
         system = station.diagram.GetSubsystemByName("pic_law")

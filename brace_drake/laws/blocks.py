@@ -95,13 +95,22 @@ def add_pad_force(pad, law, o, F_R_W, F_T_W, f_T_W):
 
 
 @njit(**_compile)
-def add_nominal_pads(bodies, law, pads, F_R_W, F_T_W, f_T_W):
-    """Both pads without effects; f_T_W (3,) is overwritten."""
+def add_pads_at(bodies, R_WR, R_WT, law, pads, F_R_W, F_T_W, f_T_W):
+    """`add_nominal_pads` where the rotation matrices (3, 3) are at hand."""
     f_T_W[:] = 0.0
     for pad in range(2):
-        calc_pad(pad, bodies, law, pads[pad])
+        calc_pad_at(pad, bodies, R_WR, R_WT, law, pads[pad])
         calc_pad_normal_force(law, pads[pad])
         add_pad_force(pad, law, pads[pad], F_R_W, F_T_W, f_T_W)
+
+
+@njit(**_compile)
+def add_nominal_pads(bodies, law, pads, F_R_W, F_T_W, f_T_W):
+    """Both pads without effects; f_T_W (3,) is overwritten."""
+    R_WR, R_WT = np.empty((3, 3)), np.empty((3, 3))
+    quaternion_to_matrix(bodies[0:4], R_WR)
+    quaternion_to_matrix(bodies[7:11], R_WT)
+    add_pads_at(bodies, R_WR, R_WT, law, pads, F_R_W, F_T_W, f_T_W)
 
 
 @njit(**_compile)
@@ -188,55 +197,3 @@ def add_hooked_pads(
                 contact_memory[e],
             )
         add_pad_force(pad, law, o, F_R_W, F_T_W, f_T_W)
-
-
-@njit(**_compile)
-def calc_bench_forces(
-    bodies,
-    u,
-    with_torso,
-    with_pads,
-    rest,
-    law,
-    lengths,
-    rates,
-    J,
-    f,
-    pads,
-    pose,
-    F_R_W,
-    F_T_W,
-    f_T_W,
-):
-    """All nominal forces of the bench on ring and torso, gravity left out.
-
-    Args:
-        bodies: q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,).
-        u: Held leg commands (6,), N.
-        with_torso, with_pads: Whether they act.
-        rest: Rest position of both origins in W (3,), m.
-        law: viscous (6), p_WB (18), p_RT (18), contact (6), posture (12).
-        lengths, rates, J, f, pads, pose: Work space; lengths and f are
-            results as well.
-        F_R_W, F_T_W: Spatial forces (6,), torque first, overwritten.
-        f_T_W: Force of the ring on the torso (3,), overwritten.
-    """
-    F_R_W[:] = 0.0
-    F_T_W[:] = 0.0
-    calc_ring_kinematics(
-        bodies[0:4],
-        bodies[4:7],
-        bodies[14:20],
-        law[6:24].reshape((6, 3)),
-        law[24:42].reshape((6, 3)),
-        lengths,
-        rates,
-        J,
-    )
-    f_T_W[:] = 0.0
-    if with_pads:
-        add_nominal_pads(bodies, law[42:48], pads, F_R_W, F_T_W, f_T_W)
-    calc_leg_forces(u, law[0:6], rates, f)
-    legs.add_leg_wrench(J, f, F_R_W)
-    if with_torso:
-        add_posture(bodies, rest, law[48:60], pose, F_T_W)

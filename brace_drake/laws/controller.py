@@ -110,14 +110,15 @@ NUM_LAW = 56
 
 
 @njit(cache=True)
-def control_tick(readings, desired, law, memory, estimate, commands):
+def advance(readings, desired, law, pose, virtual, estimate, commands):
     """All three steps of one tick.
 
     Args:
         readings: Leg lengths (6), m, force (3), N, marker (3), m.
         desired: y_d, y_d', y_d'' (3,).
         law: See NUM_LAW.
-        memory: See NUM_MEMORY, updated.
+        pose: See NUM_POSE_MEMORY, updated.
+        virtual: See NUM_IMPEDANCE_MEMORY, updated.
         estimate: Output (19,), as `estimate_pose` writes it.
         commands: Output (6,), N.
 
@@ -125,16 +126,22 @@ def control_tick(readings, desired, law, memory, estimate, commands):
         False where no pose was found or the legs are singular.
     """
     p_WB, p_RT = law[20:38].reshape((6, 3)), law[38:56].reshape((6, 3))
-    impedance = memory[NUM_POSE_MEMORY:NUM_MEMORY]
-    good = estimate_pose(
-        readings[0:6],
-        law[0:5],
-        p_WB,
-        p_RT,
-        memory[0:NUM_POSE_MEMORY],
-        estimate,
-    )
-    filter_impedance(readings[7], desired, law[5:10], impedance)
+    good = estimate_pose(readings[0:6], law[0:5], p_WB, p_RT, pose, estimate)
+    filter_impedance(readings[7], desired, law[5:10], virtual)
     return good and calc_leg_commands(
-        estimate, impedance, law[10:20], p_WB, p_RT, commands
+        estimate, virtual, law[10:20], p_WB, p_RT, commands
+    )
+
+
+@njit(cache=True)
+def control_tick(readings, desired, law, memory, estimate, commands):
+    """`advance` with both memories in one, see NUM_MEMORY."""
+    return advance(
+        readings,
+        desired,
+        law,
+        memory[0:NUM_POSE_MEMORY],
+        memory[NUM_POSE_MEMORY:NUM_MEMORY],
+        estimate,
+        commands,
     )

@@ -7,9 +7,23 @@ from collections.abc import Mapping
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from brace_drake.laws import kernels
 from brace_drake.laws.plug_in import PlugIn
-from brace_drake.systems import kernels
+from brace_drake.scenario.bench_numbers import BenchNumbers
 from brace_drake.systems.force_laws import ForceLaws
+
+
+def pack_bench_law(numbers: BenchNumbers) -> np.ndarray:
+    """The law of a bench's forces, see `kernels.NUM_BENCH_LAW`."""
+    arrays = (
+        numbers.rest,
+        numbers.viscous,
+        numbers.p_WB,
+        numbers.p_RT,
+        numbers.contact,
+        numbers.posture,
+    )
+    return np.concatenate([np.ravel(a) for a in arrays])
 
 
 class BenchForces(LeafSystem):
@@ -51,7 +65,7 @@ class BenchForces(LeafSystem):
             self.DeclarePeriodicDiscreteUpdateEvent(
                 time_step, 0.0, self._AdvanceEffects
             )
-        self._bench = np.zeros(kernels.NUM_BENCH)
+        self._bench = np.zeros(kernels.NUM_BENCH_WITH_WORK)
         self._F = self._bench[0 : 6 * (1 + with_torso)]
         self._measured = self._bench[12:24]
 

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from pydrake.systems.framework import Context, LeafSystem
 
-from brace_drake.laws import blocks, legs
+from brace_drake.laws import blocks, kernels, legs
 from brace_drake.laws.plug_in import PlugIn, idle
-from brace_drake.systems import kernels
 from brace_drake.systems.hosting import EffectHost
 
 _POINTS = ("drive", "compression", "contact", "torso", "ring")

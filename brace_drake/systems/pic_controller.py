@@ -8,11 +8,20 @@ import numpy as np
 from pydrake.systems.framework import Context, LeafSystem
 
 from brace_drake.errors import BraceError
+from brace_drake.laws import kernels
 from brace_drake.laws.plug_in import PlugIn, idle
 from brace_drake.scenario.bench_numbers import BenchNumbers
-from brace_drake.systems import kernels
 from brace_drake.systems.hosting import EffectHost
 from brace_drake.systems.ticks import DeclareTick
+
+_NO_NOISE = np.empty(0)
+
+
+def pack_tick_law(numbers: BenchNumbers) -> np.ndarray:
+    """The law of a tick, see `kernels.NUM_TICK_LAW`."""
+    return np.concatenate(
+        [numbers.resolution, numbers.noise_sigma, numbers.controller_law]
+    )
 
 
 class PicController(LeafSystem):
@@ -23,16 +32,18 @@ class PicController(LeafSystem):
     and to the same result, at a fraction of their cost.
 
     Input ports:
-        inputs: True leg lengths (6), m, force of the ring on the torso (3), N,
-            displacement of the torso (3), m; y_d, y_d', y_d'' (3); standard
-            normal draws of the tick (12), or NaN for exact readings, not
-            rounded; law (70), see `kernels.NUM_TICK_LAW`: (97,). One port, as
-            each costs a look-up from Python.
+        measured: True leg lengths (6), m, force of the ring on the torso (3),
+            N, displacement of the torso (3), m: (12,).
+        desired: y_d, y_d', y_d'' (3,).
+        noise: Standard normal draws of the tick (12,); left unconnected the
+            readings are exact and not rounded.
+        law: See `kernels.NUM_TICK_LAW` (70,).
 
     Output ports:
         tick: Of the last tick, held until the next: leg command (6), N;
-            readings (12); memory (24), that is p_WR (3), q_WR (4), X (6),
-            X' (6), 1, filtered force, y_v, y_v', y_v'': (42,).
+            readings (12), as `measured`; filtered force, y_v, y_v', y_v'' (4);
+            memory of the pose estimator, that is p_WR (3), q_WR (4), X (6),
+            X' (6), 1: (42,).
 
     Parameters and states of the effects at `sensing` are this system's; the
     states advance once in each tick.
@@ -41,11 +52,13 @@ class PicController(LeafSystem):
     def __init__(self, numbers: BenchNumbers, plug_ins: Mapping[str, PlugIn]):
         super().__init__()
         self._period = numbers.estimator[3]
-        self._port = self.DeclareVectorInputPort(
-            "inputs", 27 + kernels.NUM_TICK_LAW
-        )
+        declare = self.DeclareVectorInputPort
+        self._measured_port = declare("measured", 12)
+        self._desired_port = declare("desired", 3)
+        self._noise_port = declare("noise", 12)
+        self._law_port = declare("law", kernels.NUM_TICK_LAW)
         initial = np.zeros(kernels.NUM_TICK)
-        initial[18:21], initial[21] = numbers.rest, 1.0
+        initial[22:25], initial[25] = numbers.rest, 1.0
         held = self.DeclareDiscreteState(initial)
         self.DeclareStateOutputPort("tick", held)
         self._held = int(held)
@@ -57,19 +70,27 @@ class PicController(LeafSystem):
     def _Tick(self, context: Context, discrete) -> None:
         # Discrete values start as those of the context: the last tick's.
         tick = discrete.get_mutable_value(self._held)
-        inputs = self._port.Eval(context)
+        measured = self._measured_port.Eval(context)
         if not self._host.is_idle:
-            self._ApplyEffects(context, discrete, inputs, tick)
-        if not kernels.advance_tick(inputs, tick):
+            self._ApplyEffects(context, discrete, tick[0:6], measured)
+        noise = _NO_NOISE
+        if self._noise_port.HasValue(context):
+            noise = self._noise_port.Eval(context)
+        good = kernels.advance_tick(
+            measured,
+            self._desired_port.Eval(context),
+            noise,
+            self._law_port.Eval(context),
+            tick,
+        )
+        if not good:
             raise BraceError(
                 "PicController: no ring pose fits the measured leg lengths"
                 f" at {context.get_time():.3f} s"
             )
 
-    def _ApplyEffects(self, context: Context, discrete, inputs, tick) -> None:
+    def _ApplyEffects(self, context: Context, discrete, u, measured) -> None:
         memory = self._host.memory(context)
         now = (context.get_time(), self._period)
-        self._host.apply(
-            context, memory, *now, tick[0:6], inputs[0:6], inputs[6:9]
-        )
+        self._host.apply(context, memory, *now, u, measured[0:6], measured[6:9])
         self._host.store(memory, discrete)
