@@ -16,11 +16,14 @@ LAYERS = (
     ("station", "leg_station", "pad_station", "simulate", "contact_mapping"),
     ("gap", "fit"),
     ("report",),
+    ("withheld",),
     ("cli",),
 )
 LEVEL = {name: i for i, row in enumerate(LAYERS) for name in row}
 # The report reads cards; traces of a diagnosis are made in its form.
 ALLOWED = {("gap", "report")}
+# What tests a diagnosis must not be made of it.
+STAND_IN_KNOWS = {"errors", "output", "withheld"}
 
 
 def imports(path):
@@ -51,6 +54,18 @@ class TestLayering(unittest.TestCase):
                     continue
                 with self.subTest(file=str(path.name), imports=imported):
                     self.assertLessEqual(LEVEL[imported], LEVEL[part])
+
+    def test_the_stand_in_of_the_bench_knows_no_twin(self):
+        for path in (PACKAGE / "withheld" / "stand_in").glob("*.py"):
+            for imported in imports(path):
+                with self.subTest(file=path.name, imports=imported):
+                    self.assertIn(imported, STAND_IN_KNOWS)
+
+    def test_withheld_cases_are_made_without_the_twin(self):
+        for path in (PACKAGE / "withheld").glob("*.py"):
+            for imported in imports(path):
+                with self.subTest(file=path.name, imports=imported):
+                    self.assertIn(imported, {*STAND_IN_KNOWS, "campaign"})
 
     def test_every_part_has_its_place(self):
         parts = {

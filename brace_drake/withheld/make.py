@@ -19,7 +19,12 @@ from brace_drake.withheld.cases import (
     draw_kinds,
 )
 from brace_drake.withheld.floors import measure
-from brace_drake.withheld.seals import new_salt, seal
+from brace_drake.withheld.seals import (
+    SEALS,
+    VAULT_FORMAT,
+    new_salt,
+    seal,
+)
 from brace_drake.withheld.stand_in.bench import (
     COLUMNS,
     REFERENCE,
@@ -33,8 +38,6 @@ from brace_drake.withheld.stand_in.motions import (
 )
 from brace_drake.withheld.stand_in.numbers import Subject
 
-SEALS = "SEALS.yaml"
-VAULT_FORMAT = "brace-vault/1"
 _DEVICE = "bench stage 2"
 
 

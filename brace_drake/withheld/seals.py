@@ -12,6 +12,9 @@ import secrets
 
 from brace_drake.errors import BraceError
 
+SEALS = "SEALS.yaml"
+VAULT_FORMAT = "brace-vault/1"
+
 
 class SealError(BraceError, ValueError):
     """A sealed document is not what was promised."""

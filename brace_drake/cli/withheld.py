@@ -1,0 +1,169 @@
+"""The command `brace-drake withheld`: blind cases, answers, scores."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from tqdm import tqdm
+
+from brace_drake.output import MakeFolder, WriteJson, WriteText
+
+_EPILOG = """\
+example:
+  brace-drake withheld make --cases 40 --out cases --vault secret/vault.json
+  brace-drake withheld answer cases --out answers
+  brace-drake withheld score cases --vault secret/vault.json --answers answers
+
+The cases come from a stand-in of the bench that shares no code with the twin.
+Their truth lies in the vault; SEALS.yaml among the cases promises it by hash,
+COMMITMENT among the answers promises those.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `withheld` with its three parts."""
+    parser = subparsers.add_parser(
+        "withheld",
+        help="put the diagnosis to a blind test",
+        description="Puts the diagnosis to a blind test.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parts = parser.add_subparsers(metavar="PART", required=True)
+    _add_make(parts)
+    _add_answer(parts)
+    _add_score(parts)
+
+
+def _add_make(parts: argparse._SubParsersAction) -> None:
+    parser = parts.add_parser("make", help="make sealed cases")
+    parser.add_argument(
+        "--cases", type=_positive, required=True, metavar="N", help="how many"
+    )
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="folder for the cases"
+    )
+    parser.add_argument(
+        "--vault",
+        required=True,
+        metavar="FILE",
+        help="file for their truth, outside DIR",
+    )
+    parser.add_argument(
+        "--seed",
+        type=_not_negative,
+        metavar="S",
+        help="for repeatable cases, which are then not blind (default:"
+        " entropy of the operating system)",
+    )
+    parser.set_defaults(run=RunMake)
+
+
+def _add_answer(parts: argparse._SubParsersAction) -> None:
+    parser = parts.add_parser("answer", help="diagnose all cases")
+    parser.add_argument("cases", metavar="DIR", help="folder of the cases")
+    parser.add_argument(
+        "--out", required=True, metavar="ANSWERS", help="for the diagnoses"
+    )
+    parser.add_argument(
+        "--jobs",
+        type=_positive,
+        default=os.cpu_count() or 1,
+        metavar="N",
+        help="cases at a time (default: all cores)",
+    )
+    parser.set_defaults(run=RunAnswer)
+
+
+def _add_score(parts: argparse._SubParsersAction) -> None:
+    parser = parts.add_parser("score", help="open the vault and compare")
+    parser.add_argument("cases", metavar="DIR", help="folder of the cases")
+    parser.add_argument("--vault", required=True, metavar="FILE")
+    parser.add_argument("--answers", required=True, metavar="ANSWERS")
+    parser.add_argument(
+        "--detectable",
+        type=float,
+        default=0.3,
+        metavar="F",
+        help="noise floors above which a gap counts as detectable"
+        " (default: 0.3)",
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="folder for score.json, score.txt and reliability.svg",
+    )
+    parser.set_defaults(run=RunScore)
+
+
+def RunMake(args: argparse.Namespace) -> int:
+    """Makes the cases; prints where they and their truth lie."""
+    from brace_drake.withheld.make import make_cases
+    from brace_drake.withheld.seals import SEALS
+
+    out = Path(args.out)
+    with tqdm(total=args.cases, unit="case", leave=False) as bar:
+        make_cases(
+            out,
+            Path(args.vault),
+            args.cases,
+            args.seed,
+            lambda done: bar.update(done - bar.n),
+        )
+    print(f"cases: {out}, promised by {out / SEALS}")
+    print(f"truth: {args.vault}")
+    return 0
+
+
+def RunAnswer(args: argparse.Namespace) -> int:
+    """Diagnoses the cases; prints each answer as it comes."""
+    from brace_drake.withheld.answer import COMMITMENT, answer_cases
+
+    def tell(name: str, answer: str) -> None:
+        print(f"{name}: {answer}", flush=True)
+
+    answers = answer_cases(
+        Path(args.cases), Path(args.out), args.jobs, progress=tell
+    )
+    failed = [c for c in answers["cases"].values() if c["error"]]
+    for case in failed[:1]:
+        print(f"{len(failed)} not answered, the first: {case['error']}")
+    print(f"commitment: {Path(args.out) / COMMITMENT}")
+    return 0
+
+
+def RunScore(args: argparse.Namespace) -> int:
+    """Prints the scores, and writes them where asked."""
+    from brace_drake.withheld.score import load_judged, score
+    from brace_drake.withheld.score_table import (
+        draw_reliability,
+        format_score,
+    )
+
+    judged = load_judged(Path(args.cases), Path(args.vault), Path(args.answers))
+    found = score(judged, args.detectable)
+    text = format_score(found)
+    print(text, end="")
+    if args.out:
+        out = MakeFolder(Path(args.out))
+        WriteJson(out / "score.json", found)
+        WriteText(out / "score.txt", text)
+        WriteText(out / "reliability.svg", draw_reliability(found))
+        print(f"score: {out / 'score.json'}")
+    return 0
+
+
+def _positive(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError("must be at least 1")
+    return value
+
+
+def _not_negative(text: str) -> int:
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError("must not be negative")
+    return value

@@ -1,0 +1,86 @@
+"""One case: its truth beside the answer, and whether they agree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from brace_drake.withheld.answer import label
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A case with its answer.
+
+    Attributes:
+        name: Of the case.
+        truth: As it was sealed.
+        verdict: As diagnosed, None where the diagnosis failed.
+        closed: Share of the gap that the diagnosis closed, if it says so.
+    """
+
+    name: str
+    truth: dict
+    verdict: dict | None
+    closed: float | None = None
+
+    @property
+    def kind(self) -> str:
+        """none, single, pair or outside."""
+        return self.truth["kind"]
+
+    @property
+    def severity(self) -> str | None:
+        """small, medium, large; None with nothing wrong."""
+        return self.truth["severity"]
+
+    @property
+    def expected(self) -> str:
+        """The right answer in a word."""
+        if self.kind in ("none", "outside"):
+            return self.kind
+        return "+".join(sorted(self.truth["effects"]))
+
+    @property
+    def given(self) -> str:
+        """The answer in a word."""
+        return label(self.verdict)
+
+    @property
+    def right(self) -> bool:
+        """Whether the answer is the right one, in full."""
+        return self.given == self.expected
+
+    @property
+    def named(self) -> set[str]:
+        """Effects that the verdict names first."""
+        return set(self.verdict["effects"]) if self.verdict else set()
+
+    @property
+    def answers(self) -> list[str]:
+        """The verdict and all it calls possible, each a word like `given`."""
+        if self.given in ("none", "outside", "failed"):
+            return []
+        rivals = self.verdict.get("ambiguous_with", [])
+        others = ("+".join(sorted(r.split("+"))) for r in rivals)
+        return list(dict.fromkeys([self.given, *others]))
+
+    @property
+    def covered(self) -> bool:
+        """Whether the right answer is among those called possible."""
+        return self.expected in self.answers
+
+    @property
+    def blocks_right(self) -> bool:
+        """Whether exactly the right blocks are accused."""
+        blocks = self.verdict["blocks"] if self.verdict else []
+        return set(blocks) == set(self.truth["blocks"])
+
+    @property
+    def probability(self) -> float | None:
+        """How sure the diagnosis is."""
+        return self.verdict["probability"] if self.verdict else None
+
+    def is_detectable(self, least: float) -> bool:
+        """Whether the gap stands out by so many floors, subject refitted."""
+        faults = self.truth["floors"]["faults"]
+        return faults is not None and faults["refitted"] >= least
