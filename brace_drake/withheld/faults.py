@@ -199,6 +199,10 @@ def _cable(rng, s):
     return {"ring.cable": s, "ring.cable_start": -rng.uniform(1e-3, 3e-3)}
 
 
+def _stop(rng, s):
+    return {"ring.stop": s, "ring.stop_start": -rng.uniform(4e-3, 6e-3)}
+
+
 def _tremor(rng, s):
     direction = rng.standard_normal(3) * np.array([1.0, 0.5, 0.3])
     force = s * direction / np.linalg.norm(direction)
@@ -237,5 +241,5 @@ OUTSIDE = (
         (0.01, 0.04, 0.15),
         _either_sign("sensors.crosstalk"),
     ),
-    Fault("sticky_pad", "contact", (0.3, 1.0, 3.0), _plain("pads.stick")),
+    Fault("soft_stop", "mechanism", (60.0, 400.0, 3000.0), _stop),
 )

@@ -7,78 +7,76 @@ noise of that channel, as the control loop carries it.
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
 
 from brace_drake.withheld.stand_in.bench import COLUMNS, run_bench
 from brace_drake.withheld.stand_in.flaws import Flaws
-from brace_drake.withheld.stand_in.motions import Motion
+from brace_drake.withheld.stand_in.motions import Motion, make_motions
 from brace_drake.withheld.stand_in.numbers import Subject
 
 _STEP = 0.02  # of a subject's number, relative
+_STEPS = 5  # of the integration in a tick; both benches err alike
+# The runs that tell most for their time.
+RUNS = ("free_multisine", "push", "stairs", "multisine")
 
 
 class Size(NamedTuple):
     """Of a gap, in floors.
 
     Attributes:
-        rms: Over all runs and channels.
+        rms: Over the runs of RUNS and all channels.
         largest: Of the channel and run that show it most.
-        refitted: `rms` after the subject's numbers have taken what they can.
+        refitted: `rms` after the subject's numbers have taken what they can,
+            to first order; None where that was not asked for.
     """
 
     rms: float
     largest: float
-    refitted: float
+    refitted: float | None
 
 
-def noise_floor(
-    motions: list[Motion], subject: Subject, seed: int
-) -> np.ndarray:
-    """Root mean square of the noise, per channel, with and without torso.
+@functools.cache
+def noise_floor() -> np.ndarray:
+    """Root mean square of the nominal bench's noise, per channel.
 
     Returns:
         (2, channels): free runs, runs with the torso.
     """
+    motions = {m.name: m for m in make_motions(np.random.default_rng(0))}
     floor = np.empty((2, len(COLUMNS)))
-    for contact in (False, True):
-        motion = next(m for m in motions if m.contact == contact)
-        noisy, ideal = (
+    for contact, name in enumerate(("free_multisine", "push")):
+        runs = [
             run_bench(
-                motion.wanted,
-                contact,
-                subject,
+                motions[name].wanted,
+                bool(contact),
+                Subject(),
                 Flaws(),
-                np.random.default_rng(seed),
+                np.random.default_rng(0),
                 noise,
             )
             for noise in (True, False)
-        )
-        floor[int(contact)] = np.sqrt(np.mean((noisy - ideal) ** 2, axis=0))
+        ]
+        floor[contact] = np.sqrt(np.mean((runs[0] - runs[1]) ** 2, axis=0))
     return floor
 
 
-def ideal_runs(
-    motions: list[Motion],
-    subject: Subject,
-    flaws: Flaws,
-    floor: np.ndarray,
-    seed: int,
-) -> list[np.ndarray]:
-    """Every run with ideal instruments, in floors."""
-    runs = []
-    for i, motion in enumerate(motions):
-        log = run_bench(
-            motion.wanted,
-            motion.contact,
-            subject,
-            flaws,
-            np.random.default_rng([seed, i]),
-            False,
-        )
-        runs.append(log / floor[int(motion.contact)])
-    return runs
+def ideal_run(
+    motion: Motion, subject: Subject, flaws: Flaws, seed: int
+) -> np.ndarray:
+    """A run with ideal instruments, in floors."""
+    log = run_bench(
+        motion.wanted,
+        motion.contact,
+        subject,
+        flaws,
+        np.random.default_rng(seed),
+        False,
+        _STEPS,
+    )
+    return log / noise_floor()[int(motion.contact)]
 
 
 def measure(
@@ -86,40 +84,37 @@ def measure(
     subject: Subject,
     before: Flaws,
     after: Flaws,
-    seed: int,
+    refit: bool = True,
 ) -> Size:
     """The size of what stands between two benches with the same subject."""
-    motions = [m for m in motions if m.repeat_of is None]
-    floor = noise_floor(motions, subject, seed)
-    reference = ideal_runs(motions, subject, before, floor, seed)
-    changed = ideal_runs(motions, subject, after, floor, seed)
-    gap = [b - a for a, b in zip(reference, changed, strict=True)]
+    motions = [m for m in motions if m.name in RUNS]
+    reference = [
+        ideal_run(m, subject, before, i) for i, m in enumerate(motions)
+    ]
+    gap = [
+        ideal_run(m, subject, after, i) - reference[i]
+        for i, m in enumerate(motions)
+    ]
     power = np.array([np.mean(g**2, axis=0) for g in gap])
-    return Size(
-        rms=float(np.sqrt(power.mean())),
-        largest=float(np.sqrt(power.max())),
-        refitted=_refitted(
-            motions, subject, before, floor, seed, reference, gap
-        ),
-    )
+    rest = None
+    if refit:
+        rest = _refitted(motions, subject, before, reference, gap)
+    rms, largest = np.sqrt(power.mean()), np.sqrt(power.max())
+    return Size(float(rms), float(largest), rest)
 
 
-def _refitted(motions, subject, before, floor, seed, reference, gap) -> float:
+def _refitted(motions, subject, before, reference, gap) -> float:
     """The gap's rms once the subject is refitted, to first order."""
-    stacked = np.concatenate([g.ravel() for g in gap])
     columns = []
     for name, value in subject._asdict().items():
         other = subject._replace(**{name: value * (1.0 + _STEP)})
-        worn = [m for m in motions if m.contact]
-        runs = iter(ideal_runs(worn, other, before, floor, seed))
-        columns.append(
-            np.concatenate(
-                [
-                    (next(runs) - r if m.contact else 0.0 * r).ravel()
-                    for m, r in zip(motions, reference, strict=True)
-                ]
-            )
-        )
-    S = np.column_stack(columns)
-    fit = np.linalg.lstsq(S, stacked, rcond=None)[0]
-    return float(np.sqrt(np.mean((stacked - S @ fit) ** 2)))
+        moved = [
+            ideal_run(m, other, before, i) - reference[i]
+            if m.contact
+            else np.zeros_like(reference[i])
+            for i, m in enumerate(motions)
+        ]
+        columns.append(np.concatenate(moved).ravel())
+    S, gaps = np.column_stack(columns), np.concatenate(gap).ravel()
+    fit = np.linalg.lstsq(S, gaps, rcond=None)[0]
+    return float(np.sqrt(np.mean((gaps - S @ fit) ** 2)))

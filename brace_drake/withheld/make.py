@@ -84,12 +84,12 @@ def largest_command(motions: list[Motion]) -> Callable[[Subject], float]:
     return largest
 
 
-def size_of(case: Case, motions: list[Motion], seed: int) -> dict:
+def size_of(case: Case, motions: list[Motion]) -> dict:
     """Sizes in floors of the faults and, apart from them, of the decoy."""
-    ideal = measure(motions, case.subject, Flaws(), case.decoy, seed)
-    sizes = {"decoy": ideal._asdict(), "faults": None}
+    decoy = measure(motions, case.subject, Flaws(), case.decoy, refit=False)
+    sizes = {"decoy": decoy._asdict(), "faults": None}
     if case.faults:
-        gap = measure(motions, case.subject, case.decoy, case.flaws, seed)
+        gap = measure(motions, case.subject, case.decoy, case.flaws)
         sizes["faults"] = gap._asdict()
     return sizes
 
@@ -147,5 +147,5 @@ def _make_case(
     faults, severity = draw_faults(rng, kind)
     case = build_case(rng, kind, faults, severity, largest_command(motions))
     WriteCampaign(record_campaign(case, motions, name, rng), path)
-    size = size_of(case, motions, int(rng.integers(2**31)))
-    return {"name": name, **case.truth(), "floors": size}
+    floors = size_of(case, motions)
+    return {"name": name, **case.truth(), "floors": floors}

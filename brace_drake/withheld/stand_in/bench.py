@@ -31,6 +31,7 @@ def run_bench(
     flaws: Flaws,
     rng: np.random.Generator,
     noise: bool = True,
+    steps: int = numbers.STEPS,
 ) -> np.ndarray:
     """Records a run at 200 Hz.
 
@@ -41,12 +42,13 @@ def run_bench(
         flaws: What is wrong.
         rng: Of everything random; the same one gives the same run.
         noise: False for ideal instruments, which do not round either.
+        steps: Of the integration in a tick.
 
     Returns:
         (n / 5, 19) in the order of COLUMNS.
     """
     nominal = np.stack([numbers.lower_joints(), numbers.upper_joints()])
-    real = nominal + np.stack([flaws.ring.lower, flaws.ring.upper])
+    real = nominal + np.array([flaws.ring.lower, flaws.ring.upper])
     run_rng, marker_rng = rng.spawn(2)
     log = record(
         np.ascontiguousarray(wanted),
@@ -56,6 +58,7 @@ def run_bench(
         real,
         nominal,
         noise,
+        steps,
         draw(run_rng, len(wanted), flaws, noise),
     )
     if noise:

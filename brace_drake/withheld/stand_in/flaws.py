@@ -6,6 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+# Tuples, not arrays: compiled code passes them on without counting references.
+Six = tuple[float, ...]
+Anchors = tuple[Six, ...]
+_NO_SHIFT = ((0.0, 0.0, 0.0),) * 6
+
 
 class LegFlaws(NamedTuple):
     """Of the drives, alike in all legs unless they are (6,)."""
@@ -25,7 +30,7 @@ class LegFlaws(NamedTuple):
     limit: float = 120.0  # N
     hold_rate: float = 0.0  # 1/s, bursts of lost commands per leg
     hold_time: float = 0.0  # s, mean length of a burst
-    gain: np.ndarray = np.ones(6)  # delivered part of the command
+    gain: Six = (1.0,) * 6  # delivered part of the command
 
 
 class RingFlaws(NamedTuple):
@@ -35,9 +40,11 @@ class RingFlaws(NamedTuple):
     leg_mass: float = 0.0  # kg that each leg moves along itself
     cable: float = 0.0  # N/m
     cable_start: float = 0.0  # m of y beyond which the cable is tight
-    tilt: np.ndarray = np.zeros(2)  # rad, of gravity about y and x
-    lower: np.ndarray = np.zeros((6, 3))  # m, anchors displaced in W
-    upper: np.ndarray = np.zeros((6, 3))  # m, likewise in the ring
+    stop: float = 0.0  # N/m of a soft stop
+    stop_start: float = -0.005  # m of y beyond which the ring touches it
+    tilt: tuple[float, float] = (0.0, 0.0)  # rad, of gravity about y and x
+    lower: Anchors = _NO_SHIFT  # m, anchors displaced in W
+    upper: Anchors = _NO_SHIFT  # m, likewise in the ring
 
 
 class PadFlaws(NamedTuple):
@@ -48,10 +55,8 @@ class PadFlaws(NamedTuple):
     arm_time: float = 1.0  # s
     loop: float = 0.0  # N, Bouc-Wen part
     loop_width: float = 3e-4  # m
-    gap: np.ndarray = np.full(2, -1.0)  # m, instead of preload where >= 0
+    gap: tuple[float, float] = (-1.0, -1.0)  # m, instead of preload where >= 0
     crossley: float = -1.0  # s/m, replaces the damper where >= 0
-    stick: float = 0.0  # N of adhesion, lost within `stick_reach`
-    stick_reach: float = 3e-4  # m
 
 
 class TorsoFlaws(NamedTuple):
@@ -67,7 +72,7 @@ class TorsoFlaws(NamedTuple):
     reflex_delay: float = 0.1  # s
     creep: float = 0.0  # m, posture's final shift along y
     creep_time: float = 6.0  # s
-    tremor: np.ndarray = np.zeros(3)  # N
+    tremor: tuple[float, float, float] = (0.0, 0.0, 0.0)  # N
     tremor_rate: float = 1.3  # Hz
 
 
@@ -80,7 +85,7 @@ class SensorFlaws(NamedTuple):
     lag: float = 0.0  # s, of the force sensor
     crosstalk: float = 0.0  # part of y that shows on x and z
     colour: float = 0.0  # coefficient of the noise's first-order memory
-    lengths: np.ndarray = np.zeros(6)  # m, constant offsets
+    lengths: Six = (0.0,) * 6  # m, constant offsets
 
 
 class Flaws(NamedTuple):
@@ -94,15 +99,19 @@ class Flaws(NamedTuple):
 
 
 def with_flaws(flaws: Flaws, changes: dict[str, object]) -> Flaws:
-    """A copy with changes like {"legs.coulomb": 1.0}.
-
-    Numbers are added to those of `leg_mass` only by naming it; lists become
-    arrays.
-    """
+    """A copy with changes like {"legs.coulomb": 1.0}; lists become tuples."""
     for name, value in changes.items():
         part, field = name.split(".")
+        old = getattr(flaws, part)
         if isinstance(value, list | np.ndarray):
-            value = np.array(value, dtype=float)
-        part_flaws = getattr(flaws, part)._replace(**{field: value})
-        flaws = flaws._replace(**{part: part_flaws})
+            value = _as_tuples(np.asarray(value, dtype=float).tolist())
+        else:
+            value = type(getattr(old, field))(value)
+        flaws = flaws._replace(**{part: old._replace(**{field: value})})
     return flaws
+
+
+def _as_tuples(values):
+    if isinstance(values, list):
+        return tuple(_as_tuples(v) for v in values)
+    return values

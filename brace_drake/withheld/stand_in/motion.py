@@ -109,36 +109,30 @@ def pad_wrenches(x, R_ring, R_torso, breath, subject, flaws, on, rates):
         rates: State's rates; those of the tissue are written.
     """
     h = RING_HEIGHTS[1]
+    n0, n1, n2 = R_torso[0, 1], R_torso[1, 1], R_torso[2, 1]
+    w0, w1, w2 = x[9], x[10], x[11]
+    u0, u1, u2 = x[TORSO + 9], x[TORSO + 10], x[TORSO + 11]
     for pad in range(2):
         side = 1.0 - 2.0 * pad
-        n0, n1, n2 = R_torso[0, 1], R_torso[1, 1], R_torso[2, 1]
         r0 = side * PAD_OFFSET * R_ring[0, 1]
         r1 = side * PAD_OFFSET * R_ring[1, 1]
         r2 = side * PAD_OFFSET * R_ring[2, 1]
         p0 = x[0] + r0 - x[TORSO]
         p1 = x[1] + r1 - x[TORSO + 1]
         p2 = x[2] - h + r2 - x[TORSO + 2]
-        w, u = x[9:12], x[TORSO + 9 : TORSO + 12]
-        v0 = x[6] + w[1] * r2 - w[2] * r1
-        v1 = x[7] + w[2] * r0 - w[0] * r2
-        v2 = x[8] + w[0] * r1 - w[1] * r0
-        v0 -= x[TORSO + 6] + u[1] * p2 - u[2] * p1
-        v1 -= x[TORSO + 7] + u[2] * p0 - u[0] * p2
-        v2 -= x[TORSO + 8] + u[0] * p1 - u[1] * p0
+        v0 = x[6] + w1 * r2 - w2 * r1
+        v1 = x[7] + w2 * r0 - w0 * r2
+        v2 = x[8] + w0 * r1 - w1 * r0
+        v0 -= x[TORSO + 6] + u1 * p2 - u2 * p1
+        v1 -= x[TORSO + 7] + u2 * p0 - u0 * p2
+        v2 -= x[TORSO + 8] + u0 * p1 - u1 * p0
         depth = p0 * n0 + p1 * n1 + p2 * n2
         closing = v0 * n0 + v1 * n1 + v2 * n2
         d = rest_compression(pad, subject, flaws) + PAD_OFFSET - side * depth
         d += breath[pad, 0]
         d_rate = -side * closing + breath[pad, 1]
         first = TISSUE + 3 * pad
-        N = press(
-            d,
-            d_rate,
-            subject,
-            flaws,
-            x[first : first + 3],
-            rates[first : first + 3],
-        )
+        N = press(d, d_rate, subject, flaws, x, rates, first)
         if N == 0.0:
             continue
         v0 -= closing * n0
@@ -192,7 +186,7 @@ def leg_wrench(x, R, u, lower, upper, flaws, scratch, on, rates):
 
 @njit(cache=True, error_model="numpy")
 def surroundings(x, flaws, on):
-    """Adds weight on a tilted table, and a cable that pulls along x."""
+    """Adds weight on a tilted table, a cable along x, a stop along y."""
     weight = (RING_MASS + flaws.mass) * GRAVITY
     tx, ty = flaws.tilt[0], flaws.tilt[1]
     on[0, 0] += weight * math.sin(tx)
@@ -200,6 +194,8 @@ def surroundings(x, flaws, on):
     on[0, 2] -= weight * math.sqrt(1.0 - math.sin(tx) ** 2 - math.sin(ty) ** 2)
     if flaws.cable > 0.0 and x[1] < flaws.cable_start:
         on[0, 0] += flaws.cable * (flaws.cable_start - x[1])
+    if flaws.stop > 0.0 and x[1] < flaws.stop_start:
+        on[0, 1] += flaws.stop * (flaws.stop_start - x[1])
 
 
 @njit(cache=True, error_model="numpy")

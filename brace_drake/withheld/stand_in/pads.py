@@ -4,14 +4,14 @@ Nominal: N = k d + c d' where d > 0 and N > 0. On top: a cubic spring; Maxwell
 arms, f' = k_a d' - f / tau, here two of them, for tissue has no single time
 constant (the second a tenth as stiff and five times as fast); a Bouc-Wen loop
 (Wen 1976, exponent 1), H z with z' = (d' - |d'| z / 2 - d' |z| / 2) / w; the
-damper of Hunt and Crossley 1975, k d (1 + a d'), instead of c d'; adhesion
-that holds on to a leaving pad.
+damper of Hunt and Crossley 1975, k d (1 + a d'), instead of c d'.
 """
 
 from numba import njit
 
 SECOND_ARM = 0.1
 SECOND_TIME = 0.2
+FORGET_TIME = 0.05  # s, in which a loop is lost once the pad is off
 # Places in a pad's memory: two arms' forces, N, and the loop's z.
 NUM_MEMORY = 3
 
@@ -26,34 +26,37 @@ def start_memory(d, flaws, memory):
 
 
 @njit(cache=True, error_model="numpy")
-def press(d, d_rate, subject, flaws, memory, memory_rate):
-    """Normal force on the torso, N; writes the rates of the memory (3,)."""
-    memory_rate[:] = 0.0
-    arms = memory[0] + memory[1]
+def press(d, d_rate, subject, flaws, memory, memory_rate, first):
+    """Normal force on the torso, N.
+
+    The pad's memory begins at `first` in `memory`; its rates are written to
+    the same places of `memory_rate`.
+    """
+    for i in range(NUM_MEMORY):
+        memory_rate[first + i] = 0.0
+    arms = memory[first] + memory[first + 1]
     touching = d > 0.0
     if flaws.arm > 0.0:
-        pull = d_rate if touching else 0.0
-        slow, fast = flaws.arm_time, flaws.arm_time * SECOND_TIME
-        memory_rate[0] = (1.0 - SECOND_ARM) * flaws.arm * pull
-        memory_rate[0] -= memory[0] / slow
-        memory_rate[1] = SECOND_ARM * flaws.arm * pull - memory[1] / fast
+        pull = flaws.arm * d_rate if touching else 0.0
+        slow, fast = memory[first], memory[first + 1]
+        rate = (1.0 - SECOND_ARM) * pull - slow / flaws.arm_time
+        memory_rate[first] = rate
+        rate = SECOND_ARM * pull - fast / (SECOND_TIME * flaws.arm_time)
+        memory_rate[first + 1] = rate
     if flaws.loop > 0.0:
-        z = memory[2]
-        memory_rate[2] = d_rate - 0.5 * abs(d_rate) * z - 0.5 * d_rate * abs(z)
-        memory_rate[2] /= flaws.loop_width
+        z = memory[first + 2]
+        rate = d_rate - 0.5 * (abs(d_rate) * z + d_rate * abs(z))
         if not touching:
-            memory_rate[2] = -z / 0.05
+            rate = -z * flaws.loop_width / FORGET_TIME
+        memory_rate[first + 2] = rate / flaws.loop_width
     if not touching:
-        if flaws.stick > 0.0 and d > -flaws.stick_reach:
-            x = -d / flaws.stick_reach
-            return -4.0 * flaws.stick * x * (1.0 - x)
         return 0.0
     force = subject.stiffness * d + flaws.cubic * d * d * d
     if flaws.crossley >= 0.0:
         force += subject.stiffness * d * flaws.crossley * d_rate
     else:
         force += subject.damping * d_rate
-    force += arms + flaws.loop * memory[2]
+    force += arms + flaws.loop * memory[first + 2]
     return max(force, 0.0)
 
 

@@ -37,7 +37,6 @@ from brace_drake.withheld.stand_in.numbers import (
     RING_HEIGHTS,
     RING_INERTIA,
     RING_MASS,
-    STEPS,
     TICK,
 )
 from brace_drake.withheld.stand_in.pads import rest_compression, start_memory
@@ -159,7 +158,9 @@ def to_step(value, step):
 
 
 @njit(cache=True, error_model="numpy")
-def record(wanted, contact, subject, flaws, g, nominal, rounding, random):
+def record(
+    wanted, contact, subject, flaws, g, nominal, rounding, steps, random
+):
     """Runs the bench.
 
     Args:
@@ -169,6 +170,7 @@ def record(wanted, contact, subject, flaws, g, nominal, rounding, random):
         g: Anchors as they are (2, 6, 3), m.
         nominal: Anchors as the controller knows them.
         rounding: Whether readings are rounded to their resolution.
+        steps: Of the integration in a tick.
         random: Noise of lengths (n, 6) and force (n, 3), chest expansion of
             both pads (n + 1, 2), lost commands (n, 6).
 
@@ -219,7 +221,8 @@ def record(wanted, contact, subject, flaws, g, nominal, rounding, random):
         )
         if is_loose(flaws.legs):
             length[:] = x[DRIVE : DRIVE + 6]
-        length += flaws.sensors.lengths + length_noise[tick]
+        for k in range(6):
+            length[k] += flaws.sensors.lengths[k] + length_noise[tick, k]
         if rounding:
             for k in range(6):
                 length[k] = to_step(length[k], LENGTH_STEP)
@@ -249,14 +252,14 @@ def record(wanted, contact, subject, flaws, g, nominal, rounding, random):
             row[12:15] = reading
             row[15:18] = x[TORSO : TORSO + 3]
             row[18] = memory[controller.VIRTUAL]
-        for step in range(STEPS):
+        for step in range(steps):
             for at in range(3):
                 expansion_at(
-                    expansion, tick, (step + 0.5 * at) / STEPS, breath[at]
+                    expansion, tick, (step + 0.5 * at) / steps, breath[at]
                 )
             advance(
-                t + step * TICK / STEPS,
-                TICK / STEPS,
+                t + step * TICK / steps,
+                TICK / steps,
                 x,
                 R,
                 u,
