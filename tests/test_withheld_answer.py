@@ -1,0 +1,149 @@
+"""Making and answering withheld cases, file by file."""
+
+import contextlib
+import io
+import json
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+import yaml
+
+from brace_drake.campaign import CheckCampaign, LoadCampaign
+from brace_drake.cli.main import main
+from brace_drake.withheld.answer import AnswerError, answer_cases
+from brace_drake.withheld.seals import SEALS, check_seal
+
+VERDICT = {"gap": False, "effects": [], "outside_library": False}
+
+
+def run(*arguments):
+    """Status and standard error of a command."""
+    errors = io.StringIO()
+    with (
+        contextlib.redirect_stderr(errors),
+        contextlib.redirect_stdout(io.StringIO()),
+    ):
+        status = main([str(a) for a in arguments])
+    return status, errors.getvalue()
+
+
+class TestMake(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.cases = Path(folder.name) / "cases"
+        cls.vault = Path(folder.name) / "vault" / "truth.json"
+        cls.status = run(
+            *("withheld", "make", "--cases", 1, "--seed", 3),
+            *("--out", cls.cases, "--vault", cls.vault),
+        )
+
+    def test_a_made_case_is_a_sound_campaign_without_its_truth(self):
+        self.assertEqual(self.status[0], 0, self.status[1])
+        case = self.cases / "case000"
+        errors = [p for p in CheckCampaign(case) if p.severity == "error"]
+        self.assertEqual(errors, [])
+        campaign = LoadCampaign(case)
+        self.assertEqual(len(campaign.runs), 10)
+        self.assertEqual(len(campaign.split("validation")), 2)
+        names = {p.name for p in case.iterdir()}
+        runs = {r.file for r in campaign.runs}
+        self.assertEqual(names, {"campaign.yaml", *runs})
+
+    def test_the_vault_keeps_what_the_seal_promises(self):
+        kept = json.loads(self.vault.read_text())["cases"]["case000"]
+        seals = yaml.safe_load((self.cases / SEALS).read_text())["seals"]
+        check_seal("case000", kept["truth"], kept["salt"], seals["case000"])
+        decoy = kept["truth"]["floors"]["decoy"]
+        # Every machine has its imperfections, but they must not show.
+        self.assertGreater(decoy["rms"], 0.0)
+        self.assertLess(decoy["rms"], 0.3)
+
+    def test_readings_come_in_steps_of_their_instruments(self):
+        runs = LoadCampaign(self.cases / "case000").runs
+        length = np.round(runs[3].channels["leg1_length_m"] / 1e-5, 3)
+        np.testing.assert_array_equal(length, np.round(length))
+
+    def test_nothing_is_overwritten(self):
+        status, errors = run(
+            *("withheld", "make", "--cases", 1),
+            *("--out", self.cases, "--vault", self.vault),
+        )
+        self.assertEqual(status, 2)
+        self.assertIn("exists already", errors)
+
+    def test_the_vault_may_not_lie_among_the_cases(self):
+        out = self.cases.parent / "others"
+        status, errors = run(
+            *("withheld", "make", "--cases", 1),
+            *("--out", out, "--vault", out / "truth.json"),
+        )
+        self.assertEqual(status, 2)
+        self.assertIn("outside", errors)
+        self.assertFalse(out.exists())
+
+
+class TestAnswer(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.cases = Path(folder.name) / "cases"
+        self.answers = Path(folder.name) / "answers"
+        for name in ("case000", "case001"):
+            (self.cases / name).mkdir(parents=True)
+            for file in ("campaign.yaml", "push.csv", "label.yaml"):
+                (self.cases / name / file).write_text("x")
+        seals = yaml.safe_dump({"seals": {"case000": "0", "case001": "1"}})
+        (self.cases / SEALS).write_text(seals)
+
+    def diagnose(self, command, cwd, **_):
+        """Stands in for the process: notes what it is handed."""
+        copy, out = Path(command[4]), Path(command[6])
+        self.handed.append(sorted(p.name for p in copy.iterdir()))
+        if self.fails:
+            return mock.Mock(returncode=2, stderr="brace-drake: no good\n")
+        out.mkdir()
+        (out / "diagnosis.json").write_text(
+            json.dumps({"verdict": VERDICT, "shrink": {"closed": 0.5}})
+        )
+        return mock.Mock(returncode=0, stderr="")
+
+    def answer(self, fails=False):
+        self.handed, self.fails = [], fails
+        with mock.patch(
+            "brace_drake.withheld.answer.subprocess.run", self.diagnose
+        ):
+            return answer_cases(self.cases, self.answers, jobs=2)
+
+    def test_a_process_is_handed_the_recordings_only(self):
+        found = self.answer()
+        self.assertEqual(self.handed, [["campaign.yaml", "push.csv"]] * 2)
+        self.assertEqual(found["cases"]["case001"]["closed"], 0.5)
+        self.assertTrue((self.answers / "COMMITMENT").exists())
+
+    def test_a_case_is_not_diagnosed_twice(self):
+        first = self.answer()
+        self.assertEqual(self.answer(), first)
+        self.assertEqual(self.handed, [])
+
+    def test_a_failure_is_an_answer_too_and_is_tried_again(self):
+        found = self.answer(fails=True)["cases"]["case000"]
+        self.assertIsNone(found["verdict"])
+        self.assertIn("no good", found["error"])
+        self.answer()
+        self.assertEqual(len(self.handed), 2)
+
+    def test_a_folder_without_cases_is_refused(self):
+        with self.assertRaisesRegex(AnswerError, SEALS):
+            answer_cases(self.cases / "case000", self.answers)
+        (self.cases / SEALS).write_text("seals: {case007: abc}")
+        with self.assertRaisesRegex(AnswerError, "case007"):
+            answer_cases(self.cases, self.answers)
+
+
+if __name__ == "__main__":
+    unittest.main()
