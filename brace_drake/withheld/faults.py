@@ -143,7 +143,7 @@ FAULTS = (
         _one_leg("legs.gain", 1.0, [-1.0]),
     ),
     Fault("force_gain", "actuation", (0.004, 0.02, 0.12), _all_legs),
-    Fault("saturation", "actuation", (0.97, 0.9, 0.75), _plain("legs.limit")),
+    Fault("saturation", "actuation", (0.985, 0.95, 0.85), _plain("legs.limit")),
     Fault("anchor_error", "mechanism", (5e-05, 0.0003, 0.002), _anchors),
     Fault("ring_mass", "mechanism", (0.004, 0.02, 0.15), _plain("ring.mass")),
     Fault(

@@ -52,6 +52,7 @@ class Scratch(NamedTuple):
     b: np.ndarray  # (3,)
     c: np.ndarray  # (3,)
     on: np.ndarray  # (4, 3)
+    pad: np.ndarray  # (5, 3)
 
 
 @njit(cache=True, error_model="numpy")
@@ -69,6 +70,7 @@ def make_scratch():
         np.empty(3),
         np.empty(3),
         np.empty((4, 3)),
+        np.empty((5, 3)),
     )
 
 
@@ -96,67 +98,79 @@ def posture_wrench(t, x, R, subject, flaws, push, a, out):
 
 
 @njit(cache=True, error_model="numpy")
-def pad_wrenches(x, R_ring, R_torso, breath, subject, flaws, on, rates):
+def approach(side, x, R_ring, R_torso, o):
+    """Writes how a pad stands to the torso.
+
+    Args:
+        side: +1 or -1 along y.
+        x: State.
+        R_ring, R_torso: Their rotations.
+        o: Output (5, 3): the pad from the ring's centre, from the torso's, its
+            velocity on the torso, the torso's y-axis; then depth of the pad
+            along that axis and its rate.
+    """
+    for i in range(3):
+        o[0, i] = side * PAD_OFFSET * R_ring[i, 1]
+        o[1, i] = x[i] + o[0, i] - x[TORSO + i]
+        o[3, i] = R_torso[i, 1]
+    o[1, 2] -= RING_HEIGHTS[1]
+    o[4, 0] = 0.0
+    o[4, 1] = 0.0
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        ring = x[6 + i] + x[9 + j] * o[0, k] - x[9 + k] * o[0, j]
+        turned = x[TORSO + 9 + j] * o[1, k] - x[TORSO + 9 + k] * o[1, j]
+        o[2, i] = ring - x[TORSO + 6 + i] - turned
+        o[4, 0] += o[1, i] * o[3, i]
+        o[4, 1] += o[2, i] * o[3, i]
+
+
+@njit(cache=True, error_model="numpy")
+def add_press(side, N, o, on):
+    """Adds a pad's normal force N and its friction, see `approach`, to on."""
+    square = 0.0
+    for i in range(3):
+        o[2, i] -= o[4, 1] * o[3, i]
+        square += o[2, i] * o[2, i]
+    speed = math.sqrt(square)
+    grip = PAD_FRICTION * N / PAD_SLIP_SPEED
+    if speed > 1e-12:
+        grip *= math.tanh(speed / PAD_SLIP_SPEED) / speed * PAD_SLIP_SPEED
+    f = o[2]
+    for i in range(3):
+        f[i] = grip * o[2, i] - side * N * o[3, i]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        on[0, i] -= f[i]
+        on[1, i] -= o[0, j] * f[k] - o[0, k] * f[j]
+        on[2, i] += f[i]
+        on[3, i] += o[1, j] * f[k] - o[1, k] * f[j]
+
+
+@njit(cache=True, error_model="numpy")
+def pad_wrenches(x, R, breath, subject, flaws, o, on, rates):
     """Adds both pads' forces.
 
     Args:
         x: State.
-        R_ring, R_torso: Their rotations.
+        R: Rotations of ring and torso (2, 3, 3).
         breath: Expansion at each pad and its rate (2, 2), m, m/s.
         subject, flaws: Subject and PadFlaws.
+        o: Room for `approach`.
         on: Output (4, 3), added to: force and torque on the ring, then on the
             torso. The force on the torso is the ideal reading.
         rates: State's rates; those of the tissue are written.
     """
-    h = RING_HEIGHTS[1]
-    n0, n1, n2 = R_torso[0, 1], R_torso[1, 1], R_torso[2, 1]
-    w0, w1, w2 = x[9], x[10], x[11]
-    u0, u1, u2 = x[TORSO + 9], x[TORSO + 10], x[TORSO + 11]
     for pad in range(2):
         side = 1.0 - 2.0 * pad
-        r0 = side * PAD_OFFSET * R_ring[0, 1]
-        r1 = side * PAD_OFFSET * R_ring[1, 1]
-        r2 = side * PAD_OFFSET * R_ring[2, 1]
-        p0 = x[0] + r0 - x[TORSO]
-        p1 = x[1] + r1 - x[TORSO + 1]
-        p2 = x[2] - h + r2 - x[TORSO + 2]
-        v0 = x[6] + w1 * r2 - w2 * r1
-        v1 = x[7] + w2 * r0 - w0 * r2
-        v2 = x[8] + w0 * r1 - w1 * r0
-        v0 -= x[TORSO + 6] + u1 * p2 - u2 * p1
-        v1 -= x[TORSO + 7] + u2 * p0 - u0 * p2
-        v2 -= x[TORSO + 8] + u0 * p1 - u1 * p0
-        depth = p0 * n0 + p1 * n1 + p2 * n2
-        closing = v0 * n0 + v1 * n1 + v2 * n2
-        d = rest_compression(pad, subject, flaws) + PAD_OFFSET - side * depth
-        d += breath[pad, 0]
-        d_rate = -side * closing + breath[pad, 1]
+        approach(side, x, R[0], R[1], o)
+        d = rest_compression(pad, subject, flaws) + breath[pad, 0]
+        d += PAD_OFFSET - side * o[4, 0]
+        d_rate = breath[pad, 1] - side * o[4, 1]
         first = TISSUE + 3 * pad
         N = press(d, d_rate, subject, flaws, x, rates, first)
-        if N == 0.0:
-            continue
-        v0 -= closing * n0
-        v1 -= closing * n1
-        v2 -= closing * n2
-        speed = math.sqrt(v0 * v0 + v1 * v1 + v2 * v2)
-        grip = PAD_FRICTION * abs(N) / PAD_SLIP_SPEED
-        if speed > 1e-12:
-            grip *= math.tanh(speed / PAD_SLIP_SPEED) / speed * PAD_SLIP_SPEED
-        f0 = grip * v0 - side * N * n0
-        f1 = grip * v1 - side * N * n1
-        f2 = grip * v2 - side * N * n2
-        on[0, 0] -= f0
-        on[0, 1] -= f1
-        on[0, 2] -= f2
-        on[1, 0] -= r1 * f2 - r2 * f1
-        on[1, 1] -= r2 * f0 - r0 * f2
-        on[1, 2] -= r0 * f1 - r1 * f0
-        on[2, 0] += f0
-        on[2, 1] += f1
-        on[2, 2] += f2
-        on[3, 0] += p1 * f2 - p2 * f1
-        on[3, 1] += p2 * f0 - p0 * f2
-        on[3, 2] += p0 * f1 - p1 * f0
+        if N > 0.0:
+            add_press(side, N, o, on)
 
 
 @njit(cache=True, error_model="numpy")
@@ -268,7 +282,7 @@ def calc_rates(
             o[b + i] = x[b + 6 + i]
         coordinate_rate(x[b + 3 : b + 6], x[b + 9 : b + 12], o[b + 3 : b + 6])
     if contact:
-        pad_wrenches(x, R[0], R[1], breath, subject, flaws.pads, on, o)
+        pad_wrenches(x, R, breath, subject, flaws.pads, scratch.pad, on, o)
         torso_acceleration(
             t,
             x,

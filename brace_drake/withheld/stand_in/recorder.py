@@ -13,7 +13,6 @@ from numba import njit
 from brace_drake.withheld.stand_in import control as controller
 from brace_drake.withheld.stand_in.drives import (
     delivered,
-    is_loose,
     joint_stretch,
 )
 from brace_drake.withheld.stand_in.frame import (
@@ -21,6 +20,7 @@ from brace_drake.withheld.stand_in.frame import (
     leg_geometry,
     screws,
 )
+from brace_drake.withheld.stand_in.instruments import sense
 from brace_drake.withheld.stand_in.motion import (
     DRIVE,
     NUM_STATE,
@@ -30,9 +30,7 @@ from brace_drake.withheld.stand_in.motion import (
     make_scratch,
 )
 from brace_drake.withheld.stand_in.numbers import (
-    FORCE_STEP,
     GRAVITY,
-    LENGTH_STEP,
     LOG_EVERY,
     RING_HEIGHTS,
     RING_INERTIA,
@@ -135,26 +133,53 @@ def reflex(tick, past, flaws, push):
 
 
 @njit(cache=True, error_model="numpy")
-def read_force(t, force, noise, flaws, lagged, reading):
-    """Writes the force sensor's reading (3,), before it is rounded."""
-    gain = 1.0
-    if flaws.lag > 0.0 and t > 0.0:
-        gain = 1.0 - math.exp(-TICK / flaws.lag)
-    for i in range(3):
-        lagged[i] += gain * (force[i] - lagged[i])
-    for i in range(3):
-        value = (1.0 + flaws.scale) * lagged[i]
-        if i == 1:
-            value += flaws.bias + flaws.drift * t
-        else:
-            value += flaws.crosstalk * lagged[1]
-        reading[i] = value + noise[i]
+def drive(tick, sent, lost, flaws, held, u):
+    """Writes what the drives deliver (6,) of the commands sent so far."""
+    for k in range(6):
+        if lost[tick, k] == 0 and tick >= flaws.delay:
+            held[k] = sent[tick - flaws.delay, k]
+        u[k] = delivered(held[k], flaws.gain[k], flaws)
 
 
 @njit(cache=True, error_model="numpy")
-def to_step(value, step):
-    """Rounds to the resolution of an instrument."""
-    return step * math.floor(value / step + 0.5)
+def move(
+    tick,
+    steps,
+    x,
+    R,
+    u,
+    W,
+    expansion,
+    push,
+    contact,
+    subject,
+    flaws,
+    g,
+    scratch,
+    stages,
+):
+    """Moves the machine on by one tick in `steps` steps."""
+    breath = np.empty((3, 2, 2))
+    h = TICK / steps
+    for step in range(steps):
+        for at in range(3):
+            expansion_at(expansion, tick, (step + 0.5 * at) / steps, breath[at])
+        advance(
+            tick * TICK + step * h,
+            h,
+            x,
+            R,
+            u,
+            W,
+            breath,
+            push,
+            contact,
+            subject,
+            flaws,
+            g,
+            scratch,
+            stages,
+        )
 
 
 @njit(cache=True, error_model="numpy")
@@ -178,6 +203,7 @@ def record(
         (n / LOG_EVERY, NUM_COLUMNS), without the marker's noise.
     """
     length_noise, force_noise, expansion, lost = random
+    noise = (length_noise, force_noise)
     n = len(wanted)
     log = np.empty(((n + LOG_EVERY - 1) // LOG_EVERY, NUM_COLUMNS))
     x, R = np.empty(NUM_STATE), np.empty((2, 3, 3))
@@ -186,52 +212,55 @@ def record(
     memory = np.zeros(controller.NUM_MEMORY)
     sent, past = np.zeros((n, 6)), np.zeros((n, 2))
     held, u, lagged = np.zeros(6), np.zeros(6), np.zeros(3)
-    length, arm, along = np.empty(6), np.empty((6, 3)), np.empty((6, 3))
     scratch, stages = make_scratch(), np.zeros((5, NUM_STATE))
-    on, reading = scratch.on, np.empty(3)
-    W, push, breath = np.eye(6), 0.0, np.zeros((3, 2, 2))
+    reading, breath = np.empty(9), np.zeros((2, 2))
+    W, push = np.eye(6), 0.0
+    mass = RING_MASS + flaws.ring.mass
     for tick in range(n):
-        t = tick * TICK
-        expansion_at(expansion, tick, 0.0, breath[0])
+        t, row = tick * TICK, log[tick // LOG_EVERY]
+        # The force at this instant, of the rates that are not used.
+        expansion_at(expansion, tick, 0.0, breath)
         calc_rates(
             t,
             x,
             R,
             u,
             W,
-            breath[0],
+            breath,
             push,
             contact,
             subject,
             flaws,
             g,
             scratch,
-            on,
+            scratch.on,
             stages[0],
         )
-        read_force(t, on[2], force_noise[tick], flaws.sensors, lagged, reading)
-        leg_geometry(x[0:3], R[0], g[0], g[1], length, arm, along)
+        sense(
+            tick,
+            x,
+            R,
+            g,
+            scratch.on,
+            flaws,
+            noise,
+            rounding,
+            scratch,
+            lagged,
+            reading,
+        )
         W[:, :] = inverse_mass(
             R[0],
-            arm,
-            along,
-            RING_MASS + flaws.ring.mass,
+            scratch.arm,
+            scratch.along,
+            mass,
             RING_INERTIA,
             flaws.ring.leg_mass,
         )
-        if is_loose(flaws.legs):
-            length[:] = x[DRIVE : DRIVE + 6]
-        for k in range(6):
-            length[k] += flaws.sensors.lengths[k] + length_noise[tick, k]
-        if rounding:
-            for k in range(6):
-                length[k] = to_step(length[k], LENGTH_STEP)
-            for i in range(3):
-                reading[i] = to_step(reading[i], FORCE_STEP)
         controller.control(
             tick == 0,
-            length,
-            reading[1],
+            reading[0:6],
+            reading[7],
             wanted[tick],
             p_found,
             R_found,
@@ -241,36 +270,26 @@ def record(
         )
         past[tick, 0], past[tick, 1] = x[TORSO + 1], x[TORSO + 7]
         push = reflex(tick, past, flaws.torso, push)
-        for k in range(6):
-            if lost[tick, k] == 0 and tick >= flaws.legs.delay:
-                held[k] = sent[tick - flaws.legs.delay, k]
-            u[k] = delivered(held[k], flaws.legs.gain[k], flaws.legs)
+        drive(tick, sent, lost, flaws.legs, held, u)
         if tick % LOG_EVERY == 0:
-            row = log[tick // LOG_EVERY]
             row[0:6] = sent[tick]
-            row[6:12] = length
-            row[12:15] = reading
+            row[6:15] = reading
             row[15:18] = x[TORSO : TORSO + 3]
             row[18] = memory[controller.VIRTUAL]
-        for step in range(steps):
-            for at in range(3):
-                expansion_at(
-                    expansion, tick, (step + 0.5 * at) / steps, breath[at]
-                )
-            advance(
-                t + step * TICK / steps,
-                TICK / steps,
-                x,
-                R,
-                u,
-                W,
-                breath,
-                push,
-                contact,
-                subject,
-                flaws,
-                g,
-                scratch,
-                stages,
-            )
+        move(
+            tick,
+            steps,
+            x,
+            R,
+            u,
+            W,
+            expansion,
+            push,
+            contact,
+            subject,
+            flaws,
+            g,
+            scratch,
+            stages,
+        )
     return log

@@ -1,0 +1,65 @@
+"""What the instruments say: drives' encoders and the force sensor.
+
+The force sensor may lag (first order), be off in scale or zero, drift, and
+show some of y on its other axes. Encoders sit on the drives' side.
+"""
+
+import math
+
+from numba import njit
+
+from brace_drake.withheld.stand_in.drives import is_loose
+from brace_drake.withheld.stand_in.frame import leg_geometry
+from brace_drake.withheld.stand_in.motion import DRIVE
+from brace_drake.withheld.stand_in.numbers import (
+    FORCE_STEP,
+    LENGTH_STEP,
+    TICK,
+)
+
+
+@njit(cache=True, error_model="numpy")
+def read_force(t, force, noise, flaws, lagged, reading):
+    """Writes the force sensor's reading (3,), before it is rounded."""
+    gain = 1.0
+    if flaws.lag > 0.0 and t > 0.0:
+        gain = 1.0 - math.exp(-TICK / flaws.lag)
+    for i in range(3):
+        lagged[i] += gain * (force[i] - lagged[i])
+    for i in range(3):
+        value = (1.0 + flaws.scale) * lagged[i]
+        if i == 1:
+            value += flaws.bias + flaws.drift * t
+        else:
+            value += flaws.crosstalk * lagged[1]
+        reading[i] = value + noise[i]
+
+
+@njit(cache=True, error_model="numpy")
+def to_step(value, step):
+    """Rounds to the resolution of an instrument."""
+    return step * math.floor(value / step + 0.5)
+
+
+@njit(cache=True, error_model="numpy")
+def sense(tick, x, R, g, on, flaws, noise, rounding, scratch, lagged, out):
+    """Writes the readings of a tick, lengths (6) and force (3), to out (9,).
+
+    Also leaves the legs' geometry in `scratch`, which the mass matrix takes.
+    `noise` holds that of lengths and force (n, 6), (n, 3).
+    """
+    length_noise, force_noise = noise
+    leg_geometry(
+        x[0:3], R[0], g[0], g[1], scratch.length, scratch.arm, scratch.along
+    )
+    read_force(
+        tick * TICK, on[2], force_noise[tick], flaws.sensors, lagged, out[6:9]
+    )
+    for k in range(6):
+        length = scratch.length[k]
+        if is_loose(flaws.legs):
+            length = x[DRIVE + k]
+        out[k] = length + flaws.sensors.lengths[k] + length_noise[tick, k]
+    if rounding:
+        for k in range(9):
+            out[k] = to_step(out[k], LENGTH_STEP if k < 6 else FORCE_STEP)
