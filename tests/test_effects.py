@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.effects.identifiers import IDENTIFIERS
+from brace_drake.effects.identifiers import BY_BLOCK, IDENTIFIERS
 from brace_drake.effects.registry import all_effects, effects_for, find_effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.errors import EffectError
@@ -37,7 +37,7 @@ class TestCards(unittest.TestCase):
                 ):
                     self.assertGreater(len(text), 8)
                 self.assertTrue(card.impostors)
-                self.assertIn(name, IDENTIFIERS)
+                self.assertIn(card.name, IDENTIFIERS)
 
     def test_every_start_lies_within_its_limits(self):
         for name, card in all_effects().items():
@@ -62,6 +62,17 @@ class TestCards(unittest.TestCase):
             stack_effects([(card, np.zeros(1))] * 3)
 
 
+class TestLibrary(unittest.TestCase):
+    def test_the_library_holds_every_identifier(self):
+        names = {card.name for card in all_effects().values()}
+        self.assertEqual(names, set(IDENTIFIERS))
+
+    def test_each_effect_sits_in_the_block_of_its_identifier(self):
+        for key, card in all_effects().items():
+            with self.subTest(effect=key):
+                self.assertIn(card.name, BY_BLOCK[card.block])
+
+
 class TestAllEffects(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -72,29 +83,31 @@ class TestAllEffects(unittest.TestCase):
 
     def test_zero_strength_changes_nothing(self):
         for name, card in effects_for("bench stage 2").items():
-            values = np.array([p.starts[0] for p in card.parameters])
-            values[0] = 0.0
-            if card.spread is not None:
-                values[:] = 0.0
             with self.subTest(effect=name):
-                log = self.twin.simulate(
-                    self.motion, self.subject, [(card, values)]
-                )
+                log = self.replay(card, card.off())
                 np.testing.assert_allclose(log, self.nominal, atol=1e-9)
 
-    def test_every_effect_at_its_start_changes_the_recording(self):
+    def test_every_effect_at_a_start_changes_the_recording(self):
         for name, card in effects_for("bench stage 2").items():
-            values = np.array([p.starts[-1] or 1e-3 for p in card.parameters])
+            starts = card.starts()
+            if card.spread is not None:
+                starts = [np.full(len(card.parameters), 1e-3)]
             with self.subTest(effect=name):
-                log = self.twin.simulate(
-                    self.motion, self.subject, [(card, values)]
-                )
-                self.assertTrue(np.all(np.isfinite(log)))
-                self.assertGreater(np.abs(log - self.nominal).max(), 1e-6)
+                change = 0.0
+                for values in starts:
+                    log = self.replay(card, values)
+                    self.assertTrue(np.all(np.isfinite(log)))
+                    change = max(change, np.abs(log - self.nominal).max())
+                self.assertGreater(change, 1e-6)
+
+    def replay(self, card, values):
+        """The run with an effect, run parameters at 0."""
+        uses = [(card, card.in_run(values, 0))]
+        return self.twin.simulate(self.motion, self.subject, uses)
 
     def test_the_same_noise_seed_gives_the_same_recording(self):
         for name, card in effects_for("bench stage 2").items():
-            values = np.array([p.starts[0] for p in card.parameters])
+            values = card.in_run(card.starts()[0], 0)
             with self.subTest(effect=name):
                 first, second = (
                     self.twin.simulate(

@@ -227,7 +227,8 @@ class TestTwin(unittest.TestCase):
         prepared = prepare_runs(twin, campaign.split("fit"), floors, RATE, 0)
         evaluator = Evaluator(twin, prepared, jobs=2)
         base = fit_nominal(evaluator)
-        fit = fit_effects(evaluator, [uses[0][0]], base)
+        card = uses[0][0]
+        fit = fit_effects(evaluator, [card], card.starts()[:1])
         # A thousandth is some ten standard errors, and the coarse part of
         # the search's own tolerance.
         np.testing.assert_allclose(fit.subject, SUBJECT, rtol=1e-3)

@@ -37,7 +37,7 @@ class TestEmps(unittest.TestCase):
         cls.floor = floors[False]
         cls.nominal = fit_nominal(evaluator)
         coulomb = find_effect("coulomb_friction")
-        cls.coulomb = fit_effects(evaluator, [coulomb], cls.nominal)
+        cls.coulomb = fit_effects(evaluator, [coulomb], coulomb.starts())
 
     def residual(self, fit, split: str) -> np.ndarray:
         """Recorded minus replayed commands of the split's run, N."""

@@ -28,6 +28,8 @@ class EffectParameter:
             its shape alone.
         choices: The only values that the parameter takes, where it is not
             continuous: a fit tries each.
+        deviation: Standard deviation of its normal prior around 0, where it
+            has one.
     """
 
     name: str
@@ -38,6 +40,7 @@ class EffectParameter:
     meaning: str
     off: float | None = 0.0
     choices: tuple[float, ...] = ()
+    deviation: float | None = None
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,8 @@ class Effect:
         equation: The law, in plain text.
         source: Where the law is from.
         parameters: In the order of the law's vector p.
+        run_parameters: Those that every run has its own of, such as the phase
+            of a breath; in p they follow the others.
         laws: Compiled law for each plug point it uses (see `laws.hooks`).
         num_states: States that it keeps at each plug point (default 0).
         modify: For effects that are other numbers of the twin rather than a
@@ -84,6 +89,7 @@ class Effect:
     dithered: bool = False
     spread: tuple[str, str] | None = None
     form: str = ""
+    run_parameters: tuple[EffectParameter, ...] = ()
 
     def __post_init__(self):
         if self.block not in BLOCKS:
@@ -124,6 +130,21 @@ class Effect:
     def is_continuous(self) -> np.ndarray:
         """Parameters that a fit moves (n,), bool."""
         return np.array([not p.choices for p in self.parameters])
+
+    def in_run(self, values: np.ndarray, index: int) -> np.ndarray:
+        """The law's vector p in one run.
+
+        Args:
+            values: Parameters, then the run parameters of run after run; or
+                the parameters alone, then those of the run are 0.
+            index: Of the run.
+        """
+        shared, own = len(self.parameters), len(self.run_parameters)
+        if own == 0:
+            return values
+        at = shared + index * own
+        mine = values[at : at + own] if len(values) > shared else np.zeros(own)
+        return np.concatenate([values[:shared], mine])
 
     def starts(self) -> list[np.ndarray]:
         """Start vectors: all combinations of the parameters' starts."""

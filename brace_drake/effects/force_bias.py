@@ -16,9 +16,7 @@ CARD = Effect(
     equation="F_y,read = F_y + F_0",
     source="Fraden, Handbook of Modern Sensors, section 3.4",
     parameters=(
-        EffectParameter(
-            "force_bias_N", "N", -20.0, 20.0, (0.1, -0.1), "offset F_0"
-        ),
+        EffectParameter("force_bias_N", "N", -20.0, 20.0, (0.1,), "offset F_0"),
     ),
     laws={"sensing": _law},
     devices=("bench stage 2", "pad bench"),

@@ -16,9 +16,7 @@ CARD = Effect(
     equation="F_y,read = F_y + r t, t from the start of a run",
     source="Fraden, Handbook of Modern Sensors, section 3.12",
     parameters=(
-        EffectParameter(
-            "force_drift_N_s", "N/s", -5.0, 5.0, (0.01, -0.01), "rate r"
-        ),
+        EffectParameter("force_drift_N_s", "N/s", -5.0, 5.0, (0.01,), "rate r"),
     ),
     laws={"sensing": _law},
     devices=("bench stage 2", "pad bench"),

@@ -18,9 +18,7 @@ CARD = Effect(
     source="Blanke, Kinnaert, Lunze, Staroswiecki, Diagnosis and"
     " Fault-Tolerant Control, section 4",
     parameters=(
-        EffectParameter(
-            "force_gain", "1", -0.8, 2.0, (0.05, -0.05), "gain error s"
-        ),
+        EffectParameter("force_gain", "1", -0.8, 2.0, (0.05,), "gain error s"),
     ),
     laws={"drive": _law},
     signature="commands off in proportion, in free runs and under load",

@@ -17,9 +17,7 @@ CARD = Effect(
     equation="F_read = (1 + s) F",
     source="Fraden, Handbook of Modern Sensors, section 3.3",
     parameters=(
-        EffectParameter(
-            "force_scale", "1", -0.8, 2.0, (0.05, -0.05), "gain error s"
-        ),
+        EffectParameter("force_scale", "1", -0.8, 2.0, (0.05,), "gain error s"),
     ),
     laws={"sensing": _law},
     devices=("bench stage 2", "pad bench"),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from scipy.optimize import lsq_linear
+
+# A Jacobian is kept while steps bring this share of what it promised.
+_KEPT_PROMISE = 0.7
 
 
 class Batch(Protocol):
@@ -32,7 +35,6 @@ class LeastSquaresSolution:
         jacobian: (m, n); rows of residuals, columns of scaled parameters.
         iterations: Steps taken.
         converged: Whether the last step was negligible.
-        first_jacobian: At the start.
     """
 
     z: np.ndarray
@@ -40,7 +42,6 @@ class LeastSquaresSolution:
     jacobian: np.ndarray
     iterations: int
     converged: bool
-    first_jacobian: np.ndarray
 
     @property
     def cost(self) -> float:
@@ -53,24 +54,21 @@ def difference_jacobian(
     z: np.ndarray,
     steps: np.ndarray,
     upper: np.ndarray,
-    columns: Sequence[int],
-) -> dict[int, np.ndarray]:
-    """Forward differences of the residual along chosen columns.
+) -> np.ndarray:
+    """Forward differences of the residual (m, n).
 
     A step that would leave the upper limit goes the other way; a point that
     fails leaves a zero column.
     """
     signed = np.where(z + steps > upper, -steps, steps)
-    points = [z]
-    for i in columns:
-        point = z.copy()
-        point[i] += signed[i]
-        points.append(point)
+    points = [z, *(z + np.diag(signed))]
     base, *moved = batch(points, coarse=True)
-    return {
-        i: np.zeros_like(base) if r is None else (r - base) / signed[i]
-        for i, r in zip(columns, moved, strict=True)
-    }
+    return np.column_stack(
+        [
+            np.zeros_like(base) if r is None else (r - base) / h
+            for r, h in zip(moved, signed, strict=True)
+        ]
+    )
 
 
 def bounded_step(
@@ -98,68 +96,61 @@ def solve_gauss_newton(
     upper: np.ndarray,
     steps: np.ndarray,
     radius: np.ndarray,
-    known: np.ndarray | None = None,
-    refresh: Sequence[int] | None = None,
-    renew: bool = True,
+    differentiate: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+    known: tuple[np.ndarray, np.ndarray] | None = None,
     max_iterations: int = 12,
     tolerance: float = 3e-6,
 ) -> LeastSquaresSolution:
     """Minimises the sum of squares of a simulated residual in a box.
 
-    Gauss-Newton with forward differences; a step that does not help is halved
-    up to three times. Columns left out of `refresh` keep their `known` value
-    (the chord method) as long as that helps; the search ends only when a step
-    with all columns anew brings nothing.
+    Gauss-Newton; a step that does not help is halved up to three times. The
+    Jacobian is kept (the chord method) as long as steps bring what it has
+    promised; the search ends when a step with a new one brings nothing.
 
     Args:
         batch: Residuals of many points at once.
         start, lower, upper: Scaled parameters (n,).
         steps: Of the differences (n,).
         radius: Largest step of one iteration (n,).
-        known: Jacobian at the start (m, n), where columns are known already.
-        refresh: Columns to difference in every iteration; all by default.
-        renew: Otherwise those columns are differenced once.
+        differentiate: Jacobian from parameters and the residual there;
+            forward differences of all parameters by default.
+        known: Residual and Jacobian at the start, where they are known.
         max_iterations: Limit.
-        tolerance: On the predicted relative decrease of the cost.
+        tolerance: On the relative decrease of the cost.
 
     Raises:
         ValueError: The residual could not be evaluated at the start.
     """
     z = np.clip(start, lower, upper)
-    (residual,) = batch([z])
+    residual, jacobian = known or (batch([z])[0], None)
     if residual is None:
         raise ValueError("the residual cannot be evaluated at the start")
-    everything = list(range(len(z)))
-    few = everything if refresh is None else list(refresh)
-    jacobian = np.zeros((len(residual), len(z)))
-    if known is not None:
-        jacobian[:, : known.shape[1]] = known
-    columns, converged, iteration = few, False, 0
-    first_jacobian = None
-    for iteration in range(1, max_iterations + 1):
-        found = {}
-        if renew or iteration == 1:
-            found = difference_jacobian(batch, z, steps, upper, columns)
-        for i, column in found.items():
-            jacobian[:, i] = column
+    if differentiate is None:
+
+        def differentiate(z, residual):
+            return difference_jacobian(batch, z, steps, upper)
+
+    converged, stale, iteration = False, jacobian is None, 0
+    while iteration < max_iterations:
+        iteration += 1
+        fresh = stale
+        if stale:
+            jacobian = differentiate(z, residual)
         step = bounded_step(jacobian, residual, z, lower, upper, radius)
         cost = float(residual @ residual)
+        left = residual + jacobian @ step
+        promised = cost - float(left @ left)
         accepted = _first_improvement(batch, z, step, cost, lower, upper)
         decrease = 0.0
         if accepted is not None:
             z, residual = accepted
             decrease = cost - float(residual @ residual)
-        if first_jacobian is None:
-            first_jacobian = jacobian.copy()
         small = decrease < tolerance * max(cost, 1.0)
-        if small and (not renew or len(columns) == len(z)):
+        if small and fresh:
             converged = True
             break
-        # Old columns have served their turn when they bring no more.
-        columns = everything if small else few
-    return LeastSquaresSolution(
-        z, residual, jacobian, iteration, converged, first_jacobian
-    )
+        stale = small or decrease < _KEPT_PROMISE * promised
+    return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
 def _first_improvement(batch, z, step, cost, lower, upper):

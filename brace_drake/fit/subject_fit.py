@@ -23,11 +23,11 @@ from brace_drake.fit.gauss_newton import (
 )
 from brace_drake.gap.candidates import (
     CandidateFit,
-    CandidateProblem,
     correct_step,
     finish_fit,
 )
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.problem import CandidateProblem
 
 # Gauss-Newton steps before the solver, for the scaling of its variables.
 _STEPS_TO_SCALE = 4
@@ -59,7 +59,6 @@ class _Cost:
     def __init__(self, problem, start, on_evaluation):
         self._problem, self._start = problem, start
         self._on_evaluation = on_evaluation
-        self._columns = range(len(start))
         self.evaluations = 0
         self.best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = (
             None
@@ -70,21 +69,15 @@ class _Cost:
         ridge = 1e-9 * np.trace(hessian) / len(start)
         factor = np.linalg.cholesky(hessian + ridge * np.eye(len(start)))
         self.z_of_w = np.linalg.inv(factor).T
-        self.first_jacobian = jacobian
 
     def _evaluate(self, z):
         problem = self._problem
         (residual,) = problem.batch([z])
         if residual is None:
             raise FitError("the simulated run broke down during the fit")
-        columns = difference_jacobian(
-            problem.batch,
-            z,
-            problem.steps(),
-            problem.upper,
-            self._columns,
+        jacobian = difference_jacobian(
+            problem.batch, z, problem.steps, problem.upper
         )
-        jacobian = np.column_stack([columns[i] for i in self._columns])
         self.evaluations += 1
         cost = float(residual @ residual)
         if self.best is None or cost < self.best[0]:
@@ -138,8 +131,8 @@ def fit_subject(
         start / problem.scales,
         problem.lower,
         problem.upper,
-        problem.steps(),
-        problem.radius(),
+        problem.steps,
+        problem.radius,
         max_iterations=_STEPS_TO_SCALE,
     )
     z0 = near.z
@@ -159,7 +152,6 @@ def fit_subject(
         jacobian,
         cost.evaluations,
         result.is_success(),
-        cost.first_jacobian,
     )
     report = SolverReport(
         result.get_solver_id().name(),

@@ -139,7 +139,8 @@ def _band_power(comparisons, which, low, high, rate):
         frequency = np.fft.rfftfreq(len(residual), 1.0 / rate)
         inside = (frequency >= low) & (frequency < high)
         used = c.prepared.used
-        transform = np.fft.rfft(residual, axis=0) * c.prepared.weights
+        weights = c.prepared.floor.weights(len(residual), rate)
+        transform = np.fft.rfft(residual, axis=0) * weights
         bins = transform[inside][:, used]
         values = 2 * bins.size
         if low == 0.0:

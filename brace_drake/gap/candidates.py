@@ -16,14 +16,15 @@ from brace_drake.fit.gauss_newton import (
     solve_gauss_newton,
 )
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.problem import CandidateProblem
 
-_SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
-# Spread at which a search over many alike parameters begins.
-_FIRST_SPREAD = 2.0
-_SCREENING_STEPS = 4
 _STEPS = 10
-# Effects with more parameters than this are screened with one Jacobian.
-_FEW = 4
+# Relative decrease of the sum of squares that ends the search at the coarse
+# plant step, and at the twin's own.
+_NEAR, _END = 1e-3, 1e-5
+# A change of the common spread by less is none, in logarithms.
+_SAME_SPREAD = 0.05
+_SPREAD_ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -33,12 +34,14 @@ class CandidateFit:
     Attributes:
         effects: The effects it adds, none for the nominal twin.
         subject: Values of the subject's parameters.
-        values: Parameter vector of each effect.
+        values: Parameters of each effect, those of the runs behind.
         solution: The search's end, scaled parameters.
         scales: Of those, so that parameter = z * scale.
         excess: Sum of squares above noise, prior rows left out.
         spread: Fitted standard deviation of many alike parameters, or None.
-        excess_by_run: The excess of each fit run.
+        num_runs: Runs that it was fitted on.
+        num_prior: Rows of the residual that are the prior's.
+        refined: Whether the search was led to its end.
     """
 
     effects: tuple[Effect, ...]
@@ -48,199 +51,118 @@ class CandidateFit:
     scales: np.ndarray
     excess: float
     spread: float | None
-    excess_by_run: np.ndarray
+    num_runs: int
+    num_prior: int = 0
+    refined: bool = False
 
     @property
     def name(self) -> str:
-        """Names of the effects joined by +, or "nominal"."""
-        return "+".join(e.name for e in self.effects) or "nominal"
+        """Keys of the effects joined by +, or "nominal"."""
+        return "+".join(e.key for e in self.effects) or "nominal"
+
+    @property
+    def identifiers(self) -> tuple[str, ...]:
+        """Names of the effects, whatever their form."""
+        return tuple(e.name for e in self.effects)
 
     @property
     def uses(self) -> tuple[Use, ...]:
         """The effects with their fitted parameters."""
         return tuple(zip(self.effects, self.values, strict=True))
 
-
-class CandidateProblem:
-    """Scaled parameters of subject and effects, and the residual of them.
-
-    z holds the subject's parameters in units of their nominal values, then
-    each effect's in units of its starts or limits; effects with a common
-    spread add a row z_i / spread for every parameter, the normal prior.
-    """
-
-    def __init__(self, evaluator: Evaluator, effects: Sequence[Effect]):
-        self.evaluator = evaluator
-        self.effects = tuple(effects)
-        subject = evaluator.twin.subject
-        self.num_subject = len(subject)
-        units = [p.unit_step for p in subject]
-        low = [p.lower for p in subject]
-        high = [p.upper for p in subject]
-        self.spread = _FIRST_SPREAD
-        self._prior = []
-        for effect in effects:
-            for p in effect.parameters:
-                self._prior.append(effect.spread is not None)
-                units.append(_scale_of(p))
-                low.append(p.lower)
-                high.append(p.upper)
-        self.scales = np.array(units)
-        self.lower = np.array(low) / self.scales
-        self.upper = np.array(high) / self.scales
-        self._has_prior = np.array(
-            [False] * self.num_subject + self._prior, dtype=bool
-        )
-
-    def split(self, z: np.ndarray) -> tuple[np.ndarray, tuple[Use, ...]]:
-        """Subject values and effect uses of scaled parameters."""
-        values = z * self.scales
-        uses, at = [], self.num_subject
-        for effect in self.effects:
-            size = len(effect.parameters)
-            uses.append((effect, values[at : at + size]))
-            at += size
-        return values[: self.num_subject], tuple(uses)
-
-    def batch(
-        self,
-        points: Sequence[np.ndarray],
-        coarse: bool = False,
-        fine: bool = False,
-    ) -> list[np.ndarray | None]:
-        """Weighted residuals with the prior's rows below."""
-        found = self.evaluator.residuals(
-            [self.split(z) for z in points], coarse, fine
-        )
-        if not self._has_prior.any():
-            return found
-        return [
-            None
-            if r is None
-            else np.concatenate([r, z[self._has_prior] / self.spread])
-            for r, z in zip(found, points, strict=True)
-        ]
-
     @property
-    def num_prior(self) -> int:
-        """Rows that the prior adds."""
-        return int(self._has_prior.sum())
-
-    @property
-    def prior_scale(self) -> float:
-        """Scale of the parameters that have a common spread."""
-        return float(self.scales[self._has_prior][0])
-
-    def steps(self) -> np.ndarray:
-        """Steps of the finite differences."""
-        free = len(self.scales) - self.num_subject
-        return np.concatenate(
-            [np.full(self.num_subject, _SUBJECT_STEP), np.full(free, 1e-2)]
-        )
-
-    def radius(self) -> np.ndarray:
-        """Largest step of one iteration."""
-        free = len(self.scales) - self.num_subject
-        return np.concatenate(
-            [np.full(self.num_subject, _SUBJECT_RADIUS), np.full(free, 5.0)]
-        )
-
-
-def _scale_of(parameter) -> float:
-    start = abs(parameter.starts[len(parameter.starts) // 2])
-    return start if start > 0.0 else 0.05 * parameter.upper
+    def num_free(self) -> int:
+        """Parameters beyond the subject's."""
+        return len(self.scales) - len(self.subject)
 
 
 def fit_nominal(evaluator: Evaluator) -> CandidateFit:
     """Fits the subject's parameters alone."""
     problem = CandidateProblem(evaluator, ())
     nominal = np.array([p.nominal for p in evaluator.twin.subject])
-    solution = solve_gauss_newton(
-        problem.batch,
-        nominal / problem.scales,
-        problem.lower,
-        problem.upper,
-        problem.steps(),
-        problem.radius(),
-    )
+    solution = search(problem, nominal / problem.scales)
     return correct_step(problem, finish_fit(problem, solution))
 
 
 def fit_effects(
     evaluator: Evaluator,
     effects: Sequence[Effect],
-    nominal: CandidateFit,
-    start: CandidateFit | None = None,
-    leader: CandidateFit | None = None,
-    thorough: bool = True,
+    start: CandidateFit | Sequence[np.ndarray],
 ) -> CandidateFit:
-    """Fits effects together with the subject.
+    """Fits effects together with the subject, to the end.
 
     Args:
         evaluator: Over the fit runs.
         effects: One or more.
-        nominal: The nominal fit; the Jacobian of its first step, at nominal
-            values, is what the search sets out with.
-        start: A fit of the same effects to go on from; otherwise the search
-            sets out from the subject's nominal values, not from those that
-            have absorbed what the effects explain, and from all starts on the
-            cards.
-        leader: A fit of the first effects, from whose values the search sets
-            out while the last effect takes its starts.
-        thorough: To the end; otherwise a few steps, with the subject's
-            columns kept, to see who is worth it.
+        start: A fit of the same effects to go on from, or parameters of each
+            effect; then the subject sets out from its nominal values.
     """
-    if start is not None:
-        z = np.concatenate([start.subject, *start.values])
-        return _search(evaluator, effects, nominal, z, start.spread, thorough)
-    if leader is not None:
-        first = np.concatenate([leader.subject, *leader.values])
+    if isinstance(start, CandidateFit):
+        subject, values, spread = start.subject, start.values, start.spread
     else:
-        first = np.array([p.nominal for p in evaluator.twin.subject])
-    best = None
-    for last in effects[-1].starts():
-        z = np.concatenate([first, last])
-        fit = _search(evaluator, effects, nominal, z, None, thorough)
-        if best is None or fit.excess < best.excess:
-            best = fit
-    return best
-
-
-def _search(
-    evaluator, effects, nominal, start, spread, thorough
-) -> CandidateFit:
-    problem = CandidateProblem(evaluator, effects)
-    n = problem.num_subject
-    if spread is not None and problem.num_prior:
-        problem.spread = spread / problem.prior_scale
-    z = start / problem.scales
-    rows = nominal.solution.first_jacobian[:, :n]
-    known = np.vstack([rows, np.zeros((problem.num_prior, n))])
-    rounds = 2 if thorough and problem.num_prior else 1
-    batch = problem.batch if thorough else partial(problem.batch, coarse=True)
-    for _ in range(rounds):
-        solution = solve_gauss_newton(
-            batch,
-            z,
-            problem.lower,
-            problem.upper,
-            problem.steps(),
-            problem.radius(),
-            known=None if thorough else known,
-            refresh=None if thorough else range(n, len(z)),
-            renew=thorough or len(z) - n <= _FEW,
-            max_iterations=_STEPS if thorough else _SCREENING_STEPS,
-        )
+        subject = np.array([p.nominal for p in evaluator.twin.subject])
+        values, spread = tuple(start), None
+    problem = CandidateProblem(evaluator, effects, values)
+    z = problem.join(subject, values)
+    if not problem.has_spread:
+        solution = search(problem, z)
+        return correct_step(problem, finish_fit(problem, solution))
+    if spread is not None:
+        problem.spread = spread / problem.spread_scale
+    known = None
+    for _ in range(_SPREAD_ROUNDS):
+        solution = search(problem, z, known)
         z = solution.z
-        if not problem.num_prior:
-            break
         # The spread that the evidence prefers; then search again from here.
-        change = np.log(_evidence_spread(problem, solution) / problem.spread)
+        change = np.log(evidence_spread(problem, solution) / problem.spread)
         problem.spread *= np.exp(change)
-        if abs(change) < 0.05:
+        known = with_prior(problem, solution)
+        if abs(change) < _SAME_SPREAD:
             break
-    fit = finish_fit(problem, solution, coarse=not thorough)
-    return correct_step(problem, fit) if thorough else fit
+    return correct_step(problem, finish_fit(problem, solution))
+
+
+def search(
+    problem: CandidateProblem,
+    z: np.ndarray,
+    known: tuple[np.ndarray, np.ndarray] | None = None,
+) -> LeastSquaresSolution:
+    """Gauss-Newton from z to the end: first at the coarse plant step, from
+    there at the twin's own, with the sensitivities of the coarse one.
+    """
+    limits = problem.lower, problem.upper, problem.steps, problem.radius
+    if known is None:
+        near = solve_gauss_newton(
+            partial(problem.batch, coarse=True),
+            z,
+            *limits,
+            differentiate=lambda z, r: problem.columns(z, base=r),
+            max_iterations=_STEPS,
+            tolerance=_NEAR,
+        )
+        z = near.z
+        known = problem.batch([z])[0], near.jacobian
+    return solve_gauss_newton(
+        problem.batch,
+        z,
+        *limits,
+        differentiate=lambda z, residual: known[1],
+        known=known,
+        max_iterations=_STEPS,
+        tolerance=_END,
+    )
+
+
+def with_prior(
+    problem: CandidateProblem, solution: LeastSquaresSolution
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residual and Jacobian of a solution with the prior as it is now."""
+    rows = len(solution.residual) - problem.num_prior
+    residual = solution.residual.copy()
+    residual[rows:] = problem.prior_rows(solution.z)
+    jacobian = solution.jacobian.copy()
+    jacobian[rows:] = problem.prior_jacobian()
+    return residual, jacobian
 
 
 def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
@@ -252,28 +174,32 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     """
     solution = fit.solution
     (residual,) = problem.batch([solution.z], fine=True)
+    if residual is None:
+        return replace(fit, refined=True)
     step = bounded_step(
         solution.jacobian,
         residual,
         solution.z,
         problem.lower,
         problem.upper,
-        problem.radius(),
+        problem.radius,
     )
     (moved,) = problem.batch([solution.z + step], fine=True)
     if moved is None or moved @ moved > residual @ residual:
-        return fit
+        return replace(fit, refined=True)
     corrected = replace(solution, z=solution.z + step, residual=moved)
-    return finish_fit(problem, corrected)
+    return replace(finish_fit(problem, corrected), refined=True)
 
 
-def _evidence_spread(problem, solution) -> float:
+def evidence_spread(
+    problem: CandidateProblem, solution: LeastSquaresSolution
+) -> float:
     """Fixed point of the evidence: s^2 = mean of z_i^2 + var z_i."""
     triangle = np.linalg.qr(solution.jacobian, mode="r")
     inverse = np.linalg.pinv(triangle)
     variance = np.sum(inverse**2, axis=1)
-    prior = problem._has_prior
-    return float(np.sqrt(np.mean(solution.z[prior] ** 2 + variance[prior])))
+    alike = problem.alike
+    return float(np.sqrt(np.mean(solution.z[alike] ** 2 + variance[alike])))
 
 
 def finish_fit(
@@ -286,26 +212,19 @@ def finish_fit(
     rows = len(solution.residual) - problem.num_prior
     residual = solution.residual[:rows]
     subject, uses = problem.split(solution.z)
-    ends = np.cumsum([p.num_weighted for p in evaluator.prepared])
     level = evaluator.noise_level(uses, coarse)
-    excess_by_run = np.array(
-        [
-            part @ part - level * prepared.count
-            for part, prepared in zip(
-                np.split(residual, ends[:-1]), evaluator.prepared, strict=True
-            )
-        ]
-    )
+    excess = float(residual @ residual) - level * evaluator.count
     spread = None
-    if problem.num_prior:
-        spread = problem.spread * problem.prior_scale
+    if problem.has_spread:
+        spread = problem.spread * problem.spread_scale
     return CandidateFit(
         problem.effects,
         subject,
         tuple(v for _, v in uses),
-        replace(solution, residual=residual),
+        solution,
         problem.scales,
-        float(excess_by_run.sum()),
+        excess,
         spread,
-        excess_by_run,
+        len(evaluator.prepared),
+        problem.num_prior,
     )

@@ -15,7 +15,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
     rows = []
     winner = d.verdict.winner
     for fit in sorted(d.fits, key=lambda f: f.excess):
-        is_winner = winner is not None and fit.name == winner.name
+        is_winner = winner is not None and fit is winner
         estimates = d.table if is_winner else None
         rows.append(
             {
@@ -27,8 +27,8 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                     0.0,
                     verdict.closed_amplitude(d.evaluator, d.nominal, fit),
                 ),
-                "converged": fit.name in d.refined,
-                "identifiable": fit.name not in d.verdict.ambiguous_with,
+                "converged": fit.refined,
+                "identifiable": not _is_tied(d, fit),
                 "decision": _decision(d, fit, is_winner),
                 "parameters": effect_parameters(fit, estimates),
             }
@@ -36,12 +36,16 @@ def cause_rows(d: Diagnosis) -> list[dict]:
     return rows
 
 
+def _is_tied(d: Diagnosis, fit) -> bool:
+    return "+".join(fit.identifiers) in d.verdict.ambiguous_with
+
+
 def _decision(d: Diagnosis, fit, is_winner: bool) -> str:
     if is_winner:
         return "explains the gap"
     if not d.verdict.gap:
         return "no gap to explain"
-    if fit.name in d.verdict.ambiguous_with:
+    if _is_tied(d, fit):
         return "as good as the first on these data"
     gain = verdict.gain(d.evaluator, d.nominal, fit)
     if gain <= d.null.gain_threshold:
@@ -51,30 +55,35 @@ def _decision(d: Diagnosis, fit, is_winner: bool) -> str:
 
 
 def effect_parameters(fit, table: EstimateTable | None) -> list[dict]:
-    """Fitted parameters of a candidate; with intervals where `table` is."""
+    """Fitted parameters of a candidate; with intervals where `table` is.
+
+    Run parameters, such as the phase of a breath, are left to the table.
+    """
     rows, at = [], len(fit.subject)
     for effect, values in fit.uses:
-        size = len(effect.parameters)
-        known = table.parameters[at : at + size] if table else None
+        size = int(effect.is_continuous.sum())
+        known = iter(table.parameters[at : at + size] if table else ())
         if effect.spread is not None:
             rows.append(_spread_row(effect, fit.spread, size))
-        elif known:
-            rows += [estimate_row(p) for p in known]
         else:
-            rows += [
-                {
-                    "name": p.name,
-                    "unit": p.unit,
-                    "value": float(v),
-                    "standard_error": None,
-                    "lower95": None,
-                    "upper95": None,
-                    "at_limit": bool(v <= p.lower or v >= p.upper),
-                }
-                for p, v in zip(effect.parameters, values, strict=True)
-            ]
-        at += size
+            for p, v in zip(effect.parameters, values, strict=False):
+                moved = None if p.choices else next(known, None)
+                rows.append(estimate_row(moved) if moved else _value_row(p, v))
+        at += len(effect.run_parameters) * fit.num_runs + size
     return rows
+
+
+def _value_row(parameter, value) -> dict:
+    at_limit = value <= parameter.lower or value >= parameter.upper
+    return {
+        "name": parameter.name,
+        "unit": parameter.unit,
+        "value": float(value),
+        "standard_error": None,
+        "lower95": None,
+        "upper95": None,
+        "at_limit": bool(at_limit and not parameter.choices),
+    }
 
 
 def _spread_row(effect: Effect, spread: float, count: int) -> dict:

@@ -21,6 +21,7 @@ from brace_drake.gap.cause_rows import (
     estimate_row,
 )
 from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.gap.run_parameters import has_run_parameters
 from brace_drake.gap.shrink_part import shrink_part
 from brace_drake.gap.uncertainty import EstimateTable
 from brace_drake.gap.verdict_text import next_experiment, verdict_sentence
@@ -137,6 +138,11 @@ def _warnings(d: Diagnosis) -> list[str]:
         )
     if not d.validation_runs:
         found.append("no validation run: how far the gap shrinks is unknown")
+    if has_run_parameters(d.verdict.winner):
+        found.append(
+            "what each run has of its own, such as the phase of a breath, was"
+            " estimated on the validation runs themselves; all else was not"
+        )
     found += [
         f"{p.name} is at its limit {p.value:.4g} {p.unit}"
         for p in d.table.parameters
@@ -156,8 +162,7 @@ def _receipt(d: Diagnosis) -> dict:
         "gain_threshold": d.null.gain_threshold,
         "integration_error": d.null.numerical,
         "smallest_explained_share": verdict.smallest_share(d.evaluator),
-        "probability_is": "share of campaigns, resampled by runs, with the"
-        " same answer; not yet calibrated on withheld effects",
+        "probability_is": "from how much more the best rival leaves",
         "versions": {p: importlib.metadata.version(p) for p in packages},
     }
 

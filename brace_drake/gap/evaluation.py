@@ -27,10 +27,11 @@ class PreparedRun:
         run: The recording.
         motion: What the twin takes of it.
         measured: Recorded channels (N, C).
-        weights: Of the transform, see `NoiseFloor.weights`; 0 where a channel
-            carries no information.
+        weights: Of the transform up to the highest frequency that counts,
+            see `NoiseFloor.weights`; 0 where a channel carries no information.
         floor: Noise floor of this kind of run.
         seed: Of the dithers.
+        index: Place among the runs of its evaluator.
     """
 
     run: Run
@@ -39,6 +40,7 @@ class PreparedRun:
     weights: np.ndarray
     floor: NoiseFloor
     seed: int
+    index: int = 0
 
     @property
     def used(self) -> np.ndarray:
@@ -47,7 +49,8 @@ class PreparedRun:
 
     def weigh(self, residual: np.ndarray) -> np.ndarray:
         """Residual (N, C) as a vector of unit variance for pure noise."""
-        transform = np.fft.rfft(residual, axis=0) * self.weights
+        transform = np.fft.rfft(residual, axis=0)[: len(self.weights)]
+        transform = transform * self.weights
         transform = transform[:, self.used]
         return np.concatenate(
             [transform.real.ravel(), transform[1:].imag.ravel()]
@@ -61,7 +64,15 @@ class PreparedRun:
     @property
     def count(self) -> int:
         """Number of independent values, expectation of the noise's squares."""
-        return len(self.measured) * int(self.used.sum())
+        # An even number of samples has a Nyquist bin, which is real.
+        whole = len(self.weights) == len(self.measured) // 2 + 1
+        real = 1 if whole and len(self.measured) % 2 == 0 else 0
+        return self.num_weighted - real * int(self.used.sum())
+
+
+def uses_in_run(uses: Sequence[Use], index: int) -> tuple[Use, ...]:
+    """Effects with the parameters that they have in one run."""
+    return tuple((e, e.in_run(values, index)) for e, values in uses)
 
 
 def is_dithered(uses: Sequence[Use]) -> bool:
@@ -88,6 +99,12 @@ class Evaluator:
         """Number of independent values over all runs."""
         return sum(p.count for p in self.prepared)
 
+    @property
+    def ends(self) -> list[int]:
+        """Where each run's rows of the weighted residual end."""
+        sizes = [p.num_weighted for p in self.prepared]
+        return [int(n) for n in np.cumsum(sizes)]
+
     def map(self, function: Callable, tasks: Sequence) -> list:
         """Results of `function(*task)` in order."""
         return list(self._pool.map(lambda task: function(*task), tasks))
@@ -101,7 +118,7 @@ class Evaluator:
         dithers: int = NUM_DITHERS,
     ) -> np.ndarray:
         """The twin's expected recording of a run (N, C)."""
-        twin = twin or self.twin
+        twin, uses = twin or self.twin, uses_in_run(uses, prepared.index)
         if not is_dithered(uses):
             return twin.simulate(prepared.motion, subject, uses)
         replays = [

@@ -20,6 +20,8 @@ _REPLICATES = 24
 # Deviations of a repeat's noise from the twin's that count as real, in
 # standard errors of the estimate.
 _SIGNIFICANT = 5.0
+# Faster than this a brace and a torso do not move; noise alone is above.
+_HIGHEST_HZ = 50.0
 
 
 def noise_replicates(
@@ -123,10 +125,12 @@ def prepare_runs(
     for i, run in enumerate(runs):
         measured = twin.measured(run)
         floor = floors[run.contact]
+        frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
         weights = floor.weights(len(measured), rate) * twin.active(run)
+        weights = weights[frequency <= _HIGHEST_HZ]
         prepared.append(
             PreparedRun(
-                run, twin.motion(run), measured, weights, floor, seed + i
+                run, twin.motion(run), measured, weights, floor, seed + i, i
             )
         )
     return prepared

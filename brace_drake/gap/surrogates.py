@@ -16,6 +16,10 @@ _DRAWS = 400
 # The level of the instruments' noise is trusted to 5 %, its square to 10 %: a
 # repeat of one run shows no less (see `prepare`).
 _NOISE_TRUST = 0.10
+# Effects of more parameters have priors that keep them from chance.
+_FEW = 8
+# What any effect may gain where the twin is not exact.
+_GAIN_TRUST = 0.03
 
 
 @dataclass(frozen=True)
@@ -46,8 +50,12 @@ class NullDistribution:
 
     @property
     def gain_threshold(self) -> float:
-        """Largest gain that noise alone gives once in a hundred campaigns."""
-        return float(np.quantile(self.gain, 0.99)) + 4.0 * self.numerical
+        """Largest gain that noise alone gives once in a hundred campaigns.
+
+        And what an effect may take of the errors of the twin itself.
+        """
+        chance = float(np.quantile(self.gain, 0.99))
+        return chance + 4.0 * self.numerical + _GAIN_TRUST
 
 
 def draw_null(
@@ -69,8 +77,12 @@ def draw_null(
     """
     noise = _weighted_noise(evaluator, nominal, seed)
     n = len(nominal.subject)
-    basis, triangle = np.linalg.qr(nominal.solution.jacobian[:, :n])
-    bases = [_orthogonal_part(basis, fit, n) for fit in fits]
+    basis, triangle = np.linalg.qr(nominal.solution.jacobian)
+    bases = [
+        _orthogonal_part(basis, fit, n)
+        for fit in fits
+        if fit.num_free <= _FEW and fit.solution.jacobian is not None
+    ]
     parts = _project(evaluator, noise, [basis, *bases])
     generator = np.random.default_rng([seed, 11])
     runs = len(evaluator.prepared)

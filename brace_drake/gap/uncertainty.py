@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.evaluation import Evaluator, uses_in_run
 from brace_drake.gap.prepare import noise_replicates
 
 _REPLICATES = 12
@@ -57,7 +57,7 @@ def estimate_table(
     between channels counts in full; where the fit leaves more than noise, the
     covariance is scaled by that.
     """
-    rows = len(fit.solution.residual)
+    rows = evaluator.ends[-1]
     jacobian = fit.solution.jacobian
     q, triangle = np.linalg.qr(jacobian)
     inverse = np.linalg.pinv(triangle)
@@ -84,13 +84,12 @@ def _score_covariance(evaluator, fit, q, seed):
             evaluator.twin,
             run.motion,
             fit.subject,
-            fit.uses,
+            uses_in_run(fit.uses, run.index),
             [[seed, 17, run.seed, i] for i in range(_REPLICATES)],
         )
         return [rows.T @ run.weigh(e) for e in noise]
 
-    ends = np.cumsum([p.num_weighted for p in evaluator.prepared])
-    parts = np.split(q, ends[:-1])
+    parts = np.split(q, evaluator.ends[:-1])
     tasks = list(zip(evaluator.prepared, parts, strict=True))
     scores = np.array(evaluator.map(one, tasks))
     # Runs are independent; so are the replicates of each.
@@ -99,13 +98,8 @@ def _score_covariance(evaluator, fit, q, seed):
 
 def _estimates(evaluator, fit, error):
     z, scales = fit.solution.z, fit.scales
-    limits = [(p.lower, p.upper) for p in evaluator.twin.subject]
-    names = [(p.name, p.unit, p.nominal) for p in evaluator.twin.subject]
-    for effect in fit.effects:
-        limits += [(p.lower, p.upper) for p in effect.parameters]
-        names += [(p.name, p.unit, None) for p in effect.parameters]
-    for i, ((name, unit, nominal), (low, high)) in enumerate(
-        zip(names, limits, strict=True)
+    for i, (name, unit, low, high, nominal) in enumerate(
+        _parameters(evaluator, fit)
     ):
         value, sigma = float(z[i] * scales[i]), float(error[i] * scales[i])
         margin = _AT_LIMIT * (high - low)
@@ -119,3 +113,17 @@ def _estimates(evaluator, fit, error):
             bool(value - low < margin or high - value < margin),
             nominal,
         )
+
+
+def _parameters(evaluator, fit):
+    """Name, unit, limits and nominal value of each scaled parameter."""
+    for p in evaluator.twin.subject:
+        yield p.name, p.unit, p.lower, p.upper, p.nominal
+    for effect in fit.effects:
+        for p in effect.parameters:
+            if not p.choices:
+                yield p.name, p.unit, p.lower, p.upper, None
+        for prepared in evaluator.prepared:
+            for p in effect.run_parameters:
+                name = f"{p.name} of {prepared.run.name}"
+                yield name, p.unit, p.lower, p.upper, None

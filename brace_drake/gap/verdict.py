@@ -9,6 +9,11 @@ import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.probability import (
+    sure_of_effects,
+    sure_of_no_gap,
+    sure_of_outside,
+)
 from brace_drake.gap.surrogates import NullDistribution
 
 # An explanation must take away this much of the gap's amplitude: nearly all
@@ -19,7 +24,11 @@ MAJOR_REAL = 0.75
 # Root mean square, in floors, up to which a repaired twin counts as good: the
 # noise itself is 1, what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
-_RESAMPLES = 2000
+# Mean square, in floors, up to which a twin of the right effect is trusted to
+# follow a recording: a tenth of the floor's amplitude and a bit.
+_EXACT_TO = 0.02
+# Rivals that leave less than this many times the winner's rest are tied.
+_TIED = 1.5
 
 
 @dataclass(frozen=True)
@@ -31,7 +40,7 @@ class Verdict:
         winner: The fit that explains it, or None.
         outside_library: A gap that nothing in the library explains.
         ambiguous_with: Rivals that the data cannot tell from the winner.
-        probability: Share of resampled campaigns with the same answer.
+        probability: That the answer is right, see `gap.probability`.
     """
 
     gap: bool
@@ -69,11 +78,16 @@ def has_gap(
     null: NullDistribution,
 ) -> bool:
     """Whether the nominal fit leaves more than its own noise would."""
-    best = max((gain(evaluator, nominal, f) for f in fits), default=0.0)
+    best = max((gain(evaluator, nominal, f) for f in refined(fits)), default=0)
     return bool(
         misfit(evaluator, nominal) > null.misfit_threshold
         or best > null.gain_threshold
     )
+
+
+def refined(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+    """Fits whose search was led to its end, best first."""
+    return sorted((f for f in fits if f.refined), key=lambda f: f.excess)
 
 
 def smallest_share(evaluator: Evaluator) -> float:
@@ -112,44 +126,57 @@ def decide(
     nominal: CandidateFit,
     fits: Sequence[CandidateFit],
     null: NullDistribution,
-    seed: int,
 ) -> Verdict:
     """The verdict over the nominal fit and its rivals."""
-    ranked = sorted(fits, key=lambda f: f.excess)
+    ranked = refined(fits)
     if not has_gap(evaluator, nominal, ranked, null):
-        stable = _same_answer(evaluator, nominal, ranked, None, null, seed)
-        return Verdict(False, None, False, (), stable)
+        rest = max(0.0, misfit(evaluator, nominal)) / null.misfit_threshold
+        return Verdict(False, None, False, (), sure_of_no_gap(rest))
     good = [f for f in ranked if explains(evaluator, nominal, f, null)]
     if not good:
-        stable = _same_answer(evaluator, nominal, ranked, None, null, seed)
-        return Verdict(True, None, True, (), 1.0 - stable)
+        best = max(
+            (closed_amplitude(evaluator, nominal, f) for f in ranked), default=0
+        )
+        short = best / smallest_share(evaluator)
+        return Verdict(True, None, True, (), sure_of_outside(short))
     # Fewer effects first: a pair is asked only where no single explains.
     fewest = min(len(f.effects) for f in good)
     good = [f for f in good if len(f.effects) == fewest]
-    winner, others = good[0], good[1:]
-    near = tuple(
-        f.name
-        for f in others
-        if (f.excess - winner.excess) / evaluator.count < null.gain_threshold
+    winner = simplest(evaluator, good)
+    rivals = [
+        f
+        for f in fits
+        if f.identifiers != winner.identifiers and len(f.effects) == fewest
+    ]
+    limit = _TIED * left_over(evaluator, winner)
+    near = dict.fromkeys(
+        "+".join(f.identifiers)
+        for f in refined(rivals)
+        if left_over(evaluator, f) < limit
     )
-    same = _same_answer(evaluator, nominal, ranked, winner, null, seed)
-    return Verdict(True, winner, False, near, same)
+    second = min((left_over(evaluator, f) for f in rivals), default=np.inf)
+    contrast = second / left_over(evaluator, winner)
+    sure = sure_of_effects(contrast, fewest)
+    return Verdict(True, winner, False, tuple(near), sure)
 
 
-def _same_answer(evaluator, nominal, fits, winner, null, seed) -> float:
-    """Share of campaigns, resampled by runs, with the same first answer."""
-    candidates = [nominal, *fits]
-    cost = np.array([f.excess_by_run for f in candidates])
-    counts = np.array([p.count for p in evaluator.prepared], dtype=float)
-    generator = np.random.default_rng([seed, 19])
-    hits = 0
-    for _ in range(_RESAMPLES):
-        pick = generator.integers(len(counts), size=len(counts))
-        total = cost[:, pick].sum(axis=1) / counts[pick].sum()
-        best = int(np.argmin(total[1:])) + 1 if fits else 0
-        if fits and total[0] - total[best] > null.gain_threshold:
-            answer = candidates[best].name
-        else:
-            answer = "nominal"
-        hits += answer == (winner.name if winner else "nominal")
-    return (hits + 1.0) / (_RESAMPLES + 2.0)
+def left_over(evaluator: Evaluator, fit: CandidateFit) -> float:
+    """Mean square above the floor's and what no twin is exact to."""
+    return max(0.0, misfit(evaluator, fit)) + _EXACT_TO
+
+
+def is_exact(evaluator: Evaluator, fit: CandidateFit) -> bool:
+    """Whether a fit follows the recording as far as any twin is trusted to."""
+    return misfit(evaluator, fit) <= _EXACT_TO
+
+
+def simplest(
+    evaluator: Evaluator, fits: Sequence[CandidateFit]
+) -> CandidateFit:
+    """The fit of fewest parameters among those that leave about the least.
+
+    A richer one has to leave less than half of what a simpler one leaves.
+    """
+    least = min(left_over(evaluator, f) for f in fits)
+    near = [f for f in fits if left_over(evaluator, f) <= 2.0 * least]
+    return min(near, key=lambda f: (f.num_free, f.excess))

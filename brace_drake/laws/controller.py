@@ -10,6 +10,7 @@ from brace_drake.laws import control, legs
 from brace_drake.laws.rotation import (
     quaternion_to_matrix,
     quaternion_to_rotation_vector,
+    rotate_quaternion,
 )
 
 # Sizes of what each step remembers from tick to tick.
@@ -31,6 +32,15 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
     Returns:
         False where the pose could not be found.
     """
+    # The search sets out from where the ring should be by now.
+    for i in range(3):
+        memory[i] += law[3] * memory[13 + i]
+    rotate_quaternion(
+        memory[3:7],
+        law[3] * memory[16],
+        law[3] * memory[17],
+        law[3] * memory[18],
+    )
     good = legs.solve_forward_kinematics(
         lengths, p_WB, p_RT, memory[0:3], memory[3:7]
     )

@@ -1,0 +1,123 @@
+"""The search over all causes: a race, contenders, and pairs if need be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from brace_drake.effects.card import Effect
+from brace_drake.effects.registry import effects_for
+from brace_drake.errors import BraceError
+from brace_drake.gap.candidates import CandidateFit, fit_effects
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.pairs import search_pairs
+from brace_drake.gap.screen import Ground, Runner, race
+from brace_drake.gap.surrogates import NullDistribution, draw_null
+from brace_drake.gap.verdict import explains, has_gap, is_exact
+
+# A rival that leaves this many times what the leader leaves is out.
+_CONTENDER = 1.5
+_MAX_CONTENDERS = 3
+# Of the floor's mean square: about as near as a coarse search comes.
+_COARSE = 0.03
+
+
+def try_causes(
+    evaluator: Evaluator,
+    nominal: CandidateFit,
+    seed: int,
+    say: Callable[[str, float], None],
+) -> tuple[list[CandidateFit], NullDistribution]:
+    """Fits of all causes, of pairs where no single one explains the gap.
+
+    Effects of dozens of parameters are tried only where no simpler one
+    follows the recording to the floor: they could do no more.
+
+    Args:
+        evaluator: Over the fit runs.
+        nominal: The nominal fit.
+        seed: Of the surrogates.
+        say: Progress.
+
+    Returns:
+        Fits, the contenders among them refined, and the null distribution.
+    """
+    cards = list(effects_for(evaluator.twin.device).values())
+    simple = [c for c in cards if not is_flexible(c)]
+    ground = Ground(evaluator, nominal)
+    runners = race(ground, simple, _part(say, 0.1, 0.4))
+    say("contenders", 0.4)
+    fits = refine(evaluator, best_fits(runners))
+    if not any(is_exact(evaluator, f) for f in fits if f.refined):
+        flexible = [c for c in cards if is_flexible(c)]
+        more = race(ground, flexible, _part(say, 0.45, 0.5))
+        fits = refine(evaluator, [*fits, *best_fits(more)])
+        runners += more
+    null = draw_null(evaluator, nominal, fits, seed)
+
+    def is_settled(candidates):
+        return any(explains(evaluator, nominal, f, null) for f in candidates)
+
+    if not fits or not has_gap(evaluator, nominal, fits, null):
+        return fits, null
+    if is_settled(f for f in fits if f.refined):
+        return fits, null
+    found = search_pairs(ground, runners, _part(say, 0.55, 0.68))
+    del runners
+    pairs = refine(evaluator, best_fits(found))
+    if not is_settled(f for f in pairs if f.refined):
+        # Two effects need not look like the sum of their small selves.
+        say("a second effect", 0.7)
+        leader = min((f for f in fits if f.refined), key=lambda f: f.excess)
+        others = [c for c in simple if c.name not in leader.identifiers]
+        more = race(Ground(evaluator, leader), others, _part(say, 0.7, 0.78))
+        pairs += refine(evaluator, best_fits(more))
+    return [*fits, *(f for f in pairs if f.refined)], null
+
+
+def is_flexible(card: Effect) -> bool:
+    """Whether a card has parameters by the dozen, held by priors."""
+    return card.spread is not None or bool(card.run_parameters)
+
+
+def best_fits(runners: Sequence[Runner]) -> list[CandidateFit]:
+    """One fit for each candidate, best first."""
+    fits = sorted((r.fit() for r in runners), key=lambda f: f.excess)
+    searched = {f.name for f in fits if f.solution.jacobian is not None}
+    best: dict[str, CandidateFit] = {}
+    for fit in fits:
+        if fit.name not in searched or fit.solution.jacobian is not None:
+            best.setdefault(fit.name, fit)
+    return list(best.values())
+
+
+def refine(
+    evaluator: Evaluator, fits: Sequence[CandidateFit]
+) -> list[CandidateFit]:
+    """Leads the search of the contenders to its end, best first."""
+    out, least = [], None
+    ranked = sorted(fits, key=lambda f: f.excess)
+    for place, fit in enumerate(ranked):
+        if fit.refined:
+            least = fit.excess if least is None else min(least, fit.excess)
+        elif place < _MAX_CONTENDERS and fit.solution.jacobian is not None:
+            trust = _COARSE * evaluator.count
+            if least is None or fit.excess <= _CONTENDER * max(
+                trust, least + trust
+            ):
+                fit = _try_refine(evaluator, fit)
+                if fit.refined:
+                    least = min(least or fit.excess, fit.excess)
+        out.append(fit)
+    return out
+
+
+def _try_refine(evaluator, fit):
+    try:
+        return fit_effects(evaluator, fit.effects, fit)
+    except (BraceError, ValueError):
+        # A candidate whose twin cannot even run explains nothing.
+        return fit
+
+
+def _part(say, begin: float, end: float):
+    return lambda what, share: say(what, begin + (end - begin) * share)

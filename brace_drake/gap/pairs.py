@@ -1,0 +1,125 @@
+"""Two effects at once: which pairs could, and what they come to."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.gap.problem import CandidateProblem
+from brace_drake.gap.screen import Ground, Runner, search_best
+
+# Pairs that are searched inside the twin, of all that are foreseen.
+_SEARCHED = 5
+# A direction counts where it is not a copy of others, relative to the largest.
+_COPY = 1e-6
+
+
+def search_pairs(
+    ground: Ground,
+    singles: Sequence[Runner],
+    say=lambda what, share: None,
+) -> list[Runner]:
+    """Runs the pairs that promise most.
+
+    Args:
+        ground: The nominal fit.
+        singles: Single effects, whose ways foresee pairs.
+        say: Progress.
+    """
+    pairs = []
+    for promise, first, second in foresee_pairs(ground, singles)[:_SEARCHED]:
+        runner = _line_up(ground, first, second)
+        if runner is not None:
+            runner.promise = promise
+            pairs.append(runner)
+    search_best(ground, pairs, say)
+    return pairs
+
+
+def foresee_pairs(
+    ground: Ground, singles: Sequence[Runner]
+) -> list[tuple[float, Runner, Runner]]:
+    """Pairs of different effects, those first that would leave least.
+
+    Each single spans the way to where it stands and, where it was searched,
+    its derivatives there; what two spans together take off the nominal
+    residual is a linear problem. Of several starts the best pair counts.
+
+    Returns:
+        Foreseen sum of squares, and the two, for each pair of effects.
+    """
+    if len(singles) < 2:
+        return []
+    spans = [_span(ground, runner) for runner in singles]
+    ends = np.cumsum([s.shape[1] for s in spans])
+    places = [
+        np.arange(e - s.shape[1], e) for s, e in zip(spans, ends, strict=True)
+    ]
+    matrix = np.concatenate(spans, axis=1)
+    del spans
+    size = np.linalg.norm(matrix, axis=0)
+    size[size < _COPY * size.max()] = np.inf
+    matrix /= size
+    gram = (matrix.T @ matrix).astype(float)
+    right = (matrix.T @ ground.left).astype(float)
+    ridge = np.concatenate([_ridge(r) for r in singles])
+    gram[np.diag_indices(len(gram))] += ridge / size**2
+    best = {}
+    for i, j in itertools.combinations(range(len(singles)), 2):
+        names = _name(singles[i]), _name(singles[j])
+        if names[0] == names[1]:
+            continue
+        both = np.concatenate([places[i], places[j]])
+        inverse = np.linalg.pinv(gram[np.ix_(both, both)], _COPY, True)
+        taken = right[both] @ inverse @ right[both]
+        if taken > best.get(names, (-1.0,))[0]:
+            best[names] = taken, singles[i], singles[j]
+    total = float(ground.left @ ground.left)
+    found = [(total - taken, i, j) for taken, i, j in best.values()]
+    return sorted(found, key=lambda row: row[0])
+
+
+def _name(runner: Runner) -> str:
+    return runner.problem.effects[0].name
+
+
+def _span(ground: Ground, runner: Runner) -> np.ndarray:
+    vectors = [runner.residual[: ground.rows] - ground.residual]
+    if runner.jacobian is not None:
+        vectors.append(runner.jacobian[: ground.rows, _shared(runner)])
+    span = ground.beyond(np.column_stack(vectors))
+    return span.astype(np.float32)
+
+
+def _ridge(runner: Runner) -> np.ndarray:
+    """Precision of the prior on the columns of a span."""
+    if runner.jacobian is None:
+        return np.zeros(1)
+    prior = runner.problem.prior_jacobian()
+    return np.append(0.0, (prior**2).sum(axis=0)[_shared(runner)])
+
+
+def _shared(runner: Runner) -> slice:
+    """Places of a single effect's parameters, those of runs left out."""
+    n = runner.problem.num_subject
+    return slice(n, n + int(runner.problem.effects[0].is_continuous.sum()))
+
+
+def _line_up(ground: Ground, first: Runner, second: Runner) -> Runner | None:
+    effects, values, spread = [], [], None
+    for runner in (first, second):
+        _, uses = runner.problem.split(runner.z)
+        effects += [e for e, _ in uses]
+        values += [v for _, v in uses]
+        if runner.problem.has_spread:
+            spread = runner.problem.spread
+    problem = CandidateProblem(ground.evaluator, effects, values)
+    if spread is not None:
+        problem.spread = spread
+    z = problem.join(ground.leader.subject, values)
+    (residual,) = problem.batch([z], coarse=True)
+    if residual is None:
+        return None
+    return Runner(problem, len(ground.leader.subject), z, residual)

@@ -1,0 +1,219 @@
+"""A race of causes: one replay for all, a search for who promises most.
+
+Everything is simulated at the coarse plant step, with the sensitivities of
+the subject (and of the effects that are there already) kept from the fit that
+the race sets out from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from brace_drake.effects.card import Effect
+from brace_drake.errors import BraceError
+from brace_drake.fit.gauss_newton import (
+    LeastSquaresSolution,
+    solve_gauss_newton,
+)
+from brace_drake.gap.candidates import CandidateFit, finish_fit
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.problem import CandidateProblem
+
+_STEPS = 5
+# Who is searched: this many, and all that promise to leave at most this many
+# times what the best has left so far.
+_PLACES, _FACTOR = 5, 2.0
+# About as near as a coarse search comes, in squares of the floor.
+_COARSE = 0.01
+# A promise looks at most this many times as far as the start.
+_REACH = 30.0
+# Beyond this many parameters the Jacobian is differenced once.
+_FEW = 8
+
+
+@dataclass
+class Runner:
+    """A cause in the race: where its search stands, and what it promises.
+
+    Attributes:
+        problem: Its parameters.
+        num_known: Of them, those of the fit that the race sets out from.
+        z: Where it stands.
+        residual: There, prior rows below.
+        jacobian: Of its last step.
+        promise: Sum of squares that it is foreseen to leave.
+    """
+
+    problem: CandidateProblem
+    num_known: int
+    z: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray | None = None
+    promise: float = np.inf
+
+    def fit(self) -> CandidateFit:
+        """Where it stands as a fit; not yet searched, as it promises."""
+        solution = LeastSquaresSolution(
+            self.z, self.residual, self.jacobian, 0, False
+        )
+        fit = finish_fit(self.problem, solution, coarse=True)
+        if self.jacobian is not None:
+            return fit
+        evaluator = self.problem.evaluator
+        level = evaluator.noise_level(fit.uses, coarse=True)
+        return replace(fit, excess=self.promise - level * evaluator.count)
+
+
+class Ground:
+    """The fit that a race sets out from, and its sensitivities.
+
+    Args:
+        evaluator: Over the fit runs.
+        leader: The nominal fit, or one whose effects stay in.
+    """
+
+    def __init__(self, evaluator: Evaluator, leader: CandidateFit):
+        self.evaluator, self.leader = evaluator, leader
+        self.rows = evaluator.ends[-1]
+        self.sensitivities = leader.solution.jacobian[: self.rows]
+        self.basis = np.linalg.qr(self.sensitivities)[0]
+        problem = CandidateProblem(evaluator, leader.effects, leader.values)
+        (residual,) = problem.batch([leader.solution.z], coarse=True)
+        self.residual = residual[: self.rows]
+        self.left = self.beyond(self.residual)
+
+    def beyond(self, vectors: np.ndarray) -> np.ndarray:
+        """What of residuals or columns no change of the leader's fit takes."""
+        vectors = vectors[: self.rows]
+        return vectors - self.basis @ (self.basis.T @ vectors)
+
+    def foresee(self, residual: np.ndarray) -> float:
+        """Least sum of squares on the straight way to a residual."""
+        way = self.beyond(residual[: self.rows] - self.residual)
+        length = way @ way
+        if length <= 0.0:
+            return float(self.left @ self.left)
+        far = np.clip(-(way @ self.left) / length, 0.0, _REACH)
+        left = self.left + far * way
+        return float(left @ left)
+
+    def differentiate(self, runner: Runner):
+        """Jacobian with the leader's columns kept."""
+        problem, n = runner.problem, runner.num_known
+
+        def jacobian(z, residual):
+            columns = problem.columns(z, n, residual)
+            out = np.zeros((len(residual), len(z)))
+            out[: self.rows, :n] = self.sensitivities
+            out[self.rows :] = problem.prior_jacobian()
+            out[:, n:] = columns
+            return out
+
+        return jacobian
+
+
+def race(
+    ground: Ground, cards: Sequence[Effect], say=lambda what, share: None
+) -> list[Runner]:
+    """Runs the leader's effects with each of the cards, at each start.
+
+    Args:
+        ground: Where to set out from.
+        cards: One effect each.
+        say: Progress.
+
+    Returns:
+        Runners, those searched with a Jacobian.
+    """
+    runners = []
+    for i, card in enumerate(cards):
+        say(f"cause {card.key}", 0.6 * i / len(cards))
+        runners += line_up(ground, card)
+    best = {}
+    for runner in sorted(runners, key=lambda r: r.promise):
+        best.setdefault(runner.problem.effects[-1].key, runner)
+    search_best(ground, list(best.values()), say)
+    return runners
+
+
+def search_best(
+    ground: Ground, runners: Sequence[Runner], say=lambda what, share: None
+) -> None:
+    """Searches the runners that promise most, best first."""
+    least, trust = np.inf, _COARSE * ground.evaluator.count
+    for place, runner in enumerate(runners):
+        fit = runner.fit()
+        if place >= _PLACES and fit.excess > _FACTOR * (least + trust):
+            break
+        say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
+        if step(ground, runner, _STEPS):
+            least = max(0.0, min(least, runner.fit().excess))
+
+
+def step(ground: Ground, runner: Runner, count: int) -> bool:
+    """Steps of a search; False where its twin breaks down."""
+    problem = runner.problem
+    kept = runner.jacobian if problem.num_free > _FEW else None
+    try:
+        solution = solve_gauss_newton(
+            lambda points, coarse=True: problem.batch(points, coarse=True),
+            runner.z,
+            problem.lower,
+            problem.upper,
+            problem.steps,
+            problem.radius,
+            differentiate=ground.differentiate(runner),
+            known=(runner.residual, kept),
+            max_iterations=count,
+            tolerance=1e-3,
+        )
+    except (BraceError, ValueError, np.linalg.LinAlgError):
+        return False
+    runner.z, runner.residual = solution.z, solution.residual
+    runner.jacobian = solution.jacobian
+    return True
+
+
+def line_up(ground: Ground, card: Effect) -> list[Runner]:
+    """The card beside the leader's effects, at each of its starts."""
+    leader, found = ground.leader, []
+    for values in card.starts():
+        problem = CandidateProblem(
+            ground.evaluator, [*leader.effects, card], [*leader.values, values]
+        )
+        if leader.spread is not None:
+            problem.spread = leader.spread / problem.spread_scale
+        z = problem.join(leader.subject, [*leader.values, values])
+        z, residual = own_starts(problem, card, z)
+        if residual is None:
+            continue
+        runner = Runner(problem, len(leader.solution.z), z, residual)
+        runner.promise = ground.foresee(residual)
+        if card.spread is not None:
+            # The way to no error at all says nothing.
+            step(ground, runner, 1)
+        found.append(runner)
+    return found
+
+
+def own_starts(problem: CandidateProblem, card: Effect, z: np.ndarray):
+    """Residual at z, every run at the best of its own starts."""
+    points = problem.run_starts(z, card)
+    found = problem.batch(points, coarse=True)
+    if len(points) == 1:
+        return z, found[0]
+    ends = problem.evaluator.ends
+    kept = [(p, r) for p, r in zip(points, found, strict=True) if r is not None]
+    if not kept:
+        return z, None
+    out, residual = z.copy(), kept[0][1].copy()
+    for run, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
+        costs = [r[begin:end] @ r[begin:end] for _, r in kept]
+        point, chosen = kept[int(np.argmin(costs))]
+        residual[begin:end] = chosen[begin:end]
+        mine = problem.places_in_run(card, run)
+        out[mine] = point[mine]
+    return out, residual
