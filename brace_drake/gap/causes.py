@@ -29,8 +29,8 @@ def try_causes(
 ) -> tuple[list[CandidateFit], NullDistribution]:
     """Fits of all causes, of pairs where no single one explains the gap.
 
-    Effects of dozens of parameters are tried only where no simpler one
-    follows the recording to the floor: they could do no more.
+    Effects of dozens of parameters are tried only where there is something
+    left that no simpler one explains.
 
     Args:
         evaluator: Over the fit runs.
@@ -47,24 +47,28 @@ def try_causes(
     runners = race(ground, simple, _part(say, 0.1, 0.4))
     say("contenders", 0.4)
     fits = refine(evaluator, best_fits(runners))
-    if not any(is_exact(evaluator, f) for f in fits if f.refined):
+    null = draw_null(evaluator, nominal, fits, seed)
+
+    def is_settled(candidates):
+        return any(
+            explains(evaluator, nominal, f, null)
+            for f in candidates
+            if f.refined
+        )
+
+    if not is_exact(evaluator, nominal) and not is_settled(fits):
         flexible = [c for c in cards if is_flexible(c)]
         more = race(ground, flexible, _part(say, 0.45, 0.5))
         fits = refine(evaluator, [*fits, *best_fits(more)])
         runners += more
-    null = draw_null(evaluator, nominal, fits, seed)
-
-    def is_settled(candidates):
-        return any(explains(evaluator, nominal, f, null) for f in candidates)
-
     if not fits or not has_gap(evaluator, nominal, fits, null):
         return fits, null
-    if is_settled(f for f in fits if f.refined):
+    if is_settled(fits):
         return fits, null
     found = search_pairs(ground, runners, _part(say, 0.55, 0.68))
     del runners
     pairs = refine(evaluator, best_fits(found))
-    if not is_settled(f for f in pairs if f.refined):
+    if not is_settled(pairs):
         # Two effects need not look like the sum of their small selves.
         say("a second effect", 0.7)
         leader = min((f for f in fits if f.refined), key=lambda f: f.excess)

@@ -15,6 +15,9 @@ _SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
 _EFFECT_STEP, _EFFECT_RADIUS = 1e-2, 5.0
 # Shapes, such as a time constant, and what has a prior move less at a time.
 _SHAPE_RADIUS = 0.5
+# Where drives stick, a recording answers small changes by fits and starts:
+# differences are taken over longer ways, and to both sides.
+_ROUGH = 10.0
 # Spread at which a search over many alike parameters begins.
 _FIRST_SPREAD = 2.0
 
@@ -69,6 +72,9 @@ class CandidateProblem:
         self.radius = np.array(radius)
         self.steps = np.full(len(units), _EFFECT_STEP)
         self.steps[: self.num_subject] = _SUBJECT_STEP
+        self._is_rough = any(e.dithered for e in effects)
+        if self._is_rough:
+            self.steps[: self.num_subject] *= _ROUGH
         self._groups = groups
         self._alike = np.zeros(len(units), dtype=bool)
         self._mark_alike()
@@ -212,15 +218,22 @@ class CandidateProblem:
     ) -> np.ndarray:
         """Columns of the Jacobian from parameter `first` on.
 
-        Forward differences at the coarse plant step. A run parameter moves
-        its own run alone: those of all runs are differenced at once.
+        Differences at the coarse plant step. A run parameter moves its own
+        run alone: those of all runs are differenced at once.
 
         Args:
             z: Scaled parameters.
             first: Of the columns.
             base: The coarse residual at z, where it is known.
         """
+        if self._is_rough:
+            forth = self._differences(z, first, base, self.steps)
+            back = self._differences(z, first, base, -self.steps)
+            return 0.5 * (forth + back)
         steps = np.where(z + self.steps > self.upper, -self.steps, self.steps)
+        return self._differences(z, first, base, steps)
+
+    def _differences(self, z, first, base, steps) -> np.ndarray:
         groups = [g for g in self._groups if g[0] >= first]
         points = []
         for group in groups:
