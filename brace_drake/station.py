@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -18,10 +18,12 @@ from pydrake.systems.primitives import (
 )
 from pydrake.trajectories import Trajectory
 
-from brace_drake.laws.plug_in import PlugIn
+from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.errors import EffectError
 from brace_drake.plant import AddBenchPlant, plant_resolves_contact
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench import BenchScenario, Ring
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
+from brace_drake.scenario.effects import scenario_uses
 from brace_drake.systems.bench_forces import BenchForces, pack_bench_law
 from brace_drake.systems.contact_force_hold import ContactForceHold
 from brace_drake.systems.controller_blocks import (
@@ -54,25 +56,29 @@ class BenchStation:
 def MakeBenchStation(
     scenario: BenchScenario,
     reference: Trajectory,
-    plug_ins: Mapping[str, PlugIn] | None = None,
-    numbers: BenchNumbers | None = None,
+    uses: Sequence[Use] = (),
     noise: Trajectory | None = None,
 ) -> BenchStation:
     """Builds the bench of a scenario that follows a reference.
 
     Args:
-        scenario: Numbers of the nominal twin.
+        scenario: Numbers of the nominal twin, and effects that are always on.
         reference: y_d, y_d', y_d'' as a trajectory of three rows.
-        plug_ins: Effects by plug point.
-        numbers: The scenario's numbers as effects have changed them.
+        uses: Effects with their parameters, beside those of the scenario.
         noise: Standard normal draws (12 rows), constant around each tick, in
             place of the exported port.
+
+    Raises:
+        EffectError: More effects than the twin carries, or effects of a
+            contact that the plant resolves.
     """
-    plug_ins = plug_ins or {}
-    numbers = numbers or pack_bench(scenario)
+    uses = (*scenario_uses(scenario), *uses)
+    _check_contact(scenario, uses)
+    plug_ins = stack_effects(uses)
+    numbers = modify_numbers(pack_bench(scenario), uses)
     builder = DiagramBuilder()
     # Bodies, and the forces on them.
-    plant = AddBenchPlant(builder, scenario)
+    plant = AddBenchPlant(builder, _with_bodies(scenario, numbers))
     forces, leg_command = _AddForces(
         builder, plant, scenario, numbers, plug_ins
     )
@@ -99,6 +105,25 @@ def MakeBenchStation(
     diagram = builder.Build()
     diagram.set_name("bench_station")
     return BenchStation(diagram, plant, sink)
+
+
+def _check_contact(scenario: BenchScenario, uses: Sequence[Use]) -> None:
+    """Refuses effects whose plug points the plant's own contact has not."""
+    if not plant_resolves_contact(scenario):
+        return
+    for effect, _ in uses:
+        if not {"compression", "contact"}.isdisjoint(effect.laws):
+            raise EffectError(
+                f"effect {effect.key} changes the linear contact; the scenario"
+                " has contact.model hydroelastic"
+            )
+
+
+def _with_bodies(
+    scenario: BenchScenario, numbers: BenchNumbers
+) -> BenchScenario:
+    """The scenario with the ring as effects have changed it."""
+    return replace(scenario, ring=Ring(numbers.ring[0], numbers.ring[1:4]))
 
 
 def _AddForces(builder, plant, scenario, numbers, plug_ins):

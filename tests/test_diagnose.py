@@ -4,6 +4,7 @@ import json
 import tempfile
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -12,6 +13,12 @@ from brace_drake.cli.main import main
 from brace_drake.effects.registry import find_effect
 from brace_drake.gap.diagnose import diagnose
 from brace_drake.gap.document import MakeDocument
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.gap.shrink import compare_runs, total_gap
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.load import LoadScenario
+from brace_drake.twin.bench_twin import BenchTwin
 from tests.shared_data import EXAMPLE, SHARED, needs_shared
 
 # tests/data/README.md: what the example was recorded with.
@@ -38,10 +45,28 @@ class TestExample(unittest.TestCase):
     def tearDownClass(cls):
         cls.folder.cleanup()
 
-    def test_the_command_ends_well_and_leaves_two_files_only(self):
+    def test_the_command_ends_well_and_leaves_its_files_only(self):
         self.assertEqual(self.code, 0)
         names = sorted(p.name for p in self.out.iterdir())
-        self.assertEqual(names, ["diagnosis.json", "report.html"])
+        self.assertEqual(
+            names, ["diagnosis.json", "repaired.scenario.yaml", "report.html"]
+        )
+
+    def test_the_repaired_twin_reloaded_shows_the_gap_after_the_repair(self):
+        campaign = LoadCampaign(EXAMPLE)
+        scenario = LoadScenario(self.out / "repaired.scenario.yaml")
+        nominal, repaired = BenchTwin(BenchScenario()), BenchTwin(scenario)
+        nominal_values = np.array([p.nominal for p in nominal.subject])
+        floors, _ = estimate_floors(nominal, campaign, nominal_values, 0)
+        runs = campaign.split("validation")
+        prepared = prepare_runs(repaired, runs, floors, campaign.rate_hz, 1000)
+        evaluator = Evaluator(repaired, prepared, 1)
+        fitted = np.array([p.nominal for p in repaired.subject])
+        twin_alone = SimpleNamespace(subject=fitted)
+        runs = compare_runs(evaluator, twin_alone, None)
+        self.assertEqual(
+            total_gap(runs, "before"), self.document["shrink"]["after"]
+        )
 
     def test_the_relaxing_tissue_is_named_and_placed(self):
         verdict = self.document["verdict"]

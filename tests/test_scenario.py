@@ -131,10 +131,11 @@ class TestLoad(unittest.TestCase):
 
     def test_effects_are_names_with_parameters(self):
         scenario = self.load(
-            "effects: [{name: hardening, parameters: {rate_1_m: 40}}]"
+            "effects: [{name: coulomb_friction, parameters: {coulomb_N: 4}}]"
         )
         self.assertEqual(
-            scenario.effects, [EffectUse("hardening", {"rate_1_m": 40.0})]
+            scenario.effects,
+            [EffectUse("coulomb_friction", {"coulomb_N": 4.0})],
         )
 
     def test_bad_files_are_told_in_one_line(self):
@@ -182,7 +183,7 @@ class TestSaveAndCheck(unittest.TestCase):
     def test_a_saved_scenario_loads_as_it_was(self):
         scenario = BenchScenario(time_step=0.0005)
         scenario.torso.mass = 33.3
-        scenario.effects = [EffectUse("hardening", {"rate_1_m": 40.0})]
+        scenario.effects = [EffectUse("coulomb_friction", {"coulomb_N": 4.0})]
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "s.scenario.yaml"
             SaveScenario(scenario, path)

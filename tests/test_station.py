@@ -43,8 +43,7 @@ def run_both(scenario, noise=None, uses=()):
     station = MakeBenchStation(
         scenario,
         MakeReference(time, samples),
-        plug_ins,
-        numbers,
+        uses,
         None if noise is None else held_at_ticks(noise),
     )
     desired = reference_at_ticks(time, samples, RATE)

@@ -20,8 +20,10 @@ _EPILOG = """\
 example:
   brace-drake diagnose campaigns/monday --out results/monday
 
-Writes diagnosis.json and report.html into the folder. Nothing is estimated on
-runs of the validation split; they only show how far the gap shrinks.
+Writes diagnosis.json and report.html into the folder and, where effects were
+found, repaired.scenario.yaml: the twin with them, for --scenario. Nothing is
+estimated on runs of the validation split; they only show how far the gap
+shrinks.
 """
 
 
@@ -51,6 +53,7 @@ def Run(args: argparse.Namespace) -> int:
     # Numba and Drake are slow to import: only once the input is good.
     from brace_drake.gap.diagnose import diagnose
     from brace_drake.gap.document import MakeDocument
+    from brace_drake.gap.repaired import WriteRepairedScenario
     from brace_drake.gap.traces import MakeTraces
     from brace_drake.report import WriteReport
 
@@ -65,10 +68,13 @@ def Run(args: argparse.Namespace) -> int:
         )
     document = MakeDocument(found)
     WriteReport(document, MakeTraces(found), out / "report.html")
+    repaired = WriteRepairedScenario(found, out)
     WriteJson(out / "diagnosis.json", document)
     print(document["verdict"]["sentence"])
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")
+    if repaired is not None:
+        print(f"repaired twin: {repaired}")
     return 0
 
 

@@ -53,16 +53,22 @@ def MakeDevice(campaign: Campaign, scenario=None) -> Device:
 
     Args:
         campaign: Whose device and numbers it takes.
-        scenario: Of the bench, other than the one that comes with the package.
+        scenario: Of the device, other than the one that comes with the
+            package or from the recording itself.
 
     Raises:
-        CampaignError: No twin of this device yet.
+        CampaignError: No twin of this device yet, or a scenario of another.
     """
     if campaign.device not in _DEVICES:
         names = ", ".join(repr(name) for name in _DEVICES)
         raise CampaignError(
             f"{campaign.path}: there is no twin of device {campaign.device!r}"
             f" yet; diagnosed are {names}"
+        )
+    if scenario is not None and scenario.device != campaign.device:
+        raise CampaignError(
+            f"{campaign.path}: recorded on {campaign.device!r}, but the"
+            f" scenario is of {scenario.device!r}"
         )
     return _DEVICES[campaign.device](campaign, scenario)
 
@@ -74,12 +80,12 @@ def _MakeBench(campaign: Campaign, scenario) -> Device:
 
 
 def _MakeLegBench(campaign: Campaign, scenario) -> Device:
-    twin = LegBenchTwin(MakeLegBenchScenario(campaign))
+    twin = LegBenchTwin(scenario or MakeLegBenchScenario(campaign))
     return Device(twin, leg_rungs(twin), leg_quantities, leg_phase_inputs)
 
 
 def _MakePadBench(campaign: Campaign, scenario) -> Device:
-    twin = PadBenchTwin(MakePadBenchScenario(campaign))
+    twin = PadBenchTwin(scenario or MakePadBenchScenario(campaign))
     return Device(twin, pad_rungs(twin), pad_quantities, pad_phase_inputs)
 
 

@@ -119,7 +119,7 @@ class Evaluator:
     ) -> np.ndarray:
         """The twin's expected recording of a run (N, C)."""
         twin, uses = twin or self.twin, uses_in_run(uses, prepared.index)
-        if not is_dithered(uses):
+        if not is_dithered((*twin.carried, *uses)):
             return twin.simulate(prepared.motion, subject, uses)
         replays = [
             twin.simulate(
@@ -170,6 +170,6 @@ class Evaluator:
 
         1, and what averaging over few dithers leaves of theirs.
         """
-        if not is_dithered(uses):
+        if not is_dithered((*self.twin.carried, *uses)):
             return 1.0
         return 1.0 + 1.0 / (_FEW_DITHERS if coarse else NUM_DITHERS)

@@ -8,7 +8,7 @@ import numpy as np
 
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.effects.stack import Use
-from brace_drake.gap.evaluation import PreparedRun
+from brace_drake.gap.evaluation import PreparedRun, is_dithered
 from brace_drake.gap.floor import (
     NoiseFloor,
     estimate_floor,
@@ -31,15 +31,22 @@ def noise_replicates(
     uses: Sequence[Use],
     seeds: Sequence[Sequence[int]],
 ) -> np.ndarray:
-    """Deviations of noisy from exact replays, one for each seed (n, N, C)."""
+    """Deviations of noisy from exact replays, one for each seed (n, N, C).
+
+    Where a carried effect makes noise act as a dither, an exact replay is not
+    what noisy ones scatter about: then their mean is taken.
+    """
     exact = twin.simulate(motion, subject, uses)
-    return np.array(
+    noisy = np.array(
         [
             twin.simulate(motion, subject, uses, np.random.default_rng(seed))
-            - exact
             for seed in seeds
         ]
     )
+    if len(seeds) > 1 and is_dithered(twin.carried):
+        free = len(seeds) / (len(seeds) - 1)
+        return np.sqrt(free) * (noisy - noisy.mean(axis=0))
+    return noisy - exact
 
 
 def estimate_floors(

@@ -119,10 +119,14 @@ class Sensors:
 
 @dataclass
 class EffectUse:
-    """An effect that the twin carries, with the values of its parameters."""
+    """An effect that the twin carries, with the values of its parameters.
+
+    `form` tells apart several laws of one effect; empty for the first.
+    """
 
     name: str = ""
     parameters: dict[str, float] = field(default_factory=dict)
+    form: str = ""
 
 
 @dataclass

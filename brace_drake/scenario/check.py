@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
-from collections.abc import Iterable, Iterator
-from typing import NoReturn
+from collections.abc import Iterator
 
 import numpy as np
 
-from brace_drake.errors import ScenarioError
 from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.effects import check_effects
+from brace_drake.scenario.messages import fail
 
 _POSITIVE = (
     "time_step ring.mass ring.inertia leg.force_limit torso.mass torso.inertia"
@@ -38,22 +37,6 @@ _WORDS = {
 }
 
 
-def fail(source: str, path: str, value, allowed: str) -> NoReturn:
-    """Raises the one line of a bad value."""
-    if isinstance(value, np.ndarray):
-        value = value.tolist()
-    shown = " ".join(repr(value).split())
-    if len(shown) > 60:
-        shown = shown[:57] + "..."
-    raise ScenarioError(f"{source}: {path} is {shown}; allowed: {allowed}")
-
-
-def suggest(word: str, words: Iterable[str]) -> str:
-    """A hint at the word that was meant, or nothing."""
-    close = difflib.get_close_matches(str(word), list(words), n=1)
-    return f", did you mean {close[0]}?" if close else ""
-
-
 def CheckScenario(scenario, source: str = "scenario") -> None:
     """Checks every value of a scenario.
 
@@ -72,9 +55,7 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
             fail(source, path, value, " or ".join(_WORDS[path]))
     if "control.rate" in values:
         _check_period(source, values, "time_step", 1.0 / values["control.rate"])
-    for i, use in enumerate(scenario.effects):
-        if not use.name:
-            fail(source, f"effects[{i}].name", use.name, "an effect's name")
+    check_effects(source, scenario.effects, scenario.device)
     if isinstance(scenario, BenchScenario):
         _check_bench(source, scenario, values)
 

@@ -13,9 +13,10 @@ from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from brace_drake.errors import ScenarioError
 from brace_drake.scenario.bench import DEVICE, BenchScenario
-from brace_drake.scenario.check import CheckScenario, fail, suggest
+from brace_drake.scenario.check import CheckScenario
 from brace_drake.scenario.leg_bench import DEVICE as LEG_DEVICE
 from brace_drake.scenario.leg_bench import LegBenchScenario
+from brace_drake.scenario.messages import fail, suggest
 from brace_drake.scenario.pad_bench import DEVICE as PAD_DEVICE
 from brace_drake.scenario.pad_bench import PadBenchScenario
 

@@ -38,6 +38,8 @@ class PadBenchScenario:
     depth_scale: float = 0.01
     rate_scale: float = 0.01
     has_corners: bool = False  # whether the path has corners on samples
+    # Of the jump of the rate at such a corner, what counts beyond its mean.
+    corner_share: float = 0.0
     effects: list[EffectUse] = field(default_factory=list)
 
 

@@ -10,6 +10,7 @@ from brace_drake.campaign.recording import Run
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.scenario.effects import scenario_uses
 from brace_drake.twin.bench_rollout import (
     CHANNELS,
     Motion,
@@ -17,7 +18,11 @@ from brace_drake.twin.bench_rollout import (
     simulate_bench,
 )
 from brace_drake.twin.reference import reference_at_ticks, reference_of_run
-from brace_drake.twin.subject import bench_subject, with_subject
+from brace_drake.twin.subject import (
+    bench_subject,
+    scenario_of_subject,
+    with_subject,
+)
 
 # Three plant steps in a control period: long enough to save a third of the
 # cost, well inside the limit that the regularised friction sets (see
@@ -31,6 +36,7 @@ class BenchTwin:
     Attributes:
         channels: Names of the columns of what `simulate` returns.
         subject: Parameters to be estimated for every subject.
+        carried: Effects of the scenario, always on.
         instruments_known: Whether noise and numbers are given by a data
             sheet, not taken from the recording itself.
     """
@@ -44,6 +50,7 @@ class BenchTwin:
         self.time_step = time_step or scenario.time_step
         self.numbers = pack_bench(scenario)
         self.subject = bench_subject(self.numbers)
+        self.carried = scenario_uses(scenario)
 
     def coarse(self) -> BenchTwin:
         """The same twin with the longest plant step that stays accurate."""
@@ -52,6 +59,10 @@ class BenchTwin:
     def finer(self) -> BenchTwin:
         """The same twin with half the plant step."""
         return BenchTwin(self.scenario, self.time_step / 2.0)
+
+    def scenario_of(self, subject: np.ndarray) -> BenchScenario:
+        """The scenario with a subject's numbers, a copy."""
+        return scenario_of_subject(self.scenario, subject)
 
     def motion(self, run: Run) -> Motion:
         """The reference of a recorded run at control ticks."""
@@ -85,12 +96,13 @@ class BenchTwin:
         Args:
             motion: From `motion`.
             subject: Values of the subject's parameters.
-            uses: Effects with their parameters.
+            uses: Effects with their parameters, beside the carried ones.
             generator: Draws the reading noise; None: exact readings.
 
         Raises:
             BraceError: The simulated run broke down.
         """
+        uses = (*self.carried, *uses)
         numbers = with_subject(self.numbers, subject)
         numbers = modify_numbers(numbers, uses)
         noise = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.errors import BraceError
 from brace_drake.laws.leg_rollout import NUM_LOGGED, rollout_leg
 from brace_drake.laws.plug_in import PlugIn, idle
+from brace_drake.scenario.effects import scenario_uses
 from brace_drake.scenario.leg_bench import (
     DEVICE,
     LegBenchNumbers,
@@ -117,6 +119,7 @@ class LegBenchTwin:
     Attributes:
         channels: Names of the columns of what `simulate` returns.
         subject: Parameters to be estimated for every drive.
+        carried: Effects of the scenario, always on.
     """
 
     channels = CHANNELS
@@ -130,6 +133,7 @@ class LegBenchTwin:
         self.time_step = time_step or scenario.time_step
         self.numbers = pack_leg_bench(scenario)
         self.subject = leg_subject(self.numbers)
+        self.carried = scenario_uses(scenario)
 
     def coarse(self) -> LegBenchTwin:
         """The same twin: a run costs milliseconds as it is."""
@@ -138,6 +142,12 @@ class LegBenchTwin:
     def finer(self) -> LegBenchTwin:
         """The same twin with half the plant step."""
         return LegBenchTwin(self.scenario, self.time_step / 2.0)
+
+    def scenario_of(self, subject: np.ndarray) -> LegBenchScenario:
+        """The scenario with a drive's numbers, a copy."""
+        out = copy.deepcopy(self.scenario)
+        out.mass, out.viscous, out.offset = (float(v) for v in subject)
+        return out
 
     def motion(self, run: Run) -> LegMotion:
         """The run's reference and loads at control ticks, and its start."""
@@ -230,12 +240,13 @@ class LegBenchTwin:
         Args:
             motion: From `motion`.
             subject: Values of the subject's parameters.
-            uses: Effects with their parameters.
+            uses: Effects with their parameters, beside the carried ones.
             generator: Draws the reading noise; None: exact readings.
 
         Raises:
             BraceError: The simulated run broke down.
         """
+        uses = (*self.carried, *uses)
         mass, viscous, offset = (np.array([float(v)]) for v in subject)
         numbers = self.numbers.with_changes(
             mass=mass, viscous=viscous, offset=offset

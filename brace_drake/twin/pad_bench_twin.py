@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping, Sequence
 
@@ -12,6 +13,7 @@ from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.errors import BraceError
 from brace_drake.laws.pad_rollout import rollout_pad
 from brace_drake.laws.plug_in import PlugIn, idle
+from brace_drake.scenario.effects import scenario_uses
 from brace_drake.scenario.pad_bench import (
     DEVICE,
     PadBenchNumbers,
@@ -96,6 +98,7 @@ class PadBenchTwin:
     Attributes:
         channels: Names of the columns of what `simulate` returns.
         subject: Parameters to be estimated for every specimen.
+        carried: Effects of the scenario, always on.
     """
 
     channels = CHANNELS
@@ -108,7 +111,8 @@ class PadBenchTwin:
         self.scenario = scenario
         self.time_step = time_step or scenario.time_step
         self.numbers = pack_pad_bench(scenario)
-        self.subject = pad_subject(self.numbers)
+        self.subject = pad_subject(self.numbers, scenario.corner_share)
+        self.carried = scenario_uses(scenario)
 
     def coarse(self) -> PadBenchTwin:
         """The same twin with longer steps of the effects' states."""
@@ -117,6 +121,13 @@ class PadBenchTwin:
     def finer(self) -> PadBenchTwin:
         """The same twin with half the step."""
         return PadBenchTwin(self.scenario, self.time_step / 2.0)
+
+    def scenario_of(self, subject: np.ndarray) -> PadBenchScenario:
+        """The scenario with a specimen's numbers, a copy."""
+        out = copy.deepcopy(self.scenario)
+        out.stiffness, out.damping, out.contact_offset = map(float, subject[:3])
+        out.corner_share = self.corner_share(subject)
+        return out
 
     def motion(self, run: Run) -> PadMotion:
         """The run's path."""
@@ -146,13 +157,14 @@ class PadBenchTwin:
         Args:
             motion: From `motion`.
             subject: Values of the subject's parameters.
-            uses: Effects with their parameters.
+            uses: Effects with their parameters, beside the carried ones.
             generator: Draws the noise of both readings, that of displacement
                 on its way through the smoothing; None: exact readings.
 
         Raises:
             BraceError: The simulated run broke down.
         """
+        uses = (*self.carried, *uses)
         numbers = modify_numbers(self.with_subject(subject), uses)
         noise, force_noise = None, 0.0
         if generator is not None:
@@ -186,7 +198,9 @@ class PadBenchTwin:
         return max((white_noise(f) for f in forces), default=0.0)
 
 
-def pad_subject(numbers: PadBenchNumbers) -> tuple[SubjectParameter, ...]:
+def pad_subject(
+    numbers: PadBenchNumbers, corner_share: float = 0.0
+) -> tuple[SubjectParameter, ...]:
     """Subject parameters of the pad bench with nominal values and limits.
 
     The contact offset is the displacement at which the pad touches; below all
@@ -218,7 +232,7 @@ def pad_subject(numbers: PadBenchNumbers) -> tuple[SubjectParameter, ...]:
     )
     if not numbers.has_corners:
         return parameters
-    share = SubjectParameter("corner_share", "1", 0.0, -0.5, 0.5, 1.0)
+    share = SubjectParameter("corner_share", "1", corner_share, -0.5, 0.5, 1.0)
     return (*parameters, share)
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 
 import numpy as np
 
+from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers
 
 
@@ -71,3 +73,30 @@ def with_subject(numbers: BenchNumbers, values: np.ndarray) -> BenchNumbers:
         copy = changed.setdefault(array, getattr(numbers, array).copy())
         copy[i] = value
     return numbers.with_changes(**changed)
+
+
+def scenario_of_subject(
+    scenario: BenchScenario, values: np.ndarray
+) -> BenchScenario:
+    """A copy of a scenario with the numbers of a subject.
+
+    The hydroelastic numbers, which stand for stiffness k, damping c and
+    preload p as well, follow in proportion to k and to c / (k p).
+
+    Args:
+        scenario: Of the nominal twin.
+        values: In the order of `bench_subject`.
+    """
+    out = copy.deepcopy(scenario)
+    contact, torso = out.contact, out.torso
+    k, c, p = contact.stiffness, contact.damping, contact.preload
+    contact.stiffness, contact.damping = float(values[0]), float(values[1])
+    torso.posture_stiffness[1] = values[2]
+    torso.posture_damping[1] = values[3]
+    torso.mass, contact.preload = float(values[4]), float(values[5])
+    softer = contact.stiffness / k
+    contact.hydroelastic_modulus *= softer
+    if c > 0.0 and p > 0.0:
+        change = (contact.damping / c) / (softer * contact.preload / p)
+        contact.hydroelastic_dissipation *= change
+    return out
