@@ -56,6 +56,7 @@ _WIDTH = EffectParameter(
 _COMMON = dict(
     name="backlash",
     block="actuation",
+    dithered=True,
     source="Nordin and Gutman, Controlling mechanical systems with backlash,"
     " a survey, Automatica 38, 2002",
     signature="encoders and ring part by a constant width at reversals,"

@@ -23,6 +23,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
+    dithered=True,
     signature="commands larger by a constant away from zero, steep through it",
     impostors={
         "coulomb_friction": "follows the sign of the speed, not of the command",

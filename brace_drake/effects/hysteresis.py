@@ -6,10 +6,15 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
 
 
+# A loop that is lost once the pad is off is lost within this time.
+_FORGET = 0.05  # s
+
+
 @plug("contact")
 def _law(t, dt, pad, d, law, N, p, x):
     # x[pad]: hysteretic variable z, advanced while the pad touches.
     if d[0] <= 0.0:
+        x[pad] *= math.exp(-p[3] * dt / _FORGET)
         return
     z = x[pad]
     N[0] += p[0] * z
@@ -41,7 +46,7 @@ CARD = Effect(
             "m",
             3e-5,
             0.02,
-            (2e-4, 1e-3, 4e-3),
+            (3e-4, 2e-3),
             "depth d_h over which it builds up",
             off=None,
         ),
@@ -55,9 +60,20 @@ CARD = Effect(
             off=None,
             choices=(1.0, 2.0),
         ),
+        EffectParameter(
+            "forgets",
+            "1",
+            0.0,
+            1.0,
+            (1.0,),
+            "whether the loop is lost once the pad is off: 1 yes, 0 no",
+            off=None,
+            choices=(0.0, 1.0),
+        ),
     ),
     laws={"contact": _law},
     num_states={"contact": 2},
+    dithered=True,
     devices=("bench stage 2", "pad bench"),
     signature="a loop between force and depth as wide in slow as in fast runs",
     impostors={
