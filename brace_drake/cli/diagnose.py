@@ -53,6 +53,7 @@ def Run(args: argparse.Namespace) -> int:
     # Numba and Drake are slow to import: only once the input is good.
     from brace_drake.gap.diagnose import diagnose
     from brace_drake.gap.document import MakeDocument
+    from brace_drake.gap.next_run import WriteNextRun, choose_next_run
     from brace_drake.gap.repaired import WriteRepairedScenario
     from brace_drake.gap.traces import MakeTraces
     from brace_drake.report import WriteReport
@@ -66,15 +67,19 @@ def Run(args: argparse.Namespace) -> int:
         found = diagnose(
             campaign, args.jobs, args.seed, scenario, progress=progress
         )
-    document = MakeDocument(found)
+    next_run = choose_next_run(found)
+    document = MakeDocument(found, next_run)
     WriteReport(document, MakeTraces(found), out / "report.html")
     repaired = WriteRepairedScenario(found, out)
+    reference = WriteNextRun(next_run, out)
     WriteJson(out / "diagnosis.json", document)
     print(document["verdict"]["sentence"])
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")
     if repaired is not None:
         print(f"repaired twin: {repaired}")
+    if reference is not None:
+        print(f"next run: {reference}, {document['next_experiment']['text']}")
     return 0
 
 

@@ -21,6 +21,7 @@ from brace_drake.gap.cause_rows import (
     estimate_row,
 )
 from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.gap.next_run import NextRun, describe_next
 from brace_drake.gap.run_parameters import has_run_parameters
 from brace_drake.gap.shrink_part import shrink_part
 from brace_drake.gap.uncertainty import EstimateTable
@@ -29,8 +30,13 @@ from brace_drake.gap.verdict_text import next_experiment, verdict_sentence
 FORMAT = "brace-diagnosis/1"
 
 
-def MakeDocument(d: Diagnosis) -> dict:
-    """The diagnosis in plain JSON types, format brace-diagnosis/1."""
+def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
+    """The diagnosis in plain JSON types, format brace-diagnosis/1.
+
+    Args:
+        d: The diagnosis.
+        next_run: From `choose_next_run`, where a cause is open.
+    """
     winner = d.verdict.winner
     effects = [e.name for e in winner.effects] if winner else []
     where = _where(d)
@@ -66,11 +72,14 @@ def MakeDocument(d: Diagnosis) -> dict:
             "causes": cause_rows(d),
             "subject": _subject(d.table),
             "shrink": shrunk,
-            "next_experiment": next_experiment(
-                effects,
-                d.verdict.ambiguous_with,
-                d.verdict.outside_library,
-                d.ladder,
+            "next_experiment": describe_next(
+                next_experiment(
+                    effects,
+                    d.verdict.ambiguous_with,
+                    d.verdict.outside_library,
+                    d.ladder,
+                ),
+                next_run,
             ),
             "warnings": _warnings(d),
             "receipt": _receipt(d),

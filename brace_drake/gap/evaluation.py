@@ -91,7 +91,7 @@ class Evaluator:
     def __init__(self, twin, prepared: Sequence[PreparedRun], jobs: int):
         self.twin = twin
         self._coarse_twin, self._fine_twin = twin.coarse(), twin.finer()
-        self.prepared = list(prepared)
+        self.prepared, self.jobs = list(prepared), jobs
         self._pool = ThreadPoolExecutor(max_workers=max(1, jobs))
 
     @property

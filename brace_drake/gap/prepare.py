@@ -21,7 +21,7 @@ _REPLICATES = 24
 # standard errors of the estimate.
 _SIGNIFICANT = 5.0
 # Faster than this a brace and a torso do not move; noise alone is above.
-_HIGHEST_HZ = 50.0
+HIGHEST_HZ = 50.0
 
 
 def noise_replicates(
@@ -134,7 +134,7 @@ def prepare_runs(
         floor = floors[run.contact]
         frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
         weights = floor.weights(len(measured), rate) * twin.active(run)
-        weights = weights[frequency <= _HIGHEST_HZ]
+        weights = weights[frequency <= HIGHEST_HZ]
         prepared.append(
             PreparedRun(
                 run, twin.motion(run), measured, weights, floor, seed + i, i

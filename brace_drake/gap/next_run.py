@@ -1,0 +1,188 @@
+"""The run that would settle what a diagnosis leaves open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.campaign.write import format_table
+from brace_drake.effects.stack import Use
+from brace_drake.errors import BraceError
+from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.gap.evaluation import Evaluator, PreparedRun
+from brace_drake.gap.planned import planned_runs, predict, subject_columns
+from brace_drake.gap.separation import (
+    PairSeparation,
+    choose_best,
+    separate_pairs,
+)
+from brace_drake.output import WriteText
+from brace_drake.scenario.bench import DEVICE
+from brace_drake.twin.motion_library import (
+    MOTIONS,
+    RATE_HZ,
+    MakeMotion,
+    SafeMotion,
+)
+from brace_drake.twin.motion_limits import exceeded_limit
+
+FILE = "next_run.csv"
+
+# Explanations that come nearest, where none is good enough.
+_NEAREST = 3
+_SEED = 500
+
+
+@dataclass(frozen=True)
+class Rival:
+    """An explanation: its name, subject, and effects as fitted."""
+
+    name: str
+    subject: np.ndarray
+    uses: tuple[Use, ...]
+
+
+@dataclass(frozen=True)
+class NextRun:
+    """The motion to run, and how far it would set rivals apart.
+
+    Attributes:
+        motion: From the library.
+        pairs: Least separated first.
+    """
+
+    motion: SafeMotion
+    pairs: tuple[PairSeparation, ...]
+
+    @property
+    def separation(self) -> float:
+        """Of the worst pair, squares of the noise floor."""
+        return self.pairs[0].separation
+
+
+def choose_next_run(d: Diagnosis) -> NextRun | None:
+    """The safe motion that separates a diagnosis' open causes best.
+
+    None where nothing is open, or on a device without a library of motions.
+    """
+    rivals = open_rivals(d)
+    twin = d.device.twin
+    if len(rivals) < 2 or twin.device != DEVICE:
+        return None
+    floors = {p.run.contact: p.floor for p in d.evaluator.prepared}
+    motions = [MakeMotion(name) for name in MOTIONS]
+    motions = [
+        m
+        for m in motions
+        if m.contact in floors and _is_safe(twin, m, rivals[0])
+    ]
+    seed = d.seed + _SEED
+    prepared = planned_runs(
+        twin, [m.run for m in motions], floors, RATE_HZ, seed
+    )
+    return best_of(d.evaluator, motions, prepared, rivals)
+
+
+def best_of(
+    evaluator: Evaluator,
+    motions: Sequence[SafeMotion],
+    prepared: Sequence[PreparedRun],
+    rivals: Sequence[Rival],
+) -> NextRun | None:
+    """The best of planned runs, by the predictions of the evaluator's twin."""
+    planned = Evaluator(evaluator.twin, prepared, evaluator.jobs)
+    points = [(r.subject, r.uses) for r in rivals]
+    predictions = predict(planned, points)
+    columns = subject_columns(planned, rivals[0].subject, rivals[0].uses)
+    separations, by_name = {}, {}
+    for i, motion in enumerate(motions):
+        parts = zip(rivals, predictions, strict=True)
+        foreseen = {r.name: p[i] for r, p in parts}
+        if any(p is None for p in foreseen.values()) or columns[i] is None:
+            continue
+        separations[motion.name] = separate_pairs(foreseen, columns[i])
+        by_name[motion.name] = motion
+    best = choose_best(separations)
+    if best is None:
+        return None
+    return NextRun(by_name[best], tuple(separations[best]))
+
+
+def open_rivals(d: Diagnosis) -> list[Rival]:
+    """What the next run should tell apart, the best explanation first.
+
+    The winner and what is tied with it; without a winner, where the cause
+    lies outside the library, the explanations that come nearest.
+    """
+    ranked = sorted((f for f in d.fits if f.refined), key=lambda f: f.excess)
+    best: dict[str, CandidateFit] = {}
+    for fit in ranked:
+        best.setdefault("+".join(fit.identifiers), fit)
+    verdict = d.verdict
+    if verdict.winner is not None and verdict.ambiguous_with:
+        name = "+".join(verdict.winner.identifiers)
+        tied = [n for n in verdict.ambiguous_with if n in best]
+        fits = {name: verdict.winner, **{n: best[n] for n in tied}}
+    elif verdict.outside_library:
+        fits = dict(list(best.items())[:_NEAREST])
+    else:
+        fits = {}
+    return [Rival(n, f.subject, f.uses) for n, f in fits.items()]
+
+
+def _is_safe(twin, motion: SafeMotion, rival: Rival) -> bool:
+    uses = [(e, e.in_run(v[: len(e.parameters)], 0)) for e, v in rival.uses]
+    subject = rival.subject
+    try:
+        log = twin.coarse().simulate(twin.motion(motion.run), subject, uses)
+    except BraceError:
+        return False
+    return exceeded_limit(twin, motion, subject, log) is None
+
+
+def describe_next(row: dict | None, found: NextRun | None) -> dict | None:
+    """The document's `next_experiment`.
+
+    Args:
+        row: What is known without a run from the library: why, and a motion
+            in words.
+        found: From `choose_next_run`.
+    """
+    if row is None or found is None:
+        return row
+    motion, worst = found.motion, found.pairs[0]
+    floors = np.sqrt(worst.separation)
+    text = (
+        f"{row['why']}; of the library's safe motions {motion.name}"
+        f" ({motion.meaning}) separates best: {worst.first} and"
+        f" {worst.second} would differ there by {floors:.0f} times the noise"
+    )
+    return {
+        "text": text,
+        "why": row["why"],
+        "motion": motion.name,
+        "file": FILE,
+        "separation": found.separation,
+        "pairs": [
+            {"effects": [p.first, p.second], "separation": p.separation}
+            for p in found.pairs
+        ],
+    }
+
+
+def WriteNextRun(found: NextRun | None, folder: Path) -> Path | None:
+    """Writes next_run.csv, the reference to run; else removes an older one.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    path = folder / FILE
+    if found is None:
+        path.unlink(missing_ok=True)
+        return None
+    WriteText(path, format_table(found.motion.run))
+    return path

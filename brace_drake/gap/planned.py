@@ -1,0 +1,152 @@
+"""Runs that have not been recorded yet, ready for the twin's predictions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from brace_drake.campaign.recording import Run
+from brace_drake.effects.stack import Use
+from brace_drake.errors import BraceError
+from brace_drake.gap.evaluation import (
+    Evaluator,
+    PreparedRun,
+    is_dithered,
+    uses_in_run,
+)
+from brace_drake.gap.floor import NoiseFloor, estimate_floor
+from brace_drake.gap.prepare import HIGHEST_HZ, noise_replicates
+
+_REPLICATES = 12
+# Noisy replays averaged where noise acts as a dither.
+_DITHERS = 2
+# Of differences by the subject, in its units.
+_STEP = 1e-2
+
+
+def planned_runs(
+    twin,
+    runs: Sequence[Run],
+    floors: Mapping[bool, NoiseFloor],
+    rate: float,
+    seed: int,
+) -> list[PreparedRun]:
+    """Runs of a reference alone, weighted as recordings of them would be.
+
+    Args:
+        twin: Of the bench.
+        runs: With a reference, evenly sampled.
+        floors: By contact.
+        rate: Of the samples, Hz.
+        seed: Of the dithers.
+    """
+    prepared = []
+    for i, run in enumerate(runs):
+        samples, floor = len(run.time_s), floors[run.contact]
+        measured = np.zeros((samples, len(twin.channels)))
+        weights = floor.weights(samples, rate) * twin.active(run)
+        counts = np.fft.rfftfreq(samples, 1.0 / rate) <= HIGHEST_HZ
+        prepared.append(
+            PreparedRun(
+                run,
+                twin.motion(run),
+                measured,
+                weights[counts],
+                floor,
+                seed + i,
+                i,
+            )
+        )
+    return prepared
+
+
+def planned_floors(
+    twin, runs: Sequence[Run], subject: np.ndarray, rate: float, seed: int
+) -> dict[bool, NoiseFloor]:
+    """Floors by contact from the twin's own noise, one run of each kind."""
+    floors = {}
+    for run in runs:
+        if run.contact not in floors:
+            seeds = [[seed, 7, k] for k in range(_REPLICATES)]
+            motion = twin.motion(run)
+            noise = noise_replicates(twin, motion, subject, (), seeds)
+            floors[run.contact] = estimate_floor(
+                noise, rate, np.zeros(noise.shape[2])
+            )
+    return floors
+
+
+def predict(
+    evaluator: Evaluator,
+    points: Sequence[tuple[np.ndarray, Sequence[Use]]],
+    dithered: bool | None = None,
+) -> list[list[np.ndarray | None]]:
+    """Weighted predictions at several points, run by run.
+
+    What single runs have of their own, such as the phase of a breath, is 0.
+    Where noise acts as a dither to one of the points, all are averaged over
+    the same noisy replays, so that their differences hold little of it.
+
+    Args:
+        evaluator: Over planned runs.
+        points: Subject and effects.
+        dithered: Whether to average; None: where one of the points needs it.
+
+    Returns:
+        For each point the vector of each run; None where the twin broke down.
+    """
+    twin = evaluator.twin.coarse()
+    points = [
+        (s, [(e, v[: len(e.parameters)]) for e, v in uses])
+        for s, uses in points
+    ]
+    if dithered is None:
+        dithered = any(is_dithered((*twin.carried, *u)) for _, u in points)
+
+    def one(prepared, subject, uses):
+        seeds = [None]
+        if dithered:
+            seeds = [[prepared.seed, k] for k in range(_DITHERS)]
+        shared = uses_in_run(uses, 0)
+        try:
+            replays = [
+                twin.simulate(
+                    prepared.motion,
+                    subject,
+                    shared,
+                    None if s is None else np.random.default_rng(s),
+                )
+                for s in seeds
+            ]
+        except BraceError:
+            return None
+        return prepared.weigh(np.mean(replays, axis=0))
+
+    tasks = [(p, s, u) for s, u in points for p in evaluator.prepared]
+    parts, size = evaluator.map(one, tasks), len(evaluator.prepared)
+    return [parts[i : i + size] for i in range(0, len(parts), size)]
+
+
+def subject_columns(
+    evaluator: Evaluator, subject: np.ndarray, uses: Sequence[Use] = ()
+) -> list[np.ndarray | None]:
+    """Sensitivities to the subject's parameters, run by run (rows, n).
+
+    Forward differences, each parameter counted in its `unit_step`; None where
+    the twin broke down.
+    """
+    units = [p.unit_step for p in evaluator.twin.subject]
+    points = [(subject, uses)]
+    for i, unit in enumerate(units):
+        moved = subject.copy()
+        moved[i] += _STEP * unit
+        points.append((moved, uses))
+    base, *moved = predict(evaluator, points)
+    columns = []
+    for start, *ends in zip(base, *moved, strict=True):
+        if start is None or any(end is None for end in ends):
+            columns.append(None)
+            continue
+        columns.append(np.column_stack([(e - start) / _STEP for e in ends]))
+    return columns

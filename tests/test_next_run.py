@@ -1,0 +1,244 @@
+"""Safe motions, and the one that separates rivals best."""
+
+import tempfile
+import unittest
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.errors import CampaignError
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.next_run import (
+    Rival,
+    WriteNextRun,
+    best_of,
+    choose_next_run,
+    describe_next,
+    open_rivals,
+)
+from brace_drake.gap.planned import planned_floors, planned_runs
+from brace_drake.gap.separation import (
+    choose_best,
+    orthonormal_basis,
+    separate_pairs,
+)
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.motion_library import (
+    MOTIONS,
+    RATE_HZ,
+    STANDARD,
+    MakeMotion,
+)
+from brace_drake.twin.motion_limits import exceeded_limit, largest_pad_force
+from brace_drake.twin.subject import bench_subject
+
+
+def toy_run(x, y_of, slope=1.0):
+    """Predictions of two rivals at points x; a subject scales x."""
+    first, second = y_of(x)
+    return separate_pairs({"a": first, "b": second}, slope * x[:, None])
+
+
+class TestSeparation(unittest.TestCase):
+    def test_it_is_the_residual_of_the_best_fit_of_the_subject(self):
+        x = np.array([0.0, 1.0, 2.0, 3.0])
+        # y_a - y_b = x^2, the subject takes up phi x: phi = sum x^3 / sum x^2.
+        phi = np.sum(x**3) / np.sum(x**2)
+        expected = np.sum((x**2 - phi * x) ** 2)
+        for slope in (1.0, -40.0):
+            (pair,) = toy_run(x, lambda x: (x + x**2, x), slope)
+            self.assertAlmostEqual(pair.separation, expected)
+            self.assertEqual((pair.first, pair.second), ("a", "b"))
+
+    def test_what_the_subject_takes_up_separates_nothing(self):
+        (pair,) = toy_run(np.arange(1.0, 9.0), lambda x: (3.0 * x, -x))
+        self.assertAlmostEqual(pair.separation, 0.0)
+
+    def test_without_sensitivities_it_is_the_plain_distance(self):
+        first, second = np.array([1.0, 2.0]), np.array([1.0, 0.0])
+        none = np.zeros((2, 3))
+        (pair,) = separate_pairs({"a": first, "b": second}, none)
+        self.assertAlmostEqual(pair.separation, 4.0)
+
+    def test_copies_among_sensitivities_count_once(self):
+        x = np.arange(1.0, 6.0)
+        basis = orthonormal_basis(np.column_stack([x, 2.0 * x, 0.0 * x]))
+        self.assertEqual(basis.shape, (5, 1))
+
+    def test_the_best_run_is_that_of_the_closed_form(self):
+        # Straight line through the origin against x^2, two points 1 and x:
+        # T(x) = (x^2 - x)^2 / (1 + x^2), which grows without end beyond 1 and
+        # has a second, lower top between 0 and 1 (Atkinson and Fedorov's
+        # setting with the slope as the subject).
+        grid = np.linspace(0.05, 2.0, 40)
+        runs = {
+            f"{x:.2f}": toy_run(np.array([1.0, x]), lambda x: (x**2, 0 * x))
+            for x in grid
+        }
+        for x in grid:
+            expected = (x**2 - x) ** 2 / (1.0 + x**2)
+            self.assertAlmostEqual(runs[f"{x:.2f}"][0].separation, expected)
+        self.assertEqual(choose_best(runs), "2.00")
+        below = {n: p for n, p in runs.items() if float(n) < 1.0}
+        top = max(below, key=lambda n: below[n][0].separation)
+        self.assertEqual(choose_best(below), top)
+
+    def test_the_worst_pair_decides(self):
+        none, e = np.zeros((2, 0)), np.eye(2)
+        lopsided = separate_pairs(
+            {"a": 0 * e[0], "b": 9 * e[0], "c": 9 * e[0] + 0.1 * e[1]}, none
+        )
+        even = separate_pairs({"a": 0 * e[0], "b": e[0], "c": e[1]}, none)
+        self.assertAlmostEqual(lopsided[0].separation, 0.01)
+        best = choose_best({"lopsided": lopsided, "even": even})
+        self.assertEqual(best, "even")
+        self.assertIsNone(choose_best({}))
+
+
+class TestLibrary(unittest.TestCase):
+    def test_motions_keep_within_the_limits_for_any_subject(self):
+        twin = BenchTwin(BenchScenario(), 1e-3 / 3.0)
+        nominal = np.array([p.nominal for p in twin.subject])
+        stiffest = np.array([p.upper for p in bench_subject(twin.numbers)])
+        for name in MOTIONS:
+            motion = MakeMotion(name)
+            for subject in (nominal, stiffest):
+                with self.subTest(motion=name):
+                    log = twin.simulate(twin.motion(motion.run), subject)
+                    limit = exceeded_limit(twin, motion, subject, log)
+                    self.assertIsNone(limit)
+
+    def test_a_motion_beyond_a_limit_is_told(self):
+        twin = BenchTwin(BenchScenario())
+        nominal = np.array([p.nominal for p in twin.subject])
+        motion, log = MakeMotion("push"), np.zeros((3, 19))
+        far = replace(motion, samples=2.0 * motion.samples)
+        self.assertIn("20.0 mm", exceeded_limit(twin, far, nominal, log))
+        log[1, 13] = 60.0
+        self.assertIn("pad force", exceeded_limit(twin, motion, nominal, log))
+        log[1, 13], log[2, 4] = 0.0, -130.0
+        self.assertIn("leg force", exceeded_limit(twin, motion, nominal, log))
+
+    def test_the_harder_pad_has_half_the_force_and_its_share(self):
+        twin = BenchTwin(BenchScenario())
+        nominal = np.array([p.nominal for p in twin.subject])
+        # k p = 6.4 N: both touch up to |F| = 12.8 N.
+        force = np.array([0.0, -4.0, 12.8, -20.0])
+        np.testing.assert_allclose(
+            largest_pad_force(twin, nominal, force), [6.4, 8.4, 12.8, 20.0]
+        )
+
+    def test_derivatives_are_those_of_the_positions(self):
+        for name in MOTIONS:
+            motion = MakeMotion(name)
+            y, dy, ddy = motion.samples.T
+            step = 1.0 / RATE_HZ
+            with self.subTest(motion=name):
+                # Errors of central differences: h^2 / 6 times the third
+                # derivative, which stays below 20 m/s^3.
+                error = np.gradient(y, step) - dy
+                self.assertLess(np.abs(error[1:-1]).max(), 1e-4)
+                error = np.gradient(dy, step) - ddy
+                self.assertLess(np.abs(error[1:-1]).max(), 5e-3)
+                np.testing.assert_allclose(motion.samples[0], 0.0, atol=1e-12)
+
+    def test_an_unknown_motion_is_answered_with_the_closest(self):
+        with self.assertRaisesRegex(CampaignError, "did you mean stairs"):
+            MakeMotion("stair")
+
+    def test_standard_motions_are_in_the_library(self):
+        self.assertLessEqual(set(STANDARD), set(MOTIONS))
+
+
+def fit(key, excess, refined=True):
+    card = find_effect(key)
+    values = np.array(card.starts()[0])
+    return SimpleNamespace(
+        effects=(card,),
+        identifiers=(card.name,),
+        subject=np.array([6400.0, 150, 1800, 220, 40, 1e-3]),
+        uses=((card, values),),
+        excess=excess,
+        refined=refined,
+    )
+
+
+def verdict(winner, ambiguous=(), outside=False):
+    return SimpleNamespace(
+        winner=winner, ambiguous_with=ambiguous, outside_library=outside
+    )
+
+
+class TestNextRun(unittest.TestCase):
+    def test_rivals_are_the_winner_and_what_is_tied(self):
+        fits = [
+            fit("viscous_leg", 2.0),
+            fit("hardening", 1.0),
+            fit("force_lag", 3.0, refined=False),
+        ]
+        d = SimpleNamespace(
+            fits=fits, verdict=verdict(fits[1], ("viscous_leg", "force_lag"))
+        )
+        names = [r.name for r in open_rivals(d)]
+        self.assertEqual(names, ["hardening", "viscous_leg"])
+        d.verdict = verdict(fits[1])
+        self.assertEqual(open_rivals(d), [])
+        d.verdict = verdict(None, outside=True)
+        names = [r.name for r in open_rivals(d)]
+        self.assertEqual(names, ["hardening", "viscous_leg"])
+
+    def test_nothing_open_needs_no_run(self):
+        d = SimpleNamespace(
+            fits=[],
+            verdict=verdict(None),
+            device=SimpleNamespace(twin=BenchTwin(BenchScenario())),
+        )
+        self.assertIsNone(choose_next_run(d))
+        self.assertIsNone(describe_next(None, None))
+        row = {"why": "w", "motion": "m"}
+        self.assertEqual(describe_next(row, None), row)
+
+    def test_friction_or_viscosity_is_settled_by_moving(self):
+        # Both brake; at rest neither shows, so a hold is worth nothing.
+        twin = BenchTwin(BenchScenario(), 1e-3 / 3.0)
+        subject = np.array([p.nominal for p in twin.subject])
+        names = ("free_hold", "free_reversal_slow", "free_reversal_fast")
+        motions = [MakeMotion(name) for name in names]
+        runs = [m.run for m in motions]
+        floors = planned_floors(twin, runs, subject, RATE_HZ, 0)
+        prepared = planned_runs(twin, runs, floors, RATE_HZ, 0)
+        rivals = [
+            Rival("a", subject, ((find_effect("viscous_leg"), [30.0]),)),
+            Rival("b", subject, ((find_effect("viscous_leg"), [60.0]),)),
+        ]
+        rivals = [
+            replace(r, uses=((r.uses[0][0], np.array(r.uses[0][1])),))
+            for r in rivals
+        ]
+        found = best_of(Evaluator(twin, [], 1), motions, prepared, rivals)
+        # The difference is viscous: the fastest motion shows it most.
+        self.assertEqual(found.motion.name, "free_reversal_fast")
+        self.assertGreater(found.separation, 100.0)
+        row = describe_next({"why": "w", "motion": ""}, found)
+        self.assertEqual(row["motion"], "free_reversal_fast")
+        self.assertEqual(row["file"], "next_run.csv")
+        self.assertEqual(row["pairs"][0]["effects"], ["a", "b"])
+        with tempfile.TemporaryDirectory() as folder:
+            path = WriteNextRun(found, Path(folder))
+            head, first = path.read_text().splitlines()[:2]
+            self.assertEqual(
+                head,
+                "time_s,ring2_y_desired_m,ring2_vy_desired_m_s,"
+                "ring2_ay_desired_m_s2",
+            )
+            self.assertEqual(float(first.split(",")[0]), 0.0)
+            self.assertIsNone(WriteNextRun(None, Path(folder)))
+            self.assertFalse(path.exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
