@@ -151,6 +151,17 @@ class Effect:
         each = [p.choices or p.starts for p in self.parameters]
         return [np.array(v) for v in itertools.product(*each)]
 
+    def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
+        """Values of an effect `factor` times as strong, inside its limits.
+
+        What vanishes with the effect is multiplied, its shape is left alone.
+        """
+        strength = np.array(
+            [p.off == 0.0 and not p.choices for p in self.parameters]
+        )
+        changed = np.where(strength, values * factor, values)
+        return np.clip(changed, self.lower, self.upper)
+
     def off(self) -> np.ndarray:
         """Parameter values at which the effect changes nothing."""
         return np.array(

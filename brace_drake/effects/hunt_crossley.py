@@ -27,7 +27,12 @@ CARD = Effect(
     " damping in vibroimpact, J. Appl. Mech. 42, 1975",
     parameters=(
         EffectParameter(
-            "dissipation_s_m", "s/m", 0.0, 500.0, (8.0,), "dissipation a"
+            "dissipation_s_m",
+            "s/m",
+            0.0,
+            500.0,
+            (8.0, 40.0, 160.0),
+            "dissipation a",
         ),
         EffectParameter(
             "exponent",

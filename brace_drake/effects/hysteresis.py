@@ -5,7 +5,6 @@ import math
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
 
-
 # A loop that is lost once the pad is off is lost within this time.
 _FORGET = 0.05  # s
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
+
+import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
@@ -10,13 +13,17 @@ from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit, fit_effects
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.pairs import search_pairs
-from brace_drake.gap.screen import Ground, Runner, race
+from brace_drake.gap.problem import CandidateProblem
+from brace_drake.gap.screen import Ground, Runner, race, step
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import explains, has_gap, is_exact
 
 # A rival that leaves this many times what the leader leaves is out.
 _CONTENDER = 1.5
 _MAX_CONTENDERS = 3
+# Other values of discrete parameters that are searched for the best, and how
+# far.
+_OTHERS, _STEPS = 2, 4
 # Of the floor's mean square: about as near as a coarse search comes.
 _COARSE = 0.03
 
@@ -46,7 +53,7 @@ def try_causes(
     ground = Ground(evaluator, nominal)
     runners = race(ground, simple, _part(say, 0.1, 0.4))
     say("contenders", 0.4)
-    fits = refine(evaluator, best_fits(runners))
+    fits = _polish(ground, refine(evaluator, best_fits(runners)))
     null = draw_null(evaluator, nominal, fits, seed)
 
     def is_settled(candidates):
@@ -71,7 +78,7 @@ def try_causes(
     if not is_settled(pairs):
         # Two effects need not look like the sum of their small selves.
         say("a second effect", 0.7)
-        leader = min((f for f in fits if f.refined), key=lambda f: f.excess)
+        leader = min(fits, key=lambda f: (not f.refined, f.excess))
         others = [c for c in simple if c.name not in leader.identifiers]
         more = race(Ground(evaluator, leader), others, _part(say, 0.7, 0.78))
         pairs += refine(evaluator, best_fits(more))
@@ -113,6 +120,47 @@ def refine(
                     least = min(least or fit.excess, fit.excess)
         out.append(fit)
     return out
+
+
+def other_choices(ground: Ground, fit: CandidateFit) -> list[Runner]:
+    """The fit with its last effect's discrete parameters at other values."""
+    card, found = fit.effects[-1], []
+    mine = fit.values[-1][: len(card.parameters)]
+    discrete = [p.choices for p in card.parameters if p.choices]
+    for choice in itertools.product(*discrete):
+        values = mine.copy()
+        values[~card.is_continuous] = choice
+        if np.array_equal(values, mine):
+            continue
+        problem = CandidateProblem(
+            ground.evaluator, fit.effects, [*fit.values[:-1], values]
+        )
+        z = problem.join(fit.subject, [*fit.values[:-1], values])
+        (residual,) = problem.batch([z], coarse=True)
+        if residual is not None:
+            found.append(Runner(problem, ground.num_known, z, residual))
+    found.sort(key=lambda r: r.residual @ r.residual)
+    for runner in found[:_OTHERS]:
+        step(ground, runner, _STEPS)
+    return found[:_OTHERS]
+
+
+def _polish(ground, fits):
+    """Tries other discrete parameters of the best fit, where it has any."""
+    refined = [f for f in fits if f.refined]
+    if not refined:
+        return fits
+    best = min(refined, key=lambda f: f.excess)
+    if is_flexible(best.effects[-1]) or is_exact(ground.evaluator, best):
+        return fits
+    for runner in other_choices(ground, best):
+        other = runner.fit()
+        if other.solution.jacobian is not None and other.excess < best.excess:
+            other = _try_refine(ground.evaluator, other)
+        if other.refined and other.excess < best.excess:
+            fits = [other if f is best else f for f in fits]
+            best = other
+    return fits
 
 
 def _try_refine(evaluator, fit):

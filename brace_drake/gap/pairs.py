@@ -11,7 +11,7 @@ from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.screen import Ground, Runner, search_best
 
 # Pairs that are searched inside the twin, of all that are foreseen.
-_SEARCHED = 5
+_SEARCHED = 4
 # A direction counts where it is not a copy of others, relative to the largest.
 _COPY = 1e-6
 
@@ -48,7 +48,7 @@ def foresee_pairs(
     residual is a linear problem. Of several starts the best pair counts.
 
     Returns:
-        Foreseen sum of squares, and the two, for each pair of effects.
+        Foreseen sum of squares above noise, and the two, for each pair.
     """
     if len(singles) < 2:
         return []
@@ -64,8 +64,10 @@ def foresee_pairs(
     matrix /= size
     gram = (matrix.T @ matrix).astype(float)
     right = (matrix.T @ ground.left).astype(float)
-    ridge = np.concatenate([_ridge(r) for r in singles])
-    gram[np.diag_indices(len(gram))] += ridge / size**2
+    ridge = np.concatenate([_ridge(ground, r) for r in singles])
+    diagonal = np.diag(gram)
+    place = np.diag_indices(len(gram))
+    gram[place] = np.maximum(diagonal + ridge / size**2, 0.02 * diagonal)
     best = {}
     for i, j in itertools.combinations(range(len(singles)), 2):
         names = _name(singles[i]), _name(singles[j])
@@ -76,7 +78,7 @@ def foresee_pairs(
         taken = right[both] @ inverse @ right[both]
         if taken > best.get(names, (-1.0,))[0]:
             best[names] = taken, singles[i], singles[j]
-    total = float(ground.left @ ground.left)
+    total = float(ground.left @ ground.left) - ground.noise
     found = [(total - taken, i, j) for taken, i, j in best.values()]
     return sorted(found, key=lambda row: row[0])
 
@@ -93,12 +95,13 @@ def _span(ground: Ground, runner: Runner) -> np.ndarray:
     return span.astype(np.float32)
 
 
-def _ridge(runner: Runner) -> np.ndarray:
-    """Precision of the prior on the columns of a span."""
+def _ridge(ground: Ground, runner: Runner) -> np.ndarray:
+    """Precision of the prior on the columns of a span, noise taken off."""
+    noise = -ground.added_noise(runner)
     if runner.jacobian is None:
-        return np.zeros(1)
+        return np.array([noise])
     prior = runner.problem.prior_jacobian()
-    return np.append(0.0, (prior**2).sum(axis=0)[_shared(runner)])
+    return np.append(noise, (prior**2).sum(axis=0)[_shared(runner)])
 
 
 def _shared(runner: Runner) -> slice:
@@ -122,4 +125,4 @@ def _line_up(ground: Ground, first: Runner, second: Runner) -> Runner | None:
     (residual,) = problem.batch([z], coarse=True)
     if residual is None:
         return None
-    return Runner(problem, len(ground.leader.subject), z, residual)
+    return Runner(problem, ground.num_known, z, residual)

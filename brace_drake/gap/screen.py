@@ -30,6 +30,9 @@ _PLACES, _FACTOR = 5, 2.0
 _COARSE = 0.01
 # A promise looks at most this many times as far as the start.
 _REACH = 30.0
+# A start is tried again at another strength, this often, where it is more than
+# that many times too strong or too weak.
+_RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
 # Beyond this many parameters the Jacobian is differenced once.
 _FEW = 8
 
@@ -44,7 +47,7 @@ class Runner:
         z: Where it stands.
         residual: There, prior rows below.
         jacobian: Of its last step.
-        promise: Sum of squares that it is foreseen to leave.
+        promise: Sum of squares above noise that it is foreseen to leave.
     """
 
     problem: CandidateProblem
@@ -62,9 +65,7 @@ class Runner:
         fit = finish_fit(self.problem, solution, coarse=True)
         if self.jacobian is not None:
             return fit
-        evaluator = self.problem.evaluator
-        level = evaluator.noise_level(fit.uses, coarse=True)
-        return replace(fit, excess=self.promise - level * evaluator.count)
+        return replace(fit, excess=self.promise)
 
 
 class Ground:
@@ -78,27 +79,45 @@ class Ground:
     def __init__(self, evaluator: Evaluator, leader: CandidateFit):
         self.evaluator, self.leader = evaluator, leader
         self.rows = evaluator.ends[-1]
+        self.num_known = len(leader.solution.z)
         self.sensitivities = leader.solution.jacobian[: self.rows]
         self.basis = np.linalg.qr(self.sensitivities)[0]
         problem = CandidateProblem(evaluator, leader.effects, leader.values)
         (residual,) = problem.batch([leader.solution.z], coarse=True)
         self.residual = residual[: self.rows]
         self.left = self.beyond(self.residual)
+        self.noise = evaluator.count * evaluator.noise_level(
+            leader.uses, coarse=True
+        )
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
         """What of residuals or columns no change of the leader's fit takes."""
         vectors = vectors[: self.rows]
         return vectors - self.basis @ (self.basis.T @ vectors)
 
-    def foresee(self, residual: np.ndarray) -> float:
-        """Least sum of squares on the straight way to a residual."""
-        way = self.beyond(residual[: self.rows] - self.residual)
-        length = way @ way
+    def foresee(self, runner: Runner) -> tuple[float, float]:
+        """What is left at the best place on the straight way to a runner.
+
+        Returns:
+            Sum of squares above noise there, and how far it is, 1 at the
+            runner itself.
+        """
+        way = self.beyond(runner.residual[: self.rows] - self.residual)
+        # Noise that the way has of its own is no part of it.
+        length = way @ way - self.added_noise(runner)
+        left = float(self.left @ self.left - self.noise)
         if length <= 0.0:
-            return float(self.left @ self.left)
-        far = np.clip(-(way @ self.left) / length, 0.0, _REACH)
-        left = self.left + far * way
-        return float(left @ left)
+            return left, 1.0
+        along = float(way @ self.left)
+        far = float(np.clip(-along / length, 0.0, _REACH))
+        return left + 2.0 * far * along + far**2 * length, far
+
+    def added_noise(self, runner: Runner) -> float:
+        """Squares of noise in a runner's way, of replays that are dithered."""
+        _, uses = runner.problem.split(runner.z)
+        count = self.evaluator.count
+        level = self.evaluator.noise_level(uses, coarse=True)
+        return max(0.0, level * count - self.noise)
 
     def differentiate(self, runner: Runner):
         """Jacobian with the leader's columns kept."""
@@ -178,25 +197,44 @@ def step(ground: Ground, runner: Runner, count: int) -> bool:
 
 
 def line_up(ground: Ground, card: Effect) -> list[Runner]:
-    """The card beside the leader's effects, at each of its starts."""
-    leader, found = ground.leader, []
+    """The card beside the leader's effects, at each of its starts.
+
+    A start that is far too strong or too weak is followed by one of the
+    strength that it foresees.
+    """
+    found = []
     for values in card.starts():
-        problem = CandidateProblem(
-            ground.evaluator, [*leader.effects, card], [*leader.values, values]
-        )
-        if leader.spread is not None:
-            problem.spread = leader.spread / problem.spread_scale
-        z = problem.join(leader.subject, [*leader.values, values])
-        z, residual = own_starts(problem, card, z)
-        if residual is None:
-            continue
-        runner = Runner(problem, len(leader.solution.z), z, residual)
-        runner.promise = ground.foresee(residual)
-        if card.spread is not None:
-            # The way to no error at all says nothing.
-            step(ground, runner, 1)
-        found.append(runner)
+        for _ in range(_RESCALED + 1):
+            runner = _make_runner(ground, card, values)
+            if runner is None:
+                break
+            runner.promise, far = ground.foresee(runner)
+            found.append(runner)
+            if card.spread is not None:
+                # The way to no error at all says nothing.
+                step(ground, runner, 1)
+                break
+            if 0.0 < far < 1e-3 or _ENOUGH < far < 1.0 / _ENOUGH:
+                break
+            rescaled = card.scaled(values, max(far, _WEAKEST))
+            if np.allclose(rescaled, values, rtol=0.1, atol=0.0):
+                break
+            values = rescaled
     return found
+
+
+def _make_runner(ground: Ground, card: Effect, values) -> Runner | None:
+    leader = ground.leader
+    problem = CandidateProblem(
+        ground.evaluator, [*leader.effects, card], [*leader.values, values]
+    )
+    if leader.spread is not None:
+        problem.spread = leader.spread / problem.spread_scale
+    z = problem.join(leader.subject, [*leader.values, values])
+    z, residual = own_starts(problem, card, z)
+    if residual is None:
+        return None
+    return Runner(problem, ground.num_known, z, residual)
 
 
 def own_starts(problem: CandidateProblem, card: Effect, z: np.ndarray):

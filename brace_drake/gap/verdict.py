@@ -18,7 +18,8 @@ from brace_drake.gap.surrogates import NullDistribution
 
 # An explanation must take away this much of the gap's amplitude: more where
 # instruments and nominal numbers are given exactly, so that only the law of the
-# effect itself may differ; by far most on a device known by its recording alone.
+# effect itself may differ; by far most where a device is known by its recording
+# alone.
 MAJOR_KNOWN = 0.80
 MAJOR_REAL = 0.75
 # Root mean square, in floors, up to which a repaired twin counts as good: the
