@@ -1,0 +1,88 @@
+"""Scaled parameters of a candidate against their plain values."""
+
+import unittest
+from types import SimpleNamespace
+
+import numpy as np
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.gap.problem import CandidateProblem
+from brace_drake.twin.subject import SubjectParameter
+
+
+class LinearEvaluator:
+    """Residuals that are known linear functions of all values."""
+
+    def __init__(self, runs=3, rows=5):
+        self.prepared = [SimpleNamespace(index=i) for i in range(runs)]
+        self.ends = [rows * (i + 1) for i in range(runs)]
+        self.twin = SimpleNamespace(
+            subject=(SubjectParameter("mass_kg", "kg", 40.0, 20.0, 80.0),)
+        )
+        self.rows = rows
+
+    def residuals(self, points, coarse=False, fine=False):
+        out = []
+        for subject, uses in points:
+            parts = []
+            for run in self.prepared:
+                total = 0.1 * subject[0]
+                for k, (effect, values) in enumerate(uses):
+                    own = effect.in_run(values, run.index)
+                    weights = np.arange(1.0, len(own) + 1) * (k + 1)
+                    total += weights @ own
+                parts.append(total * np.arange(1.0, self.rows + 1))
+            out.append(np.concatenate(parts))
+        return out
+
+
+class TestProblem(unittest.TestCase):
+    def test_values_come_back_from_their_scaled_form(self):
+        card = find_effect("hysteresis")
+        values = np.array([2.0, 4e-4, 2.0, 1.0])
+        problem = CandidateProblem(LinearEvaluator(), [card], [values])
+        z = problem.join(np.array([44.0]), [values])
+        self.assertEqual(len(z), 3)  # discrete parameters are not moved
+        subject, ((_, back),) = problem.split(z)
+        np.testing.assert_allclose(subject, [44.0])
+        np.testing.assert_allclose(back, values)
+
+    def test_each_run_has_run_parameters_of_its_own(self):
+        card = find_effect("breathing")
+        values = card.starts()[0]
+        problem = CandidateProblem(LinearEvaluator(), [card], [values])
+        z = problem.join(np.array([40.0]), [values])
+        own = len(card.run_parameters)
+        self.assertEqual(len(z), 1 + len(values) + 3 * own)
+        z[problem.places_in_run(card, 1)[0]] = 0.5
+        _, uses = problem.split(z)
+        phases = [card.in_run(uses[0][1], r)[len(values)] for r in range(3)]
+        scale = problem.scales[problem.places_in_run(card, 1)[0]]
+        np.testing.assert_allclose(phases, [0.0, 0.5 * scale, 0.0])
+
+    def test_columns_of_a_linear_residual_are_exact_for_every_run(self):
+        card = find_effect("breathing")
+        values = card.starts()[0]
+        evaluator = LinearEvaluator()
+        problem = CandidateProblem(evaluator, [card], [values])
+        z = problem.join(np.array([40.0]), [values])
+        columns = problem.columns(z)
+        step = 1e-3 * np.cos(np.arange(len(z)))
+        before, after = problem.batch([z, z + step])
+        np.testing.assert_allclose(columns @ step, after - before, atol=1e-9)
+
+    def test_priors_add_a_row_for_each_parameter_that_has_one(self):
+        card = find_effect("anchor_error")
+        problem = CandidateProblem(
+            LinearEvaluator(), [card], [np.zeros(len(card.parameters))]
+        )
+        problem.spread = 2.0
+        self.assertEqual(problem.num_prior, 36)
+        z = np.ones(37)
+        np.testing.assert_allclose(problem.prior_rows(z), 0.5)
+        rows = problem.prior_jacobian() @ z
+        np.testing.assert_allclose(rows, problem.prior_rows(z))
+
+
+if __name__ == "__main__":
+    unittest.main()
