@@ -4,11 +4,22 @@ from __future__ import annotations
 
 import gc
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
+from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.station import BenchStation
+from brace_drake.campaign.recording import Run
+from brace_drake.errors import BraceError
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.station import BenchStation, MakeBenchStation
+from brace_drake.twin.bench_rollout import CHANNELS
+from brace_drake.twin.reference import (
+    COLUMNS,
+    MakeReference,
+    reference_of_run,
+)
 
 
 def SimulateBench(station: BenchStation, duration: float) -> np.ndarray:
@@ -43,3 +54,51 @@ def _no_garbage_collection():
     finally:
         if was_enabled:
             gc.enable()
+
+
+def RecordBench(
+    scenario: BenchScenario, run: Run, noise_seed: int | None = None
+) -> Run:
+    """A recording that the diagram makes of a reference, from rest.
+
+    Args:
+        scenario: Of the bench, with the effects that it carries.
+        run: With a reference; its `contact` says whether the torso is there.
+        noise_seed: Of the instruments' noise; None: exact readings.
+
+    Returns:
+        The run with all channels of the bench, every `log_period`.
+
+    Raises:
+        BraceError: The simulated run broke down.
+    """
+    times, samples = reference_of_run(run)
+    reference = MakeReference(times, samples)
+    torso = replace(scenario.torso, present=run.contact)
+    noise = None
+    if noise_seed is not None:
+        draws = np.random.default_rng(noise_seed)
+        noise = MakeHeldNoise(draws, times[-1], scenario.control.rate)
+    scenario = replace(scenario, torso=torso)
+    station = MakeBenchStation(scenario, reference, noise=noise)
+    try:
+        log = SimulateBench(station, times[-1])
+    except RuntimeError as error:
+        raise BraceError(f"the simulated run broke down: {error}") from error
+    if not np.isfinite(log).all():
+        raise BraceError("the simulated run broke down")
+    at = np.arange(len(log)) * scenario.sensors.log_period
+    desired = reference.vector_values(np.minimum(at, times[-1]))
+    channels = {"time_s": at, **dict(zip(CHANNELS, log.T, strict=True))}
+    channels |= dict(zip(COLUMNS, desired, strict=True))
+    return replace(run, channels=channels)
+
+
+def MakeHeldNoise(
+    generator: np.random.Generator, duration: float, rate: float
+) -> PiecewisePolynomial:
+    """Standard normal draws (12 rows), each held around its control tick."""
+    ticks = round(duration * rate) + 3
+    edges = (np.arange(ticks) - 0.5) / rate
+    draws = generator.standard_normal((ticks, 12))
+    return PiecewisePolynomial.ZeroOrderHold(edges, draws.T)

@@ -34,6 +34,7 @@ from brace_drake.twin.motion_library import (
     MakeMotion,
 )
 from brace_drake.twin.motion_limits import exceeded_limit, largest_pad_force
+from brace_drake.twin.reference_file import LoadReference
 from brace_drake.twin.subject import bench_subject
 
 
@@ -233,9 +234,16 @@ class TestNextRun(unittest.TestCase):
             self.assertEqual(
                 head,
                 "time_s,ring2_y_desired_m,ring2_vy_desired_m_s,"
-                "ring2_ay_desired_m_s2",
+                "ring2_ay_desired_m_s2,contact",
             )
             self.assertEqual(float(first.split(",")[0]), 0.0)
+            run = LoadReference(path)
+            self.assertFalse(run.contact)
+            np.testing.assert_allclose(
+                run.channels["ring2_y_desired_m"],
+                found.motion.samples[:, 0],
+                atol=5e-9,
+            )
             self.assertIsNone(WriteNextRun(None, Path(folder)))
             self.assertFalse(path.exists())
 

@@ -14,7 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from brace_drake.errors import BraceError
 
-_COMMANDS = ("check", "fit", "diagnose", "withheld")
+_COMMANDS = ("check", "fit", "diagnose", "simulate", "plan", "withheld")
 
 
 def main(argv: list[str] | None = None) -> int:

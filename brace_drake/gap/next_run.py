@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign.write import format_table
 from brace_drake.effects.stack import Use
 from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
@@ -29,6 +28,7 @@ from brace_drake.twin.motion_library import (
     SafeMotion,
 )
 from brace_drake.twin.motion_limits import exceeded_limit
+from brace_drake.twin.reference_file import format_reference
 
 FILE = "next_run.csv"
 
@@ -184,5 +184,5 @@ def WriteNextRun(found: NextRun | None, folder: Path) -> Path | None:
     if found is None:
         path.unlink(missing_ok=True)
         return None
-    WriteText(path, format_table(found.motion.run))
+    WriteText(path, format_reference(found.motion.run))
     return path

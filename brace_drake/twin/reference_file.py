@@ -1,0 +1,111 @@
+"""References in files: CSV with time, position, velocity, acceleration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.campaign.manifest import MANIFEST
+from brace_drake.campaign.read import LoadCampaign
+from brace_drake.campaign.recording import Run
+from brace_drake.campaign.table import parse_table
+from brace_drake.campaign.write import format_table
+from brace_drake.errors import CampaignError
+from brace_drake.twin.reference import COLUMNS
+
+_NEEDED = ("time_s", *COLUMNS)
+# Deviation of a step from the mean one, relative.
+_EVEN = 1e-3
+# Files with this at the start of their names are run without the torso.
+_FREE = "free"
+# An optional column says it instead: 1 with the torso, 0 without.
+_CONTACT = "contact"
+
+
+def LoadReference(path: str | Path) -> Run:
+    """Reads a reference; its run is free where the name begins with "free".
+
+    A column `contact` (1 with the torso, 0 without) tells it otherwise.
+
+    Args:
+        path: CSV with time_s, ring2_y_desired_m, ring2_vy_desired_m_s and
+            ring2_ay_desired_m_s2, evenly sampled; further columns are left
+            out.
+
+    Raises:
+        CampaignError: One line: file, row or column, and what is wrong.
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise CampaignError(
+            f"{path}: cannot be read: {error.strerror}"
+        ) from error
+    columns, problems = parse_table(data, str(path), _NEEDED)
+    errors = [p for p in problems if p.severity == "error"]
+    if errors:
+        raise CampaignError(str(errors[0]).removeprefix("error: "))
+    missing = [name for name in _NEEDED if name not in columns]
+    if missing:
+        raise CampaignError(f"{path}: no column {missing[0]}")
+    channels = {name: np.asarray(columns[name], float) for name in _NEEDED}
+    _check_time(path, channels["time_s"])
+    contact = not path.name.startswith(_FREE)
+    if _CONTACT in columns:
+        contact = bool(np.any(columns[_CONTACT] == 1))
+    return Run(path.name, contact, path.stem, None, "fit", channels)
+
+
+def format_reference(run: Run) -> str:
+    """A run's reference as CSV text, as `LoadReference` reads it."""
+    channels = {name: run.channels[name] for name in _NEEDED}
+    channels[_CONTACT] = np.full(len(run.time_s), int(run.contact))
+    return format_table(replace(run, channels=channels))
+
+
+def _check_time(path: Path, time: np.ndarray) -> None:
+    steps = np.diff(time)
+    if len(time) < 2 or not steps.min() > 0.0:
+        raise CampaignError(f"{path}: time_s does not increase strictly")
+    if np.abs(steps / steps.mean() - 1.0).max() > _EVEN:
+        raise CampaignError(f"{path}: time_s is not evenly sampled")
+
+
+def LoadReferences(folder: str | Path) -> tuple[Run, ...]:
+    """References of a folder.
+
+    Those of the fit runs where it is a campaign, else all its CSV files.
+
+    Raises:
+        CampaignError: Nothing there that could be run.
+    """
+    folder = Path(folder)
+    if (folder / MANIFEST).is_file():
+        runs = LoadCampaign(folder).split("fit")
+        lacking = [r.file for r in runs if COLUMNS[0] not in r.channels]
+        if lacking:
+            raise CampaignError(f"{folder}: {lacking[0]} has no reference")
+    else:
+        runs = tuple(LoadReference(f) for f in sorted(folder.glob("*.csv")))
+    if not runs:
+        raise CampaignError(f"{folder}: no reference there (*.csv)")
+    return runs
+
+
+def common_rate(runs: tuple[Run, ...]) -> float:
+    """Sampling rate of references, Hz.
+
+    Raises:
+        CampaignError: They differ.
+    """
+    rates = [1.0 / float(np.median(np.diff(r.time_s))) for r in runs]
+    for run, rate in zip(runs, rates, strict=True):
+        if abs(rate / rates[0] - 1.0) > _EVEN:
+            raise CampaignError(
+                f"{run.file} is sampled at {rate:.4g} Hz, {runs[0].file} at"
+                f" {rates[0]:.4g} Hz; a plan needs one rate"
+            )
+    return round(rates[0], 6)

@@ -1,0 +1,186 @@
+"""`brace-drake simulate`: a campaign from a scenario and a reference."""
+
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.campaign import LoadCampaign
+from brace_drake.cli.main import main
+from brace_drake.effects.registry import find_effect
+from brace_drake.errors import CampaignError
+from brace_drake.resources import scenario_path
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.effects import describe_use
+from brace_drake.scenario.load import SaveScenario
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.reference_file import (
+    LoadReference,
+    LoadReferences,
+    common_rate,
+)
+from tests.shared_data import EXAMPLE
+from tests.test_station import smooth_push
+
+HEAD = "time_s,ring2_y_desired_m,ring2_vy_desired_m_s,ring2_ay_desired_m_s2"
+
+
+def write_reference(path, head=HEAD, rows=None):
+    time, samples = smooth_push(0.5, -0.005)
+    rows = np.column_stack([time, samples]) if rows is None else rows
+    np.savetxt(path, rows, "%.9f", ",", header=head, comments="")
+    return path
+
+
+def run(*words):
+    """Exit code, standard output and error of a command."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = main([str(word) for word in words])
+    return code, out.getvalue(), err.getvalue()
+
+
+class TestSimulate(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.temporary.name)
+        cls.card = find_effect("relaxation")
+        scenario = BenchScenario(time_step=5e-4)
+        values = np.array([3000.0, 0.7])
+        scenario.effects = [describe_use(cls.card, values)]
+        cls.scenario, cls.file = scenario, cls.folder / "some.scenario.yaml"
+        SaveScenario(scenario, cls.file)
+        cls.reference = write_reference(cls.folder / "push.csv")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def simulate(self, name, *more, motion=None):
+        motion = motion or self.reference
+        out = self.folder / name
+        code, text, error = run(
+            "simulate", self.file, "--motion", motion, "--out", out, *more
+        )
+        self.assertEqual(code, 0, error)
+        self.assertIn(str(out), text)
+        return LoadCampaign(out)
+
+    def test_the_recording_is_the_rollout_of_the_scenario_with_its_effects(
+        self,
+    ):
+        (recorded,) = self.simulate("exact").runs
+        twin = BenchTwin(self.scenario)
+        nominal = np.array([p.nominal for p in twin.subject])
+        rollout = twin.simulate(twin.motion(recorded), nominal)
+        measured = twin.measured(recorded)
+        # The file has 1e-5 N and 1e-8 m; the reference's own decimals, 1e-9
+        # m and 1e-6 m/s^2, act through a stiffness of 6 kN/m.
+        error = np.abs(measured - rollout).max(axis=0)
+        self.assertLess(error[[*range(6), 12, 13, 14]].max(), 5e-5)
+        self.assertLess(error[[*range(6, 12), *range(15, 19)]].max(), 2e-8)
+        self.assertGreater(np.abs(measured[:, 13]).max(), 3.0)
+
+    def test_check_accepts_what_is_written(self):
+        self.simulate("checked", "--noise-seed", 4)
+        code, text, _ = run("check", self.folder / "checked")
+        self.assertEqual(code, 0)
+        self.assertIn("0 errors", text)
+
+    def test_the_seed_decides_the_noise(self):
+        column = "leg1_length_m"
+        runs = [
+            self.simulate(f"noise{i}", "--noise-seed", seed).runs[0]
+            for i, seed in enumerate((1, 1, 2))
+        ]
+        first, again, other = (r.channels[column] for r in runs)
+        np.testing.assert_array_equal(first, again)
+        self.assertGreater(np.abs(first - other).max(), 1e-6)
+        # Noise of 5 um, and rounding to 10 um; 101 samples, and what of the
+        # force's noise the loop turns into motion.
+        spread = (first - other).std() / np.sqrt(2.0)
+        expected = np.hypot(5e-6, 1e-5 / 12**0.5)
+        self.assertAlmostEqual(spread / expected, 1.0, delta=0.25)
+
+    def test_a_free_motion_has_no_torso(self):
+        free = write_reference(self.folder / "free_push.csv")
+        (recorded,) = self.simulate("free", motion=free).runs
+        self.assertFalse(recorded.contact)
+        force = recorded.channels["ring2_force_y_N"]
+        np.testing.assert_array_equal(force, 0.0)
+
+    def test_problems_are_told_in_one_line(self):
+        folder = self.folder
+        time, samples = smooth_push(0.5)
+        rows = np.column_stack([time, samples])
+        uneven, back = rows.copy(), rows.copy()
+        uneven[50:, 0] += 0.002
+        back[50, 0] = back[49, 0]
+        leg = scenario_path("leg_bench.scenario.yaml")
+        lacking = HEAD.replace("ring2_ay", "ring2_az")
+        cases = (
+            (self.file, "stair", "did you mean stairs"),
+            (self.file, folder / "none.csv", "none.csv: cannot be read"),
+            (
+                self.file,
+                write_reference(folder / "a.csv", lacking),
+                "a.csv: no column ring2_ay_desired_m_s2",
+            ),
+            (
+                self.file,
+                write_reference(folder / "b.csv", rows=uneven),
+                "b.csv: time_s is not evenly",
+            ),
+            (
+                self.file,
+                write_reference(folder / "c.csv", rows=back),
+                "c.csv: time_s does not increase",
+            ),
+            (leg, "push", "this is a 'leg bench'"),
+            (folder / "no.yaml", "push", "no.yaml: cannot be read"),
+        )
+        for scenario, motion, part in cases:
+            with self.subTest(part=part):
+                code, _, error = run(
+                    "simulate",
+                    scenario,
+                    "--motion",
+                    motion,
+                    "--out",
+                    folder / "nothing",
+                )
+                self.assertEqual(code, 2)
+                self.assertEqual(error.count("\n"), 1)
+                self.assertIn(part, error)
+        self.assertFalse((folder / "nothing").exists())
+
+
+class TestReferences(unittest.TestCase):
+    def test_a_campaign_gives_the_references_of_its_fit_runs(self):
+        runs = LoadReferences(EXAMPLE)
+        names = {r.name for r in runs}
+        self.assertIn("stairs", names)
+        self.assertNotIn("validation_push", names)
+        self.assertAlmostEqual(common_rate(runs), 200.0)
+
+    def test_a_folder_of_files_gives_them_all(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(CampaignError, "no reference"):
+                LoadReferences(folder)
+            write_reference(Path(folder) / "push.csv")
+            write_reference(Path(folder) / "free_push.csv")
+            free, push = LoadReferences(folder)
+            self.assertEqual((free.contact, push.contact), (False, True))
+            time, samples = smooth_push(0.5)
+            rows = np.column_stack([time, samples])[::2]
+            path = write_reference(Path(folder) / "slow.csv", rows=rows)
+            with self.assertRaisesRegex(CampaignError, "one rate"):
+                common_rate((push, LoadReference(path)))
+
+
+if __name__ == "__main__":
+    unittest.main()
