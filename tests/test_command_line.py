@@ -1,11 +1,13 @@
 """Bad input on the command line: one clear line, status 2, nothing written."""
 
 import contextlib
+import csv
 import io
 import shutil
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from brace_drake.cli.main import main, make_parser
 from tests.shared_data import EXAMPLE
@@ -104,6 +106,75 @@ class TestBadInput(unittest.TestCase):
         )
         self.assertEqual(status, 2)
         self.assertIn("no.yaml", errors)
+
+
+class TestManyCampaigns(unittest.TestCase):
+    """The diagnosis itself is left out: files and status are looked at."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.out = self.folder / "out"
+        self.campaigns = [self.folder / n for n in ("a", "b", "deep/a")]
+        for campaign in self.campaigns:
+            shutil.copytree(EXAMPLE, campaign)
+
+    def diagnose(self, *campaigns):
+        def fake(campaign, out, args):
+            (out / "report.html").write_text("")
+            return {
+                "verdict": {
+                    "gap": True,
+                    "effects": ["relaxation"],
+                    "blocks": ["contact"],
+                    "probability": 0.97,
+                    "sentence": "There is a gap.",
+                },
+                "shrink": {
+                    "before": 3.0,
+                    "after": 1.1,
+                    "closed": 0.95,
+                    "closed_interval": [0.9, 0.99],
+                },
+            }
+
+        with mock.patch("brace_drake.cli.diagnose._Diagnose", fake):
+            return run("diagnose", *campaigns, "--out", self.out)
+
+    def table(self):
+        with (self.out / "summary.csv").open() as file:
+            return list(csv.DictReader(file))
+
+    def test_each_has_its_folder_and_its_row(self):
+        status, _ = self.diagnose(*self.campaigns)
+        self.assertEqual(status, 0)
+        rows = self.table()
+        self.assertEqual([r["campaign"] for r in rows], ["a", "b", "a_2"])
+        for row in rows:
+            self.assertTrue((self.out / row["report"]).exists())
+            self.assertEqual(row["effects"], "relaxation")
+            self.assertEqual(float(row["closed"]), 0.95)
+        page = (self.out / "summary.html").read_text()
+        self.assertIn('href="a_2/report.html"', page)
+
+    def test_one_that_fails_is_a_row_with_its_error(self):
+        (self.campaigns[0] / "campaign.yaml").write_text("format: [a\n")
+        status, errors = self.diagnose(*self.campaigns[:2])
+        self.assertEqual(status, 2)
+        self.assertNotIn("Traceback", errors)
+        failed, good = self.table()
+        self.assertEqual(failed["verdict"], "failed")
+        self.assertIn("campaign.yaml", failed["error"])
+        self.assertEqual(good["verdict"], "gap")
+        page = (self.out / "summary.html").read_text()
+        self.assertIn("campaign.yaml", page)
+
+    def test_a_place_that_cannot_be_written_stops_at_once(self):
+        self.out.write_text("")
+        status, errors = self.diagnose(*self.campaigns[:2])
+        self.assertEqual(status, 2)
+        self.assertEqual(len(errors.strip().splitlines()), 1)
 
 
 class TestHelp(unittest.TestCase):

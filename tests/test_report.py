@@ -115,6 +115,41 @@ def _blocks():
     ]
 
 
+def _attribution():
+    shares = {"actuation": 0.0, "contact": 0.9, "torso": 0.06}
+    return [
+        {
+            "block": block,
+            "share": share,
+            "lower95": 0.9 * share,
+            "upper95": 1.05 * share,
+            "alone": share,
+            "or": ["sensing"] if block == "torso" else [],
+        }
+        for block, share in (shares | {"none of these": 0.04}).items()
+    ]
+
+
+def _cube():
+    return [
+        {
+            "channel": channel,
+            "phase": phase,
+            "from_Hz": low,
+            "to_Hz": 4.0 * low + 0.5,
+            "share": share,
+            "normalised_rms": 9.0,
+            "lower95": 0.9 * share,
+            "upper95": 1.1 * share,
+        }
+        for channel, phase, low, share in (
+            ("ring2_force_y_N", "hold", 0.0, 0.6),
+            ("ring2_force_y_N", "reversal", 0.5, 0.3),
+            ("torso_y_m", "hold", 0.5, 0.1),
+        )
+    ]
+
+
 def _channels():
     return [
         {
@@ -233,6 +268,8 @@ def make_diagnosis() -> dict:
         },
         "where": {
             "blocks": _blocks(),
+            "attribution": _attribution(),
+            "cube": _cube(),
             "channels": _channels(),
             "phases": [
                 {"phase": p, "before": 6.0 - i, "after": 1.05, "share": 0.25}
@@ -291,6 +328,8 @@ def make_trace(
         before=truth - gap * size,
         after=truth - 0.03 * gap * size if with_after else None,
         floor_rms=floor,
+        position=1e-2 * motion[:, 0],
+        floor_density=(np.array([0.0, 100.0]), floor[None, :] ** 2),
     )
 
 
@@ -323,7 +362,12 @@ class ReportTest(unittest.TestCase):
 
     def use_hollow_figures(self):
         # Figures are still built, only not laid out and written.
-        for module in ("figures", "trace_figures"):
+        for module in (
+            "figures",
+            "trace_figures",
+            "budget_figures",
+            "plane_figures",
+        ):
             patch = mock.patch(
                 f"brace_drake.report.{module}.to_data_uri",
                 return_value="data:image/svg+xml;base64,",
@@ -359,6 +403,12 @@ class ReportTest(unittest.TestCase):
         for word in ("http://", "https://", "@import", "url("):
             self.assertNotIn(word, self.page)
         self.assertNotIn("script", self.parsed.tags)
+
+    def test_the_budget_is_shown_with_what_else_it_could_be(self):
+        text = "".join(self.parsed.text)
+        self.assertIn("The gap shared out over the blocks", text)
+        self.assertIn("Channel, phase and frequency at once", text)
+        self.assertIn("81 % to 94 %", text)
 
     def test_same_diagnosis_gives_same_page(self):
         self.assertEqual(self.page, render_page(make_diagnosis(), self.traces))

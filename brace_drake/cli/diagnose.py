@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from tqdm import tqdm
 
 from brace_drake.campaign import LoadCampaign
 from brace_drake.cli.options import (
-    AddCampaign,
     AddJobs,
     AddScenario,
     load_scenario_option,
 )
+from brace_drake.errors import BraceError
 from brace_drake.output import MakeFolder, WriteJson
+from brace_drake.report.summary import WriteSummary, failed_row, summary_row
 
 _EPILOG = """\
 example:
@@ -36,7 +39,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    AddCampaign(parser)
+    parser.add_argument(
+        "campaigns",
+        nargs="+",
+        metavar="CAMPAIGN",
+        help="folder with campaign.yaml and its recordings",
+    )
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="folder for the results"
     )
@@ -46,15 +54,61 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def Run(args: argparse.Namespace) -> int:
-    """Diagnoses and writes; prints the verdict and the files."""
-    campaign = LoadCampaign(args.campaign)
+    """Diagnoses and writes; prints the verdicts and the files."""
+    if len(args.campaigns) > 1:
+        return _RunMany(args)
+    campaign = LoadCampaign(args.campaigns[0])
     out = MakeFolder(Path(args.out))
+    document = _Diagnose(campaign, out, args)
+    print(document["verdict"]["sentence"])
+    print(f"report: {out / 'report.html'}")
+    print(f"diagnosis: {out / 'diagnosis.json'}")
+    return 0
+
+
+def _RunMany(args: argparse.Namespace) -> int:
+    """One after the other; 2 where any failed, the others are written."""
+    # A scenario or a place that is wrong is wrong for all: fail at once.
+    load_scenario_option(args.scenario)
+    out = MakeFolder(Path(args.out))
+    rows = []
+    for path, name in zip(
+        args.campaigns, folder_names(args.campaigns), strict=True
+    ):
+        try:
+            campaign = LoadCampaign(path)
+            document = _Diagnose(campaign, MakeFolder(out / name), args)
+            rows.append(summary_row(name, document))
+            print(f"{name}: {document['verdict']['sentence']}")
+        except BraceError as error:
+            text = " ".join(str(error).split())
+            rows.append(failed_row(name, text))
+            print(f"brace-drake: {name}: {text}", file=sys.stderr)
+        # After each, so that a long list stopped in its middle leaves one.
+        WriteSummary(out, rows)
+    print(f"summary: {out / 'summary.html'}")
+    return 2 if any(row["error"] for row in rows) else 0
+
+
+def folder_names(campaigns: Sequence[str]) -> list[str]:
+    """A folder for each campaign: its own name, numbered where taken."""
+    names: list[str] = []
+    for path in campaigns:
+        base = Path(path).resolve().name or "campaign"
+        name, count = base, 1
+        while name in names:
+            count += 1
+            name = f"{base}_{count}"
+        names.append(name)
+    return names
+
+
+def _Diagnose(campaign, out: Path, args: argparse.Namespace) -> dict:
+    """Diagnoses one campaign, writes its two files, returns the document."""
     scenario = load_scenario_option(args.scenario)
     # Numba and Drake are slow to import: only once the input is good.
     from brace_drake.gap.diagnose import diagnose
     from brace_drake.gap.document import MakeDocument
-    from brace_drake.gap.next_run import WriteNextRun, choose_next_run
-    from brace_drake.gap.repaired import WriteRepairedScenario
     from brace_drake.gap.traces import MakeTraces
     from brace_drake.report import WriteReport
 
@@ -67,20 +121,11 @@ def Run(args: argparse.Namespace) -> int:
         found = diagnose(
             campaign, args.jobs, args.seed, scenario, progress=progress
         )
-    next_run = choose_next_run(found)
-    document = MakeDocument(found, next_run)
+        progress("where", 0.96)
+        document = MakeDocument(found)
     WriteReport(document, MakeTraces(found), out / "report.html")
-    repaired = WriteRepairedScenario(found, out)
-    reference = WriteNextRun(next_run, out)
     WriteJson(out / "diagnosis.json", document)
-    print(document["verdict"]["sentence"])
-    print(f"report: {out / 'report.html'}")
-    print(f"diagnosis: {out / 'diagnosis.json'}")
-    if repaired is not None:
-        print(f"repaired twin: {repaired}")
-    if reference is not None:
-        print(f"next run: {reference}, {document['next_experiment']['text']}")
-    return 0
+    return document
 
 
 _BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"

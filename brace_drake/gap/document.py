@@ -9,7 +9,9 @@ import numpy as np
 
 from brace_drake.campaign.recording import Campaign
 from brace_drake.gap import verdict
+from brace_drake.gap.bench_attribution import attribute_bench
 from brace_drake.gap.budget import (
+    PHASES,
     band_budget,
     channel_budget,
     motion_phases,
@@ -20,12 +22,14 @@ from brace_drake.gap.cause_rows import (
     effect_parameters,
     estimate_row,
 )
+from brace_drake.gap.cube import gap_cube
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.next_run import NextRun, describe_next
 from brace_drake.gap.run_parameters import has_run_parameters
 from brace_drake.gap.shrink_part import shrink_part
 from brace_drake.gap.uncertainty import EstimateTable
 from brace_drake.gap.verdict_text import next_experiment, verdict_sentence
+from brace_drake.twin.bench_twin import BenchTwin
 
 FORMAT = "brace-diagnosis/1"
 
@@ -109,10 +113,21 @@ def _where(d: Diagnosis) -> dict:
         )
     return {
         "blocks": d.ladder,
+        "attribution": _attribution(d),
         "channels": channel_budget(d.fit_runs, channels, floor),
         "phases": phase_budget(d.fit_runs, phases),
         "bands": band_budget(d.fit_runs, rate),
+        "cube": gap_cube(d.fit_runs, phases, PHASES, channels, rate, d.seed)
+        if d.verdict.gap
+        else [],
     }
+
+
+def _attribution(d: Diagnosis) -> list[dict]:
+    """Shares of the blocks; empty without a gap or where no law is known."""
+    if not d.verdict.gap or not isinstance(d.device.twin, BenchTwin):
+        return []
+    return attribute_bench(d.evaluator, d.nominal, d.seed)
 
 
 def _subject(table: EstimateTable) -> dict:

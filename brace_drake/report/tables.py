@@ -96,6 +96,19 @@ def block_row(block: dict) -> dict:
     }
 
 
+def attribution_row(row: dict) -> dict:
+    """One block's share of the closed-loop gap."""
+    low, high = (percent(row.get(k)) for k in ("lower95", "upper95"))
+    known = NOTHING not in (low, high)
+    return {
+        "block": text(row, "block") or NOTHING,
+        "share": percent(row.get("share")),
+        "interval": f"{low} to {high}" if known else NOTHING,
+        "alone": percent(row.get("alone")),
+        "others": names(row, "or"),
+    }
+
+
 def gap_row(label: str, row: dict) -> dict:
     """Before and after of a channel, phase or band, over the floor."""
     return {

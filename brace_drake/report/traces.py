@@ -24,6 +24,10 @@ class RunTrace:
         before: Of the fitted nominal twin (N, C).
         after: With the effects of the verdict (N, C); None without effects.
         floor_rms: Noise floor of each channel (C,), in the channel's unit.
+        position: Measured motion that the force answers to (N,), m; or None.
+        position_name: What that is, for a reader.
+        floor_density: Limits of bands (B + 1,), Hz, and the floor's power of
+            a bin, |rfft|^2 / N, in each (B, C); or None.
     """
 
     name: str
@@ -34,6 +38,9 @@ class RunTrace:
     before: np.ndarray
     after: np.ndarray | None
     floor_rms: np.ndarray
+    position: np.ndarray | None = None
+    position_name: str = "position"
+    floor_density: tuple[np.ndarray, np.ndarray] | None = None
 
     def __post_init__(self):
         shape = (len(self.time_s), len(self.channels))

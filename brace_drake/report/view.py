@@ -14,6 +14,7 @@ from brace_drake.report.access import (
     rows,
     text,
 )
+from brace_drake.report.budget_figures import draw_attribution, draw_cube
 from brace_drake.report.canvas import WIDTH
 from brace_drake.report.cards import make_cards
 from brace_drake.report.figures import (
@@ -21,7 +22,9 @@ from brace_drake.report.figures import (
     draw_correlation,
     draw_pairs,
 )
+from brace_drake.report.plane_figures import draw_plane
 from brace_drake.report.tables import (
+    attribution_row,
     band_text,
     block_row,
     cause_row,
@@ -46,6 +49,7 @@ from brace_drake.report.words import (
 
 # More runs than these would not be read, and the file would grow.
 _MOST_TRACES = 4
+_MOST_PLANES = 1
 
 
 def make_view(diagnosis: dict, traces: Sequence[RunTrace]) -> dict:
@@ -91,11 +95,15 @@ def _make_where(where: dict) -> dict:
     blocks = rows(where, "blocks")
     channels = rows(where, "channels")
     phases, bands = rows(where, "phases"), rows(where, "bands")
+    shares = rows(where, "attribution")
     labels = [channel_text(text(row, "channel")) for row in channels]
     phase_labels = [text(row, "phase") or NOTHING for row in phases]
     band_labels = [band_text(row) for row in bands]
     return {
         "lead": _where_lead(blocks),
+        "attribution": [attribution_row(r) for r in shares],
+        "attribution_figure": draw_attribution(shares),
+        "cube_figure": draw_cube(rows(where, "cube")),
         "blocks": [block_row(b) for b in blocks],
         "block_figure": draw_blocks(blocks),
         "channels": [channel_row(row) for row in channels],
@@ -150,8 +158,13 @@ def _make_how_far(
     shrink = part(diagnosis, "shrink")
     picked = pick_traces(list(traces), _MOST_TRACES)
     figures = [
-        {"run": t.name, "split": t.split, "image": draw_trace(t)}
-        for t in picked
+        {
+            "run": t.name,
+            "split": t.split,
+            "image": draw_trace(t),
+            "plane": draw_plane(t) if i < _MOST_PLANES else None,
+        }
+        for i, t in enumerate(picked)
     ]
     validation = [t for t in traces if t.split == VALIDATION]
     closed, interval = _closed(shrink)

@@ -1,0 +1,82 @@
+"""The cube of channel, phase and band: a gap in one cell is found there."""
+
+import itertools
+import unittest
+from types import SimpleNamespace
+
+import numpy as np
+
+from brace_drake.gap.cube import band_series, gap_cube
+from brace_drake.gap.floor import NoiseFloor
+from brace_drake.gap.shrink import RunComparison
+
+RATE, SAMPLES = 200.0, 4000
+CHANNELS = ("force_N", "position_m")
+PHASES = ("hold", "loading")
+
+
+def comparison(residual):
+    """A run whose prediction is 0, with white noise of 1 N and 1 m."""
+    density = np.ones((1, 2))
+    floor = NoiseFloor(np.ones(2), np.array([0.0, 500.0]), density)
+    prepared = SimpleNamespace(
+        measured=residual, floor=floor, used=np.array([True, True])
+    )
+    return RunComparison(prepared, np.zeros_like(residual), None)
+
+
+class TestCube(unittest.TestCase):
+    def setUp(self):
+        random = np.random.default_rng(2)
+        self.noise = random.normal(size=(SAMPLES, 2))
+        self.time = np.arange(SAMPLES) / RATE
+        # Five seconds of each phase in turn.
+        self.phase = (self.time // 5.0).astype(int) % 2
+
+    def cube(self, residual):
+        return gap_cube(
+            *([comparison(residual)], [self.phase], PHASES, CHANNELS, RATE, 0)
+        )
+
+    def test_noise_alone_has_no_content(self):
+        self.assertEqual(self.cube(self.noise), [])
+
+    def test_a_gap_in_one_cell_has_its_share_there(self):
+        residual = self.noise.copy()
+        wave = np.sqrt(2.0) * np.sin(2.0 * np.pi * 4.0 * self.time)
+        residual[:, 1] += 3.0 * wave * (self.phase == 1)
+        first, *others = self.cube(residual)
+        self.assertEqual(first["channel"], "position_m")
+        self.assertEqual(first["phase"], "loading")
+        self.assertEqual((first["from_Hz"], first["to_Hz"]), (2.0, 8.0))
+        # A little leaks where the wave is cut off.
+        self.assertGreater(first["share"], 0.97)
+        self.assertLess(sum(r["share"] for r in others), 0.03)
+        self.assertLessEqual(first["lower95"], first["share"])
+        self.assertGreaterEqual(first["upper95"], first["share"])
+        # 9 over the noise's part of that band, 6 Hz of 100, and noise itself.
+        expected = np.sqrt(9.0 / 0.06 + 1.0)
+        self.assertAlmostEqual(first["normalised_rms"] / expected, 1, delta=0.1)
+
+    def test_shares_add_up_to_one(self):
+        residual = self.noise + 5.0 * np.sin(self.time)[:, None]
+        residual[:, 0] += 2.0 * np.sin(60.0 * self.time) ** 3
+        total = sum(r["share"] for r in self.cube(residual))
+        # Cells with next to nothing are left out.
+        self.assertAlmostEqual(total, 1.0, delta=0.02)
+
+    def test_bands_add_up_to_the_whole_residual(self):
+        weights = comparison(self.noise).prepared.floor.weights(SAMPLES, RATE)
+        edges = (0.0, 3.0, 20.0, 101.0)
+        parts = [
+            band_series(self.noise, weights, low, high, RATE)
+            for low, high in itertools.pairwise(edges)
+        ]
+        np.testing.assert_allclose(
+            sum(p[0] for p in parts), self.noise, atol=1e-9
+        )
+        self.assertAlmostEqual(sum(p[1] for p in parts), 1.0, places=12)
+
+
+if __name__ == "__main__":
+    unittest.main()
