@@ -16,21 +16,21 @@ ALIKE: dict[frozenset[str], str] = {
         " reversals side by side tell them apart"
     ),
     frozenset(("force_gain", "ring_mass")): (
-        "on a bench that moves slowly both are an error of the force that"
-        " carries the ring's weight; fast free motion, where the mass"
-        " accelerates, tells them apart"
+        "without load both are an error of the force that carries the ring's"
+        " weight; a deep push, whose force the gain scales and the mass does"
+        " not, tells them apart"
     ),
     frozenset(("force_bias", "force_drift")): (
         "over runs of one length a ramp of the force reading looks much like"
-        " its mean; runs of different length tell them apart"
+        " its mean; a run five times as long tells them apart"
     ),
     frozenset(("force_gain", "force_deadzone")): (
-        "legs that always pull one way lose a constant force in either case;"
-        " motion that unloads some of them tells them apart"
+        "legs that always pull one way lose a force in either case, and their"
+        " forces hardly vary; a deep push tells a share from a constant"
     ),
     frozenset(("ring_mass", "force_deadzone")): (
         "both are a constant error of the force that carries the ring's"
-        " weight; motion that unloads some legs tells them apart"
+        " weight; a push that unloads some legs tells them apart"
     ),
 }
 
