@@ -18,6 +18,8 @@ from brace_drake.report.traces import RunTrace
 from brace_drake.report.words import channel_text
 
 _MOST_POINTS = 4000
+# Noise of single samples would hide a loop, s.
+_PLANE_S = 0.2
 # Least bins of the spectrum in one point of its curve.
 _SMOOTHING_HZ = 0.15
 
@@ -52,23 +54,24 @@ def draw_plane(trace: RunTrace) -> str | None:
 
 
 def _draw_planes(panels, trace: RunTrace, lines, c: int, step: float) -> None:
-    depth = 1e3 * np.asarray(trace.position, dtype=float)
-    rate = np.gradient(_smooth(depth, round(0.05 / step)), step)
+    width = round(_PLANE_S / step)
+    depth = _smooth(1e3 * np.asarray(trace.position, dtype=float), width)
+    rate = np.gradient(_smooth(depth, width), step)
+    # The moving average folds at both ends.
+    inner = slice(width, len(depth) - width)
     every = max(1, len(depth) // _MOST_POINTS)
-    band = 2.0 * float(trace.floor_rms[c])
     unit = trace.channels[c].rsplit("_", 1)[-1]
     for axes, x, label in (
         (panels[0], depth, f"{trace.position_name}, mm"),
         (panels[1], rate, "its rate, mm/s"),
     ):
-        if np.isfinite(band):
-            axes.axhspan(-band, band, color=FLOOR, alpha=0.16, lw=0)
+        axes.axhline(0.0, color=FLOOR, lw=0.6)
         for residual, color in lines:
             axes.plot(
-                x[::every],
-                residual[::every],
+                x[inner][::every],
+                _smooth(residual, width)[inner][::every],
                 color=color,
-                lw=0.6,
+                lw=0.9,
                 rasterized=True,
             )
         axes.set_xlabel(plain(label))
