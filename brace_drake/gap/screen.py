@@ -26,6 +26,8 @@ _STEPS = 5
 # Who is searched: this many, and all that promise to leave at most this many
 # times what the best has left so far.
 _PLACES, _FACTOR = 5, 2.0
+# Beyond these places a promise counts from this share of the gap on.
+_SHARE = 0.1
 # About as near as a coarse search comes, in squares of the floor.
 _COARSE = 0.01
 # A promise looks at most this many times as far as the start.
@@ -163,9 +165,12 @@ def search_best(
 ) -> None:
     """Searches the runners that promise most, best first."""
     least, trust = np.inf, _COARSE * ground.evaluator.count
+    there = max(0.0, float(ground.left @ ground.left) - ground.noise)
     for place, runner in enumerate(runners):
         fit = runner.fit()
-        if place >= _PLACES and fit.excess > _FACTOR * (least + trust):
+        far_behind = fit.excess > _FACTOR * (least + trust)
+        no_gain = there - fit.excess < max(trust, _SHARE * there)
+        if place >= _PLACES and (far_behind or no_gain):
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
         if step(ground, runner, _STEPS):
