@@ -137,6 +137,8 @@ class TestLinearTwin(unittest.TestCase):
         plan = plan_toy("absorbed", "leaning", "first")
         gone, leaning, first = plan["effects"]
         self.assertLess(gone["norm"], 1e-3)
+        self.assertIsNone(gone["least_size"])
+        self.assertEqual(plan["unseen"], ["absorbed"])
         per_unit = leaning["norm_per_unit"] / first["norm_per_unit"]
         self.assertAlmostEqual(per_unit, 1.0, delta=0.4)
 
@@ -205,7 +207,7 @@ class TestLibrary(unittest.TestCase):
                     [
                         "plan",
                         "--motions",
-                        "free_multisine,push,reversal",
+                        "free_reversal,stairs,multisine",
                         "--out",
                         folder,
                     ]
@@ -242,10 +244,12 @@ class TestLibrary(unittest.TestCase):
         for first, second in combinations(names, 2):
             cosine = self.cosine(first, second)
             with self.subTest(first=first, second=second, cosine=cosine):
+                # Three motions only: hysteresis and a drift of the posture
+                # come to 0.81, over all motions of a campaign to 0.42.
                 if frozenset((first, second)) in ALIKE:
-                    self.assertGreater(cosine, 0.6)
+                    self.assertGreater(cosine, 0.65)
                 else:
-                    self.assertLess(cosine, 0.8)
+                    self.assertLess(cosine, 0.88)
 
     def test_listed_pairs_name_effects_of_the_library(self):
         names = {e.name for e in all_effects().values()}
@@ -253,6 +257,24 @@ class TestLibrary(unittest.TestCase):
             self.assertLessEqual(pair, names)
             first, second = (find_effect(name) for name in pair)
             self.assertEqual(reason_of(first, second), reason)
+
+    def test_a_hold_without_torso_cannot_tell_gain_from_mass(self):
+        # Either changes the force that carries the ring, and nothing else.
+        with tempfile.TemporaryDirectory() as folder:
+            words = ["--effects", "force_gain,ring_mass,relaxation"]
+            out = io.StringIO()
+            with contextlib.redirect_stdout(out):
+                main(
+                    ["plan", "--motions", "free_hold", "--out", folder, *words]
+                )
+            plan = json.loads((Path(folder) / "plan.json").read_text())
+        (pair,) = plan["pairs"]
+        self.assertEqual(pair["effects"], ["force_gain", "ring_mass"])
+        self.assertGreater(pair["cosine"], 0.99)
+        self.assertEqual(plan["unseen"], ["relaxation"])
+        named = {r["parameter"] for r in plan["undetermined"]}
+        self.assertIn("contact_stiffness_N_m", named)
+        self.assertIn("a deep push", out.getvalue())
 
     def test_the_table_names_every_effect(self):
         for row in self.plan["effects"]:

@@ -134,6 +134,7 @@ def format_plan(plan: dict) -> str:
         )
     lines.append("size: makes a gap of about one floor; least: can be seen")
     lines += _pair_lines(plan)
+    lines += [f"cannot be seen: {name}" for name in plan["unseen"]]
     lines += [f"the twin breaks down with {name}" for name in plan["broken"]]
     return "\n".join([*lines, *_open_lines(plan)])
 

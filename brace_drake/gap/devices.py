@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from brace_drake.campaign.recording import Campaign
-from brace_drake.errors import CampaignError
+from brace_drake.errors import CampaignError, ScenarioError
 from brace_drake.gap.bench_ladder import (
     bench_quantities,
     bench_rungs,
@@ -23,6 +23,7 @@ from brace_drake.gap.pad_ladder import (
     pad_quantities,
     pad_rungs,
 )
+from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.leg_bench import MakeLegBenchScenario
 from brace_drake.scenario.pad_bench import MakePadBenchScenario
@@ -71,6 +72,19 @@ def MakeDevice(campaign: Campaign, scenario=None) -> Device:
             f" scenario is of {scenario.device!r}"
         )
     return _DEVICES[campaign.device](campaign, scenario)
+
+
+def check_room(twin) -> None:
+    """Checks that a twin takes an effect beside those that it carries.
+
+    Raises:
+        ScenarioError: It carries as many as it can.
+    """
+    if len(twin.carried) >= MAX_EFFECTS:
+        raise ScenarioError(
+            f"the scenario carries {len(twin.carried)} effects, and the twin at"
+            f" most {MAX_EFFECTS}: none can be tested beside them"
+        )
 
 
 def _MakeBench(campaign: Campaign, scenario) -> Device:

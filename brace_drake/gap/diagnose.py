@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.campaign.recording import Campaign
-from brace_drake.errors import CampaignError, ScenarioError
+from brace_drake.errors import CampaignError
 from brace_drake.gap.candidates import CandidateFit, fit_nominal
 from brace_drake.gap.causes import try_causes
-from brace_drake.gap.devices import Device, MakeDevice
+from brace_drake.gap.devices import Device, MakeDevice, check_room
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ladder import climb
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
@@ -20,7 +20,6 @@ from brace_drake.gap.shrink import RunComparison, compare_runs
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.uncertainty import EstimateTable, estimate_table
 from brace_drake.gap.verdict import Verdict, decide
-from brace_drake.laws.hooks import MAX_EFFECTS
 
 Progress = Callable[[str, float], None]
 
@@ -69,11 +68,7 @@ def diagnose(
         raise CampaignError(f"{campaign.path}: no run has split: fit")
     device = MakeDevice(campaign, scenario)
     twin = device.twin
-    if len(twin.carried) >= MAX_EFFECTS:
-        raise ScenarioError(
-            f"the scenario carries {len(twin.carried)} effects, and the twin at"
-            f" most {MAX_EFFECTS}: none can be tested beside them"
-        )
+    check_room(twin)
     say("noise floor", 0.0)
     nominal_values = np.array([p.nominal for p in twin.subject])
     floors, ratios = estimate_floors(twin, campaign, nominal_values, seed)

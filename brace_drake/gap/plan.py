@@ -12,6 +12,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.errors import CampaignError
 from brace_drake.gap.alike import reason_of
+from brace_drake.gap.devices import check_room
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.planned import planned_floors, planned_runs
 from brace_drake.gap.signature import (
@@ -57,9 +58,11 @@ def plan_campaign(
 
     Raises:
         CampaignError: No run.
+        ScenarioError: The twin carries as many effects as it can.
     """
     if not runs:
         raise CampaignError("a plan needs one motion at least")
+    check_room(twin)
     say("noise floor", 0.0)
     subject = np.array([p.nominal for p in twin.subject])
     floors = planned_floors(twin, runs, subject, rate, seed)
@@ -76,16 +79,24 @@ def plan_campaign(
         else:
             signatures.append(made)
     matrix = cosines(signatures)
+    rows = [_effect_row(s) for s in signatures]
+    unseen = {row["effect"] for row in rows if row["least_size"] is None}
     return {
         "format": FORMAT,
         "runs": [r.name for r in runs],
-        "effects": [_effect_row(s) for s in signatures],
+        "effects": rows,
+        "unseen": sorted(unseen),
         "broken": broken,
         "cosines": matrix.tolist(),
         "pairs": pair_rows(signatures, matrix),
         "undetermined": [
             *_poor_subject(twin, maker.subject_columns),
-            *(row for s in signatures for row in _poor_parameters(s)),
+            *(
+                row
+                for s in signatures
+                if s.effect.key not in unseen
+                for row in _poor_parameters(s)
+            ),
         ],
         "inseparable_above": INSEPARABLE,
         "seed": seed,
@@ -112,10 +123,15 @@ def pair_rows(
 
 
 def _effect_row(s: Signature) -> dict:
-    """Size, length and reach of a signature, for its leading parameter."""
+    """Size, length and reach of a signature, for its leading parameter.
+
+    `least_size` stands out of the noise; None where the limits forbid it.
+    """
     lead = next(i for i in range(len(s.values)) if is_strength(s.effect, i))
     parameter = s.effect.parameters[lead]
     size = abs(float(s.values[lead]) - parameter.off)
+    room = max(parameter.upper - parameter.off, parameter.off - parameter.lower)
+    least = size * _SEEN / s.norm if s.norm > 0.0 else np.inf
     return {
         "effect": s.effect.key,
         "block": s.effect.block,
@@ -127,7 +143,7 @@ def _effect_row(s: Signature) -> dict:
         "leading": parameter.name,
         "size": size,
         "norm_per_unit": s.norm / size if size > 0.0 else 0.0,
-        "least_size": size * _SEEN / s.norm if s.norm > 0.0 else None,
+        "least_size": least if least <= room else None,
     }
 
 

@@ -272,5 +272,7 @@ def _next_size(low, high, largest: float) -> float:
 
 def cosines(signatures: Sequence[Signature]) -> np.ndarray:
     """|cos| of the angles between signatures (n, n)."""
+    if not signatures:
+        return np.zeros((0, 0))
     units = np.column_stack([s.vector / (s.norm or 1.0) for s in signatures])
     return np.abs(units.T @ units)
