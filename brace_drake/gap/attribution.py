@@ -7,8 +7,12 @@ answers each such error with a known change of all channels. The value v(S) of
 a coalition S is the part of the gap of the fitted nominal twin, the weighted
 sum of squares above the floor over the fit runs, that disappears when the
 blocks in S may err as suits best and the subject's parameters follow (linear
-least squares). No cause of the library is used, so that this is a witness of
-its own beside the verdict.
+least squares). Fits and ranking of causes do not enter; of the library only
+the laws of elastic legs and displaced anchors do, as errors of the mechanism.
+
+Limits. The answers are those of small errors: of a large gap, many times the
+floor, errors of actuation, mechanism and force reading imitate one another,
+and the intervals, which resample time, do not hold that doubt.
 
 Errors of several blocks together can imitate those of another one. So the
 blocks that take part are the fewest that do: each further one has to explain
