@@ -24,7 +24,8 @@ example:
   brace-drake diagnose campaigns/monday --out results/monday
 
 Writes diagnosis.json and report.html into the folder and, where effects were
-found, repaired.scenario.yaml: the twin with them, for --scenario. Nothing is
+found, repaired.scenario.yaml: the twin with them, for --scenario. Where causes
+stay open, next_run.csv is the safe motion that separates them best. Nothing is
 estimated on runs of the validation split; they only show how far the gap
 shrinks.
 """
@@ -63,6 +64,9 @@ def Run(args: argparse.Namespace) -> int:
     print(document["verdict"]["sentence"])
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")
+    for what, name in _MORE.items():
+        if (out / name).is_file():
+            print(f"{what}: {out / name}")
     return 0
 
 
@@ -104,11 +108,13 @@ def folder_names(campaigns: Sequence[str]) -> list[str]:
 
 
 def _Diagnose(campaign, out: Path, args: argparse.Namespace) -> dict:
-    """Diagnoses one campaign, writes its two files, returns the document."""
+    """Diagnoses one campaign, writes its files, returns the document."""
     scenario = load_scenario_option(args.scenario)
     # Numba and Drake are slow to import: only once the input is good.
     from brace_drake.gap.diagnose import diagnose
     from brace_drake.gap.document import MakeDocument
+    from brace_drake.gap.next_run import WriteNextRun, choose_next_run
+    from brace_drake.gap.repaired import WriteRepairedScenario
     from brace_drake.gap.traces import MakeTraces
     from brace_drake.report import WriteReport
 
@@ -122,10 +128,18 @@ def _Diagnose(campaign, out: Path, args: argparse.Namespace) -> dict:
             campaign, args.jobs, args.seed, scenario, progress=progress
         )
         progress("where", 0.96)
-        document = MakeDocument(found)
+        next_run = choose_next_run(found)
+        document = MakeDocument(found, next_run)
     WriteReport(document, MakeTraces(found), out / "report.html")
+    WriteRepairedScenario(found, out)
+    WriteNextRun(next_run, out)
     WriteJson(out / "diagnosis.json", document)
     return document
 
 
+# Files that some diagnoses write beside the others.
+_MORE = {
+    "repaired twin": "repaired.scenario.yaml",
+    "next run": "next_run.csv",
+}
 _BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"

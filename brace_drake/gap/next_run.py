@@ -97,7 +97,9 @@ def best_of(
     planned = Evaluator(evaluator.twin, prepared, evaluator.jobs)
     points = [(r.subject, r.uses) for r in rivals]
     predictions = predict(planned, points)
-    columns = subject_columns(planned, rivals[0].subject, rivals[0].uses)
+    # Dry friction hardly changes what the subject does, but costs dithers.
+    smooth = [(e, v) for e, v in rivals[0].uses if not e.dithered]
+    columns = subject_columns(planned, rivals[0].subject, smooth)
     separations, by_name = {}, {}
     for i, motion in enumerate(motions):
         parts = zip(rivals, predictions, strict=True)
@@ -159,7 +161,8 @@ def describe_next(row: dict | None, found: NextRun | None) -> dict | None:
     text = (
         f"{row['why']}; of the library's safe motions {motion.name}"
         f" ({motion.meaning}) separates best: {worst.first} and"
-        f" {worst.second} would differ there by {floors:.0f} times the noise"
+        f" {worst.second} would differ there by {floors:.0f} standard"
+        " deviations of the noise"
     )
     return {
         "text": text,
