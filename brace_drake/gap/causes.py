@@ -24,6 +24,8 @@ _MAX_CONTENDERS = 3
 # Other values of discrete parameters that are searched for the best, and how
 # far.
 _OTHERS, _STEPS = 2, 4
+# Who leaves more than this share of what there was has gained nothing.
+_NO_GAIN = 0.9
 # Of the floor's mean square: about as near as a coarse search comes.
 _COARSE = 0.03
 
@@ -53,7 +55,9 @@ def try_causes(
     ground = Ground(evaluator, nominal)
     runners = race(ground, simple, _part(say, 0.1, 0.4))
     say("contenders", 0.4)
-    fits = _polish(ground, refine(evaluator, best_fits(runners)))
+    fits = _polish(
+        ground, refine(evaluator, best_fits(runners), nominal.excess)
+    )
     null = draw_null(evaluator, nominal, fits, seed)
 
     def is_settled(candidates):
@@ -66,7 +70,7 @@ def try_causes(
     if not is_exact(evaluator, nominal) and not is_settled(fits):
         flexible = [c for c in cards if is_flexible(c)]
         more = race(ground, flexible, _part(say, 0.45, 0.5))
-        fits = refine(evaluator, [*fits, *best_fits(more)])
+        fits = refine(evaluator, [*fits, *best_fits(more)], nominal.excess)
         runners += more
     if not fits or not has_gap(evaluator, nominal, fits, null):
         return fits, null
@@ -74,14 +78,14 @@ def try_causes(
         return fits, null
     found = search_pairs(ground, runners, _part(say, 0.55, 0.68))
     del runners
-    pairs = refine(evaluator, best_fits(found))
+    pairs = refine(evaluator, best_fits(found), nominal.excess)
     if not is_settled(pairs):
         # Two effects need not look like the sum of their small selves.
         say("a second effect", 0.7)
         leader = min(fits, key=lambda f: (not f.refined, f.excess))
         others = [c for c in simple if c.name not in leader.identifiers]
         more = race(Ground(evaluator, leader), others, _part(say, 0.7, 0.78))
-        pairs += refine(evaluator, best_fits(more))
+        pairs += refine(evaluator, best_fits(more), leader.excess)
     return [*fits, *(f for f in pairs if f.refined)], null
 
 
@@ -102,24 +106,37 @@ def best_fits(runners: Sequence[Runner]) -> list[CandidateFit]:
 
 
 def refine(
-    evaluator: Evaluator, fits: Sequence[CandidateFit]
+    evaluator: Evaluator, fits: Sequence[CandidateFit], there: float
 ) -> list[CandidateFit]:
-    """Leads the search of the contenders to its end, best first."""
+    """Leads the search of the contenders to its end, best first.
+
+    Args:
+        evaluator: Over the fit runs.
+        fits: From a race.
+        there: Excess of the fit that the race set out from; who takes next to
+            nothing of it is no contender, unless he is the best.
+    """
     out, least = [], None
     ranked = sorted(fits, key=lambda f: f.excess)
     for place, fit in enumerate(ranked):
         if fit.refined:
             least = fit.excess if least is None else min(least, fit.excess)
         elif place < _MAX_CONTENDERS and fit.solution.jacobian is not None:
-            trust = _COARSE * evaluator.count
-            if least is None or fit.excess <= _CONTENDER * max(
-                trust, least + trust
-            ):
+            bar = _bar(least, there, _COARSE * evaluator.count)
+            if place == 0 or fit.excess <= bar:
                 fit = _try_refine(evaluator, fit)
-                if fit.refined:
-                    least = min(least or fit.excess, fit.excess)
+            if fit.refined:
+                least = fit.excess if least is None else min(least, fit.excess)
         out.append(fit)
     return out
+
+
+def _bar(least: float | None, there: float, trust: float) -> float:
+    """Excess up to which a fit is a contender."""
+    gained = _NO_GAIN * there - trust
+    if least is None:
+        return gained
+    return min(gained, _CONTENDER * max(trust, least + trust))
 
 
 def other_choices(ground: Ground, fit: CandidateFit) -> list[Runner]:

@@ -219,7 +219,7 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
                 # The way to no error at all says nothing.
                 step(ground, runner, 1)
                 break
-            if 0.0 < far < 1e-3 or _ENOUGH < far < 1.0 / _ENOUGH:
+            if card.run_parameters or _ENOUGH < far < 1.0 / _ENOUGH:
                 break
             rescaled = card.scaled(values, max(far, _WEAKEST))
             if np.allclose(rescaled, values, rtol=0.1, atol=0.0):
