@@ -76,8 +76,17 @@ def try_causes(
         return fits, null
     if is_settled(fits):
         return fits, null
-    found = search_pairs(ground, runners, _part(say, 0.55, 0.68))
-    del runners
+    # Beside dozens of parameters any other effect looks right, unless they
+    # are what explains most.
+    leading = min(fits, key=lambda f: f.excess).name
+    partners = [
+        r
+        for r in runners
+        if not is_flexible(r.problem.effects[0])
+        or r.problem.effects[0].key == leading
+    ]
+    found = search_pairs(ground, partners, _part(say, 0.55, 0.68))
+    del runners, partners
     pairs = refine(evaluator, best_fits(found), nominal.excess)
     if not is_settled(pairs):
         # Two effects need not look like the sum of their small selves.

@@ -67,7 +67,7 @@ class Runner:
         fit = finish_fit(self.problem, solution, coarse=True)
         if self.jacobian is not None:
             return fit
-        return replace(fit, excess=self.promise)
+        return replace(fit, excess=float(self.promise))
 
 
 class Ground:
