@@ -9,8 +9,10 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import lsq_linear
 
-# A Jacobian is kept while steps bring this share of what it promised.
+# A Jacobian is kept while steps bring this share of what it promised, and one
+# of few columns only while they take this share of the cost.
 _KEPT_PROMISE = 0.7
+_FEW, _FAST = 12, 0.5
 
 
 class Batch(Protocol):
@@ -149,7 +151,8 @@ def solve_gauss_newton(
         if small and fresh:
             converged = True
             break
-        stale = small or decrease < _KEPT_PROMISE * promised
+        slow = decrease < _FAST * cost and len(z) <= _FEW
+        stale = small or slow or decrease < _KEPT_PROMISE * promised
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 

@@ -18,7 +18,7 @@ from brace_drake.fit.gauss_newton import (
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
 
-_STEPS = 10
+_STEPS, _FAR_STEPS = 10, 30
 # Relative decrease of the sum of squares that ends the search at the coarse
 # plant step, and at the twin's own.
 _NEAR, _END = 1e-3, 1e-5
@@ -137,7 +137,7 @@ def search(
             z,
             *limits,
             differentiate=lambda z, r: problem.columns(z, base=r),
-            max_iterations=_STEPS,
+            max_iterations=_FAR_STEPS,
             tolerance=_NEAR,
         )
         z = near.z

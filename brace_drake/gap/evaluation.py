@@ -75,9 +75,14 @@ def uses_in_run(uses: Sequence[Use], index: int) -> tuple[Use, ...]:
     return tuple((e, e.in_run(values, index)) for e, values in uses)
 
 
-def is_dithered(uses: Sequence[Use]) -> bool:
-    """Whether the twin with these effects is averaged over noisy replays."""
-    return any(effect.dithered for effect, _ in uses)
+def is_dithered(twin, uses: Sequence[Use]) -> bool:
+    """Whether a twin with these effects is averaged over noisy replays.
+
+    Where readings feed a loop, their noise moves the machine; what that does
+    to effects such as dry friction has to be averaged.
+    """
+    rough = any(effect.dithered for effect, _ in (*twin.carried, *uses))
+    return rough and twin.has_loop
 
 
 class Evaluator:
@@ -119,7 +124,7 @@ class Evaluator:
     ) -> np.ndarray:
         """The twin's expected recording of a run (N, C)."""
         twin, uses = twin or self.twin, uses_in_run(uses, prepared.index)
-        if not is_dithered((*twin.carried, *uses)):
+        if not is_dithered(twin, uses):
             return twin.simulate(prepared.motion, subject, uses)
         replays = [
             twin.simulate(
@@ -170,6 +175,6 @@ class Evaluator:
 
         1, and what averaging over few dithers leaves of theirs.
         """
-        if not is_dithered((*self.twin.carried, *uses)):
+        if not is_dithered(self.twin, uses):
             return 1.0
         return 1.0 + 1.0 / (_FEW_DITHERS if coarse else NUM_DITHERS)

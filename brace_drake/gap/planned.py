@@ -102,7 +102,7 @@ def predict(
         for s, uses in points
     ]
     if dithered is None:
-        dithered = any(is_dithered((*twin.carried, *u)) for _, u in points)
+        dithered = any(is_dithered(twin, u) for _, u in points)
 
     def one(prepared, subject, uses):
         seeds = [None]

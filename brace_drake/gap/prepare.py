@@ -43,7 +43,7 @@ def noise_replicates(
             for seed in seeds
         ]
     )
-    if len(seeds) > 1 and is_dithered(twin.carried):
+    if len(seeds) > 1 and is_dithered(twin, ()):
         free = len(seeds) / (len(seeds) - 1)
         return np.sqrt(free) * (noisy - noisy.mean(axis=0))
     return noisy - exact

@@ -72,7 +72,9 @@ class CandidateProblem:
         self.radius = np.array(radius)
         self.steps = np.full(len(units), _EFFECT_STEP)
         self.steps[: self.num_subject] = _SUBJECT_STEP
-        self._is_rough = any(e.dithered for e in effects)
+        self._is_rough = evaluator.twin.has_loop and any(
+            e.dithered for e in effects
+        )
         if self._is_rough:
             self.steps[: self.num_subject] *= _ROUGH
         self._groups = groups

@@ -54,7 +54,9 @@ def compare_runs(
         if winner is not None:
             uses = winner.uses
             after = evaluator.simulate(prepared, winner.subject, uses)
-            dither = 1.0 / NUM_DITHERS if is_dithered(uses) else 0.0
+            dither = (
+                1.0 / NUM_DITHERS if is_dithered(evaluator.twin, uses) else 0.0
+            )
         return RunComparison(prepared, before, after, dither)
 
     return evaluator.map(one, [(p,) for p in evaluator.prepared])

@@ -107,8 +107,8 @@ def explains(
 
     To the floor is what surrogates demand. A real machine has more than one
     flaw, so one effect may also leave a rest, if that is a small part of the
-    gap; two effects together may not, for with so much freedom much of any
-    gap can be covered.
+    gap; on a bench with known instruments two effects together may not, for
+    with so much freedom much of any gap can be covered.
     """
     if gain(evaluator, nominal, fit) <= null.gain_threshold:
         return False
@@ -117,7 +117,7 @@ def explains(
         return True
     share = smallest_share(evaluator)
     major = closed_amplitude(evaluator, nominal, fit) >= share
-    if len(fit.effects) > 1:
+    if len(fit.effects) > 1 and evaluator.twin.instruments_known:
         return bool(major and rest <= _NEAR_FLOOR)
     return bool(major)
 

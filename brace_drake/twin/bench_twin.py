@@ -37,12 +37,14 @@ class BenchTwin:
         channels: Names of the columns of what `simulate` returns.
         subject: Parameters to be estimated for every subject.
         carried: Effects of the scenario, always on.
+        has_loop: Whether readings, with their noise, feed back to the motion.
         instruments_known: Whether noise and numbers are given by a data
             sheet, not taken from the recording itself.
     """
 
     channels = CHANNELS
     instruments_known = True
+    has_loop = True
 
     def __init__(self, scenario: BenchScenario, time_step: float | None = None):
         self.scenario = scenario

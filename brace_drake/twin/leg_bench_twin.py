@@ -125,6 +125,7 @@ class LegBenchTwin:
     channels = CHANNELS
     device = DEVICE
     instruments_known = False
+    has_loop = True
 
     def __init__(
         self, scenario: LegBenchScenario, time_step: float | None = None

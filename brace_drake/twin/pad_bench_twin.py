@@ -104,6 +104,7 @@ class PadBenchTwin:
     channels = CHANNELS
     device = DEVICE
     instruments_known = False
+    has_loop = False
 
     def __init__(
         self, scenario: PadBenchScenario, time_step: float | None = None
