@@ -18,7 +18,7 @@ class LinearEvaluator:
         self.ends = [rows * (i + 1) for i in range(runs)]
         self.twin = SimpleNamespace(
             has_loop=True,
-            subject=(SubjectParameter("mass_kg", "kg", 40.0, 20.0, 80.0),)
+            subject=(SubjectParameter("mass_kg", "kg", 40.0, 20.0, 80.0),),
         )
         self.rows = rows
 
