@@ -72,8 +72,15 @@ class CandidateFit:
 
     @property
     def num_free(self) -> int:
-        """Parameters beyond the subject's."""
+        """Parameters beyond the subject's that were moved."""
         return len(self.scales) - len(self.subject)
+
+    @property
+    def freedom(self) -> int:
+        """Parameters beyond the subject's, moved or chosen."""
+        return self.num_free + sum(
+            len(p.choices) > 1 for e in self.effects for p in e.parameters
+        )
 
 
 def fit_nominal(evaluator: Evaluator) -> CandidateFit:

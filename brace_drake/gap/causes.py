@@ -16,7 +16,12 @@ from brace_drake.gap.pairs import search_pairs
 from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.screen import Ground, Runner, race, step
 from brace_drake.gap.surrogates import NullDistribution, draw_null
-from brace_drake.gap.verdict import explains, has_gap, is_exact
+from brace_drake.gap.verdict import (
+    closed_amplitude,
+    explains,
+    has_gap,
+    is_exact,
+)
 
 # A rival that leaves this many times what the leader leaves is out.
 _CONTENDER = 1.5
@@ -24,6 +29,8 @@ _MAX_CONTENDERS = 3
 # Other values of discrete parameters that are searched for the best, and how
 # far.
 _OTHERS, _STEPS = 2, 4
+# A second effect is looked for beside one that explains about half the gap.
+_HALF = 0.5
 # Who leaves more than this share of what there was has gained nothing.
 _NO_GAIN = 0.9
 # Of the floor's mean square: about as near as a coarse search comes.
@@ -69,8 +76,13 @@ def try_causes(
 
     if not is_exact(evaluator, nominal) and not is_settled(fits):
         flexible = [c for c in cards if is_flexible(c)]
-        more = race(ground, flexible, _part(say, 0.45, 0.5))
-        fits = refine(evaluator, [*fits, *best_fits(more)], nominal.excess)
+        more = race(ground, flexible, _part(say, 0.45, 0.5), places=0)
+        # So much freedom has to leave less than half to be believed.
+        bar = 0.5 * min((f.excess for f in fits), default=nominal.excess)
+        found = best_fits(more)
+        good = [f for f in found if f.excess < bar]
+        rest = [f for f in found if f.excess >= bar]
+        fits = [*fits, *refine(evaluator, good, nominal.excess), *rest]
         runners += more
     if not fits or not has_gap(evaluator, nominal, fits, null):
         return fits, null
@@ -78,7 +90,9 @@ def try_causes(
         return fits, null
     # Beside dozens of parameters any other effect looks right, unless they
     # are what explains most.
-    leading = min(fits, key=lambda f: f.excess).name
+    leading = min(
+        (f for f in fits if f.refined), key=lambda f: f.excess, default=nominal
+    ).name
     partners = [
         r
         for r in runners
@@ -92,10 +106,17 @@ def try_causes(
         # Two effects need not look like the sum of their small selves.
         say("a second effect", 0.7)
         leader = min(fits, key=lambda f: (not f.refined, f.excess))
+        if closed_amplitude(evaluator, nominal, leader) < _HALF:
+            return _with_pairs(fits, pairs), null
         others = [c for c in simple if c.name not in leader.identifiers]
         more = race(Ground(evaluator, leader), others, _part(say, 0.7, 0.78))
         pairs += refine(evaluator, best_fits(more), leader.excess)
-    return [*fits, *(f for f in pairs if f.refined)], null
+    return _with_pairs(fits, pairs), null
+
+
+def _with_pairs(fits, pairs) -> list[CandidateFit]:
+    """Singles, and the pairs whose search was led to its end."""
+    return [*fits, *(f for f in pairs if f.refined)]
 
 
 def is_flexible(card: Effect) -> bool:

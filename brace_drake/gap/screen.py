@@ -137,7 +137,10 @@ class Ground:
 
 
 def race(
-    ground: Ground, cards: Sequence[Effect], say=lambda what, share: None
+    ground: Ground,
+    cards: Sequence[Effect],
+    say=lambda what, share: None,
+    places: int = _PLACES,
 ) -> list[Runner]:
     """Runs the leader's effects with each of the cards, at each start.
 
@@ -145,6 +148,7 @@ def race(
         ground: Where to set out from.
         cards: One effect each.
         say: Progress.
+        places: So many are searched whatever they promise.
 
     Returns:
         Runners, those searched with a Jacobian.
@@ -156,12 +160,15 @@ def race(
     best = {}
     for runner in sorted(runners, key=lambda r: r.promise):
         best.setdefault(runner.problem.effects[-1].key, runner)
-    search_best(ground, list(best.values()), say)
+    search_best(ground, list(best.values()), say, places)
     return runners
 
 
 def search_best(
-    ground: Ground, runners: Sequence[Runner], say=lambda what, share: None
+    ground: Ground,
+    runners: Sequence[Runner],
+    say=lambda what, share: None,
+    places: int = _PLACES,
 ) -> None:
     """Searches the runners that promise most, best first."""
     least, trust = np.inf, _COARSE * ground.evaluator.count
@@ -170,7 +177,7 @@ def search_best(
         fit = runner.fit()
         far_behind = fit.excess > _FACTOR * (least + trust)
         no_gain = there - fit.excess < max(trust, _SHARE * there)
-        if place >= _PLACES and (far_behind or no_gain):
+        if place >= places and (far_behind or no_gain):
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
         if step(ground, runner, _STEPS):

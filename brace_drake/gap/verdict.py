@@ -180,4 +180,4 @@ def simplest(
     """
     least = min(left_over(evaluator, f) for f in fits)
     near = [f for f in fits if left_over(evaluator, f) <= 2.0 * least]
-    return min(near, key=lambda f: (f.num_free, f.excess))
+    return min(near, key=lambda f: (f.freedom, f.excess))
