@@ -146,27 +146,24 @@ def refine(
         there: Excess of the fit that the race set out from; who takes next to
             nothing of it is no contender, unless he is the best.
     """
-    out, least = [], None
+    out = []
     ranked = sorted(fits, key=lambda f: f.excess)
+    # Rivals are compared as the race has left them, all alike unfinished.
+    bar = (
+        _bar(ranked[0].excess, there, _COARSE * evaluator.count) if fits else 0
+    )
     for place, fit in enumerate(ranked):
-        if fit.refined:
-            least = fit.excess if least is None else min(least, fit.excess)
-        elif place < _MAX_CONTENDERS and fit.solution.jacobian is not None:
-            bar = _bar(least, there, _COARSE * evaluator.count)
+        searched = fit.solution.jacobian is not None and not fit.refined
+        if place < _MAX_CONTENDERS and searched:
             if place == 0 or fit.excess <= bar:
                 fit = _try_refine(evaluator, fit)
-            if fit.refined:
-                least = fit.excess if least is None else min(least, fit.excess)
         out.append(fit)
     return out
 
 
-def _bar(least: float | None, there: float, trust: float) -> float:
+def _bar(least: float, there: float, trust: float) -> float:
     """Excess up to which a fit is a contender."""
-    gained = _NO_GAIN * there - trust
-    if least is None:
-        return gained
-    return min(gained, _CONTENDER * max(trust, least + trust))
+    return min(_NO_GAIN * there - trust, _CONTENDER * max(trust, least + trust))
 
 
 def other_choices(ground: Ground, fit: CandidateFit) -> list[Runner]:
