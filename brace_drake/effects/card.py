@@ -14,6 +14,10 @@ from brace_drake.laws.hooks import PLUG_POINTS
 BLOCKS = ("actuation", "mechanism", "contact", "torso", "sensing")
 
 
+# Of the range, the typical size of parameters whose search starts at 0.
+_SHARE = 0.05
+
+
 @dataclass(frozen=True)
 class EffectParameter:
     """One parameter of an effect.
@@ -41,6 +45,12 @@ class EffectParameter:
     off: float | None = 0.0
     choices: tuple[float, ...] = ()
     deviation: float | None = None
+
+    @property
+    def typical(self) -> float:
+        """A size that is worth a look: of a start, or a part of the range."""
+        start = abs(self.starts[len(self.starts) // 2])
+        return start if start > 0.0 else _SHARE * self.upper
 
 
 @dataclass(frozen=True)

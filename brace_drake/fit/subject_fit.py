@@ -18,7 +18,6 @@ from pydrake.solvers import (
 from brace_drake.errors import FitError
 from brace_drake.fit.gauss_newton import (
     LeastSquaresSolution,
-    difference_jacobian,
     solve_gauss_newton,
 )
 from brace_drake.gap.candidates import (
@@ -75,9 +74,7 @@ class _Cost:
         (residual,) = problem.batch([z])
         if residual is None:
             raise FitError("the simulated run broke down during the fit")
-        jacobian = difference_jacobian(
-            problem.batch, z, problem.steps, problem.upper
-        )
+        jacobian = problem.columns(z)
         self.evaluations += 1
         cost = float(residual @ residual)
         if self.best is None or cost < self.best[0]:

@@ -122,7 +122,7 @@ def _points() -> list[tuple]:
             points.append((block, ((GENERIC, p),), own))
         at += count
     compliance = find_effect("leg_compliance")
-    values = np.array([s for s in compliance.starts()[0]])
+    values = compliance.starts()[0]
     points.append(("mechanism", ((compliance, values),), False))
     anchors = find_effect("anchor_error")
     for i in range(18):

@@ -6,7 +6,7 @@ import numpy as np
 
 from brace_drake.gap.shrink import RunComparison, channel_gaps
 
-_BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 30.0), (30.0, 1e9))
+BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 30.0), (30.0, 1e9))
 # Slower than this share of a run's top speed is rest.
 _SLOW = 0.1
 # Samples on both sides of a change of direction that belong to it.
@@ -113,7 +113,7 @@ def _masked_row(name, comparisons, masks):
 def band_budget(comparisons: list[RunComparison], rate: float) -> list[dict]:
     """Rows of the budget by frequency band, against the floor's spectrum."""
     rows, excess = [], {}
-    for low, high in _BANDS:
+    for low, high in BANDS:
         if low >= rate / 2.0:
             continue
         before, count = _band_power(comparisons, "before", low, high, rate)

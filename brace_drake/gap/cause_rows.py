@@ -15,7 +15,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
     rows = []
     winner = d.verdict.winner
     for fit in sorted(d.fits, key=lambda f: f.excess):
-        is_winner = winner is not None and fit is winner
+        is_winner = fit is winner
         estimates = d.table if is_winner else None
         rows.append(
             {

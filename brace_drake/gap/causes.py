@@ -13,14 +13,14 @@ from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit, fit_effects
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.pairs import search_pairs
-from brace_drake.gap.problem import CandidateProblem
-from brace_drake.gap.screen import Ground, Runner, race, step
+from brace_drake.gap.screen import Ground, Runner, make_runner, race, step
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import (
     closed_amplitude,
     explains,
     has_gap,
     is_exact,
+    refined,
 )
 
 # A rival that leaves this many times what the leader leaves is out.
@@ -69,54 +69,66 @@ def try_causes(
 
     def is_settled(candidates):
         return any(
-            explains(evaluator, nominal, f, null)
-            for f in candidates
-            if f.refined
+            explains(evaluator, nominal, f, null) for f in refined(candidates)
         )
 
     if not is_exact(evaluator, nominal) and not is_settled(fits):
         flexible = [c for c in cards if is_flexible(c)]
         more = race(ground, flexible, _part(say, 0.45, 0.5), places=0)
-        # So much freedom has to leave less than half to be believed.
-        bar = 0.5 * min((f.excess for f in fits), default=nominal.excess)
-        found = best_fits(more)
-        good = [f for f in found if f.excess < bar]
-        rest = [f for f in found if f.excess >= bar]
-        fits = [*fits, *refine(evaluator, good, nominal.excess), *rest]
+        fits += _refine_flexible(evaluator, nominal, fits, best_fits(more))
         runners += more
-    if not fits or not has_gap(evaluator, nominal, fits, null):
+    has_one = fits and has_gap(evaluator, nominal, fits, null)
+    if not has_one or is_settled(fits):
         return fits, null
-    if is_settled(fits):
-        return fits, null
-    # Beside dozens of parameters any other effect looks right, unless they
-    # are what explains most.
-    leading = min(
-        (f for f in fits if f.refined), key=lambda f: f.excess, default=nominal
-    ).name
-    partners = [
-        r
-        for r in runners
-        if not is_flexible(r.problem.effects[0])
-        or r.problem.effects[0].key == leading
-    ]
+    partners = _partners(runners, fits, nominal)
+    del runners
     found = search_pairs(ground, partners, _part(say, 0.55, 0.68))
-    del runners, partners
+    del partners
     pairs = refine(evaluator, best_fits(found), nominal.excess)
     if not is_settled(pairs):
-        # Two effects need not look like the sum of their small selves.
         say("a second effect", 0.7)
-        leader = min(fits, key=lambda f: (not f.refined, f.excess))
-        if closed_amplitude(evaluator, nominal, leader) < _HALF:
-            return _with_pairs(fits, pairs), null
-        others = [c for c in simple if c.name not in leader.identifiers]
-        more = race(Ground(evaluator, leader), others, _part(say, 0.7, 0.78))
-        pairs += refine(evaluator, best_fits(more), leader.excess)
-    return _with_pairs(fits, pairs), null
+        say_more = _part(say, 0.7, 0.78)
+        pairs += _beside_best(evaluator, nominal, fits, simple, say_more)
+    return [*fits, *refined(pairs)], null
 
 
-def _with_pairs(fits, pairs) -> list[CandidateFit]:
-    """Singles, and the pairs whose search was led to its end."""
-    return [*fits, *(f for f in pairs if f.refined)]
+def _refine_flexible(evaluator, nominal, fits, flexible) -> list[CandidateFit]:
+    """Flexible fits, refined where they leave less than half.
+
+    With so much freedom less than that would not be believed.
+    """
+    bar = 0.5 * min((f.excess for f in fits), default=nominal.excess)
+    good = [f for f in flexible if f.excess < bar]
+    rest = [f for f in flexible if f.excess >= bar]
+    return [*refine(evaluator, good, nominal.excess), *rest]
+
+
+def _partners(runners, fits, nominal) -> list[Runner]:
+    """Who may be one of two effects.
+
+    Beside dozens of parameters any other effect looks right, unless they are
+    what explains most.
+    """
+    leading = next(iter(refined(fits)), nominal).name
+    cards = [r.problem.effects[0] for r in runners]
+    return [
+        runner
+        for runner, card in zip(runners, cards, strict=True)
+        if not is_flexible(card) or card.key == leading
+    ]
+
+
+def _beside_best(evaluator, nominal, fits, cards, say) -> list[CandidateFit]:
+    """Second effects beside the best single one, where it explains much.
+
+    Two effects need not look like the sum of their small selves.
+    """
+    leader = min(fits, key=lambda f: (not f.refined, f.excess))
+    if closed_amplitude(evaluator, nominal, leader) < _HALF:
+        return []
+    others = [c for c in cards if c.name not in leader.identifiers]
+    more = race(Ground(evaluator, leader), others, say)
+    return refine(evaluator, best_fits(more), leader.excess)
 
 
 def is_flexible(card: Effect) -> bool:
@@ -176,13 +188,11 @@ def other_choices(ground: Ground, fit: CandidateFit) -> list[Runner]:
         values[~card.is_continuous] = choice
         if np.array_equal(values, mine):
             continue
-        problem = CandidateProblem(
-            ground.evaluator, fit.effects, [*fit.values[:-1], values]
+        runner = make_runner(
+            ground, fit.effects, [*fit.values[:-1], values], fit.subject
         )
-        z = problem.join(fit.subject, [*fit.values[:-1], values])
-        (residual,) = problem.batch([z], coarse=True)
-        if residual is not None:
-            found.append(Runner(problem, ground.num_known, z, residual))
+        if runner is not None:
+            found.append(runner)
     found.sort(key=lambda r: r.residual @ r.residual)
     for runner in found[:_OTHERS]:
         step(ground, runner, _STEPS)
@@ -191,10 +201,9 @@ def other_choices(ground: Ground, fit: CandidateFit) -> list[Runner]:
 
 def _polish(ground, fits):
     """Tries other discrete parameters of the best fit, where it has any."""
-    refined = [f for f in fits if f.refined]
-    if not refined:
+    best = next(iter(refined(fits)), None)
+    if best is None:
         return fits
-    best = min(refined, key=lambda f: f.excess)
     if is_flexible(best.effects[-1]) or is_exact(ground.evaluator, best):
         return fits
     for runner in other_choices(ground, best):

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from brace_drake.gap.budget import BANDS
 from brace_drake.gap.shrink import RunComparison
 
-BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 30.0), (30.0, 1e9))
 # Cells with less than this share of the gap are left out.
 _LEAST_SHARE = 0.002
 _RESAMPLES = 300

@@ -85,6 +85,28 @@ def is_dithered(twin, uses: Sequence[Use]) -> bool:
     return rough and twin.has_loop
 
 
+def replay(
+    twin,
+    prepared: PreparedRun,
+    subject: np.ndarray,
+    uses: Sequence[Use],
+    noisy: int,
+) -> np.ndarray:
+    """A run by a twin (N, C): the mean of noisy replays, 0: an exact one."""
+    if noisy == 0:
+        return twin.simulate(prepared.motion, subject, uses)
+    replays = [
+        twin.simulate(
+            prepared.motion,
+            subject,
+            uses,
+            np.random.default_rng([prepared.seed, i]),
+        )
+        for i in range(noisy)
+    ]
+    return np.mean(replays, axis=0)
+
+
 class Evaluator:
     """Evaluates a twin on runs, in parallel threads.
 
@@ -124,18 +146,8 @@ class Evaluator:
     ) -> np.ndarray:
         """The twin's expected recording of a run (N, C)."""
         twin, uses = twin or self.twin, uses_in_run(uses, prepared.index)
-        if not is_dithered(twin, uses):
-            return twin.simulate(prepared.motion, subject, uses)
-        replays = [
-            twin.simulate(
-                prepared.motion,
-                subject,
-                uses,
-                np.random.default_rng([prepared.seed, i]),
-            )
-            for i in range(dithers)
-        ]
-        return np.mean(replays, axis=0)
+        noisy = dithers if is_dithered(twin, uses) else 0
+        return replay(twin, prepared, subject, uses, noisy)
 
     def residuals(
         self,

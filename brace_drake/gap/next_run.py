@@ -19,6 +19,7 @@ from brace_drake.gap.separation import (
     choose_best,
     separate_pairs,
 )
+from brace_drake.gap.verdict import refined
 from brace_drake.output import WriteText
 from brace_drake.scenario.bench import DEVICE
 from brace_drake.twin.motion_library import (
@@ -120,9 +121,8 @@ def open_rivals(d: Diagnosis) -> list[Rival]:
     The winner and what is tied with it; without a winner, where the cause
     lies outside the library, the explanations that come nearest.
     """
-    ranked = sorted((f for f in d.fits if f.refined), key=lambda f: f.excess)
     best: dict[str, CandidateFit] = {}
-    for fit in ranked:
+    for fit in refined(d.fits):
         best.setdefault("+".join(fit.identifiers), fit)
     verdict = d.verdict
     if verdict.winner is not None and verdict.ambiguous_with:

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.gap.problem import CandidateProblem
-from brace_drake.gap.screen import Ground, Runner, search_best
+from brace_drake.gap.screen import Ground, Runner, make_runner, search_best
 
 # Pairs that are searched inside the twin, of all that are foreseen.
 _SEARCHED = 4
@@ -113,16 +112,10 @@ def _shared(runner: Runner) -> slice:
 def _line_up(ground: Ground, first: Runner, second: Runner) -> Runner | None:
     effects, values, spread = [], [], None
     for runner in (first, second):
-        _, uses = runner.problem.split(runner.z)
+        problem = runner.problem
+        _, uses = problem.split(runner.z)
         effects += [e for e, _ in uses]
         values += [v for _, v in uses]
-        if runner.problem.has_spread:
-            spread = runner.problem.spread
-    problem = CandidateProblem(ground.evaluator, effects, values)
-    if spread is not None:
-        problem.spread = spread
-    z = problem.join(ground.leader.subject, values)
-    (residual,) = problem.batch([z], coarse=True)
-    if residual is None:
-        return None
-    return Runner(problem, ground.num_known, z, residual)
+        if problem.has_spread:
+            spread = problem.spread * problem.spread_scale
+    return make_runner(ground, effects, values, ground.leader.subject, spread)

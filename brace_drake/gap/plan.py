@@ -20,7 +20,6 @@ from brace_drake.gap.signature import (
     SignatureMaker,
     cosines,
     is_strength,
-    scale_of,
 )
 
 FORMAT = "brace-plan/1"
@@ -175,7 +174,7 @@ def _poor_parameters(s: Signature) -> list[dict]:
     rows = []
     for i, error in zip(continuous, standard_errors(s.columns), strict=True):
         parameter, value = s.effect.parameters[i], float(s.values[i])
-        if error > _POOR * (abs(value) or scale_of(parameter)):
+        if error > _POOR * (abs(value) or parameter.typical):
             rows.append(_poor(s.effect.key, parameter, value, error))
     return rows
 

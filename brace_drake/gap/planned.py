@@ -13,10 +13,11 @@ from brace_drake.gap.evaluation import (
     Evaluator,
     PreparedRun,
     is_dithered,
+    replay,
     uses_in_run,
 )
 from brace_drake.gap.floor import NoiseFloor, estimate_floor
-from brace_drake.gap.prepare import HIGHEST_HZ, noise_replicates
+from brace_drake.gap.prepare import noise_replicates, prepare_run
 
 _REPLICATES = 12
 # Noisy replays averaged where noise acts as a dither.
@@ -41,24 +42,14 @@ def planned_runs(
         rate: Of the samples, Hz.
         seed: Of the dithers.
     """
-    prepared = []
-    for i, run in enumerate(runs):
-        samples, floor = len(run.time_s), floors[run.contact]
-        measured = np.zeros((samples, len(twin.channels)))
-        weights = floor.weights(samples, rate) * twin.active(run)
-        counts = np.fft.rfftfreq(samples, 1.0 / rate) <= HIGHEST_HZ
-        prepared.append(
-            PreparedRun(
-                run,
-                twin.motion(run),
-                measured,
-                weights[counts],
-                floor,
-                seed + i,
-                i,
-            )
-        )
-    return prepared
+    return [
+        prepare_run(twin, run, _unrecorded(twin, run), floors, rate, seed, i)
+        for i, run in enumerate(runs)
+    ]
+
+
+def _unrecorded(twin, run: Run) -> np.ndarray:
+    return np.zeros((len(run.time_s), len(twin.channels)))
 
 
 def planned_floors(
@@ -105,23 +96,17 @@ def predict(
         dithered = any(is_dithered(twin, u) for _, u in points)
 
     def one(prepared, subject, uses):
-        seeds = [None]
-        if dithered:
-            seeds = [[prepared.seed, k] for k in range(_DITHERS)]
-        shared = uses_in_run(uses, 0)
         try:
-            replays = [
-                twin.simulate(
-                    prepared.motion,
-                    subject,
-                    shared,
-                    None if s is None else np.random.default_rng(s),
-                )
-                for s in seeds
-            ]
+            simulated = replay(
+                twin,
+                prepared,
+                subject,
+                uses_in_run(uses, 0),
+                _DITHERS if dithered else 0,
+            )
         except BraceError:
             return None
-        return prepared.weigh(np.mean(replays, axis=0))
+        return prepared.weigh(simulated)
 
     tasks = [(p, s, u) for s, u in points for p in evaluator.prepared]
     parts, size = evaluator.map(one, tasks), len(evaluator.prepared)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,7 +21,7 @@ _REPLICATES = 24
 # standard errors of the estimate.
 _SIGNIFICANT = 5.0
 # Faster than this a brace and a torso do not move; noise alone is above.
-HIGHEST_HZ = 50.0
+_HIGHEST_HZ = 50.0
 
 
 def noise_replicates(
@@ -123,21 +123,32 @@ def _checked_with_repeats(twin, campaign, floors):
 def prepare_runs(
     twin,
     runs: Sequence[Run],
-    floors: dict[bool, NoiseFloor],
+    floors: Mapping[bool, NoiseFloor],
     rate: float,
     seed: int,
 ) -> list[PreparedRun]:
     """Runs with motion, measurement and weights."""
-    prepared = []
-    for i, run in enumerate(runs):
-        measured = twin.measured(run)
-        floor = floors[run.contact]
-        frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
-        weights = floor.weights(len(measured), rate) * twin.active(run)
-        weights = weights[frequency <= HIGHEST_HZ]
-        prepared.append(
-            PreparedRun(
-                run, twin.motion(run), measured, weights, floor, seed + i, i
-            )
-        )
-    return prepared
+    return [
+        prepare_run(twin, run, twin.measured(run), floors, rate, seed, i)
+        for i, run in enumerate(runs)
+    ]
+
+
+def prepare_run(
+    twin,
+    run: Run,
+    measured: np.ndarray,
+    floors: Mapping[bool, NoiseFloor],
+    rate: float,
+    seed: int,
+    index: int,
+) -> PreparedRun:
+    """The run at a place among others, with the channels to compare with."""
+    floor = floors[run.contact]
+    frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
+    weights = floor.weights(len(measured), rate) * twin.active(run)
+    weights = weights[frequency <= _HIGHEST_HZ]
+    motion = twin.motion(run)
+    return PreparedRun(
+        run, motion, measured, weights, floor, seed + index, index
+    )

@@ -265,7 +265,4 @@ class CandidateProblem:
 def _scale_of(parameter: EffectParameter) -> float:
     if parameter.deviation is not None:
         return parameter.deviation
-    if parameter.choices:
-        return 1.0
-    start = abs(parameter.starts[len(parameter.starts) // 2])
-    return start if start > 0.0 else 0.05 * parameter.upper
+    return parameter.typical

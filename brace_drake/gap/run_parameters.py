@@ -41,6 +41,13 @@ def adapt_to_runs(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
             is_own[problem.places_in_run(effect, run)] = True
     for effect in fit.effects:
         z, _ = own_starts(problem, effect, z)
+    first = int(np.argmax(is_own))
+
+    def differentiate(z, residual):
+        out = np.zeros((len(residual), len(z)))
+        out[:, first:] = problem.columns(z, first, residual)
+        return out * is_own
+
     solution = solve_gauss_newton(
         partial(problem.batch, coarse=True),
         z,
@@ -48,7 +55,7 @@ def adapt_to_runs(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
         problem.upper,
         problem.steps,
         np.where(is_own, problem.radius, 0.0),
-        differentiate=lambda z, r: problem.columns(z, base=r) * is_own,
+        differentiate=differentiate,
         max_iterations=_STEPS,
         tolerance=1e-4,
     )

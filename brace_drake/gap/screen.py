@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from brace_drake.fit.gauss_newton import (
 from brace_drake.gap.candidates import CandidateFit, finish_fit
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
+from brace_drake.gap.separation import beyond
 
 _STEPS = 5
 # Who is searched: this many, and all that promise to leave at most this many
@@ -45,7 +47,6 @@ class Runner:
 
     Attributes:
         problem: Its parameters.
-        num_known: Of them, those of the fit that the race sets out from.
         z: Where it stands.
         residual: There, prior rows below.
         jacobian: Of its last step.
@@ -53,7 +54,6 @@ class Runner:
     """
 
     problem: CandidateProblem
-    num_known: int
     z: np.ndarray
     residual: np.ndarray
     jacobian: np.ndarray | None = None
@@ -81,7 +81,6 @@ class Ground:
     def __init__(self, evaluator: Evaluator, leader: CandidateFit):
         self.evaluator, self.leader = evaluator, leader
         self.rows = evaluator.ends[-1]
-        self.num_known = len(leader.solution.z)
         self.sensitivities = leader.solution.jacobian[: self.rows]
         self.basis = np.linalg.qr(self.sensitivities)[0]
         problem = CandidateProblem(evaluator, leader.effects, leader.values)
@@ -94,8 +93,7 @@ class Ground:
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
         """What of residuals or columns no change of the leader's fit takes."""
-        vectors = vectors[: self.rows]
-        return vectors - self.basis @ (self.basis.T @ vectors)
+        return beyond(vectors[: self.rows], self.basis)
 
     def foresee(self, runner: Runner) -> tuple[float, float]:
         """What is left at the best place on the straight way to a runner.
@@ -121,9 +119,9 @@ class Ground:
         level = self.evaluator.noise_level(uses, coarse=True)
         return max(0.0, level * count - self.noise)
 
-    def differentiate(self, runner: Runner):
+    def differentiate(self, problem: CandidateProblem):
         """Jacobian with the leader's columns kept."""
-        problem, n = runner.problem, runner.num_known
+        n = self.sensitivities.shape[1]
 
         def jacobian(z, residual):
             columns = problem.columns(z, n, residual)
@@ -190,13 +188,13 @@ def step(ground: Ground, runner: Runner, count: int) -> bool:
     kept = runner.jacobian if problem.num_free > _FEW else None
     try:
         solution = solve_gauss_newton(
-            lambda points, coarse=True: problem.batch(points, coarse=True),
+            partial(problem.batch, coarse=True),
             runner.z,
             problem.lower,
             problem.upper,
             problem.steps,
             problem.radius,
-            differentiate=ground.differentiate(runner),
+            differentiate=ground.differentiate(problem),
             known=(runner.residual, kept),
             max_iterations=count,
             tolerance=1e-3,
@@ -214,10 +212,17 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
     A start that is far too strong or too weak is followed by one of the
     strength that it foresees.
     """
-    found = []
+    leader, found = ground.leader, []
     for values in card.starts():
         for _ in range(_RESCALED + 1):
-            runner = _make_runner(ground, card, values)
+            runner = make_runner(
+                ground,
+                [*leader.effects, card],
+                [*leader.values, values],
+                leader.subject,
+                leader.spread,
+                card,
+            )
             if runner is None:
                 break
             runner.promise, far = ground.foresee(runner)
@@ -235,18 +240,33 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
     return found
 
 
-def _make_runner(ground: Ground, card: Effect, values) -> Runner | None:
-    leader = ground.leader
-    problem = CandidateProblem(
-        ground.evaluator, [*leader.effects, card], [*leader.values, values]
-    )
-    if leader.spread is not None:
-        problem.spread = leader.spread / problem.spread_scale
-    z = problem.join(leader.subject, [*leader.values, values])
-    z, residual = own_starts(problem, card, z)
-    if residual is None:
-        return None
-    return Runner(problem, ground.num_known, z, residual)
+def make_runner(
+    ground: Ground,
+    effects: Sequence[Effect],
+    values: Sequence[np.ndarray],
+    subject: np.ndarray,
+    spread: float | None = None,
+    fresh: Effect | None = None,
+) -> Runner | None:
+    """A candidate where its search begins; None where its twin breaks down.
+
+    Args:
+        ground: Where the race sets out from.
+        effects: Of the candidate, the leader's first.
+        values: Parameters of each.
+        subject: Values of the subject's parameters.
+        spread: Of parameters that have a common one, where it is known.
+        fresh: An effect whose runs take the best of their own starts.
+    """
+    problem = CandidateProblem(ground.evaluator, effects, values)
+    if spread is not None:
+        problem.spread = spread / problem.spread_scale
+    z = problem.join(subject, values)
+    if fresh is not None:
+        z, residual = own_starts(problem, fresh, z)
+    else:
+        (residual,) = problem.batch([z], coarse=True)
+    return None if residual is None else Runner(problem, z, residual)
 
 
 def own_starts(problem: CandidateProblem, card: Effect, z: np.ndarray):

@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.gap.evaluation import Evaluator
+from brace_drake.effects.card import Effect
+from brace_drake.gap.evaluation import Evaluator, is_dithered
 from brace_drake.gap.planned import predict, subject_columns
 from brace_drake.gap.separation import beyond, orthonormal_basis
 
@@ -28,8 +28,6 @@ from brace_drake.gap.separation import beyond, orthonormal_basis
 _NEAR, _TRIES = 1.25, 12
 # More alike parameters than this are drawn, with this seed, not all the same.
 _ALIKE, _SEED = 3, 5
-# Of the range, the size of parameters whose search starts at 0.
-_SHARE = 0.05
 # Gauss-Newton steps of the subject at most, and relative changes of it that
 # are none.
 _REFITS, _SETTLED = 4, 2e-3
@@ -130,7 +128,7 @@ class SignatureMaker:
         steps, points = [], []
         for i in np.flatnonzero(effect.is_continuous):
             parameter, point = effect.parameters[i], values.copy()
-            step = _STEP * (abs(values[i]) or scale_of(parameter))
+            step = _STEP * (abs(values[i]) or parameter.typical)
             if values[i] + step > parameter.upper:
                 step = -step
             point[i] += step
@@ -148,7 +146,7 @@ class SignatureMaker:
 
     def _changes(self, effect, points, subject) -> list[np.ndarray | None]:
         """What an effect and a subject change in the weighted recordings."""
-        dithered = effect.dithered or self._is_dithered
+        dithered = is_dithered(self._evaluator.twin, [(effect, ())])
         if dithered not in self._nominal:
             (parts,) = predict(self._evaluator, [(self._subject, ())], dithered)
             self._nominal[dithered] = np.concatenate(parts)
@@ -164,16 +162,6 @@ class SignatureMaker:
             else np.concatenate(parts) - nominal
             for parts in found
         ]
-
-    @property
-    def _is_dithered(self) -> bool:
-        return any(e.dithered for e, _ in self._evaluator.twin.carried)
-
-
-def scale_of(parameter: EffectParameter) -> float:
-    """A size of a parameter that is worth a look."""
-    start = abs(parameter.starts[len(parameter.starts) // 2])
-    return start if start > 0.0 else _SHARE * parameter.upper
 
 
 def is_strength(effect: Effect, i: int) -> bool:
@@ -203,9 +191,7 @@ def sizes_of(effect: Effect) -> Callable[[float], np.ndarray]:
     if len(strong) > _ALIKE:
         draws = np.random.default_rng(_SEED).standard_normal(len(strong))
     off = np.array([effect.parameters[i].off for i in strong])
-    full = np.array(
-        [shape[i] or scale_of(effect.parameters[i]) for i in strong]
-    )
+    full = np.array([shape[i] or effect.parameters[i].typical for i in strong])
 
     def at(size: float) -> np.ndarray:
         values = shape.copy()

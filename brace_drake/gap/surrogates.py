@@ -10,6 +10,7 @@ import numpy as np
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.prepare import noise_replicates
+from brace_drake.gap.separation import beyond
 
 _REPLICATES = 6
 _DRAWS = 400
@@ -29,13 +30,11 @@ class NullDistribution:
     Attributes:
         misfit: Mean squares of the weighted noise minus 1, per surrogate.
         gain: Largest relative gain of any effect, per surrogate.
-        covariance: Of the subject's scaled parameters under that noise.
         numerical: Mean squares that halving the plant step would change.
     """
 
     misfit: np.ndarray
     gain: np.ndarray
-    covariance: np.ndarray
     numerical: float
 
     @property
@@ -77,7 +76,7 @@ def draw_null(
     """
     noise = _weighted_noise(evaluator, nominal, seed)
     n = len(nominal.subject)
-    basis, triangle = np.linalg.qr(nominal.solution.jacobian)
+    basis, _ = np.linalg.qr(nominal.solution.jacobian)
     bases = [
         _orthogonal_part(basis, fit, n)
         for fit in fits
@@ -86,7 +85,7 @@ def draw_null(
     parts = _project(evaluator, noise, [basis, *bases])
     generator = np.random.default_rng([seed, 11])
     runs = len(evaluator.prepared)
-    misfit, gain, subject = [], [], []
+    misfit, gain = [], []
     for _ in range(_DRAWS):
         pick = generator.integers(_REPLICATES, size=runs)
         squares = sum(parts[r][i][0] for r, i in enumerate(pick))
@@ -96,13 +95,10 @@ def draw_null(
         ]
         explained = scores[0] @ scores[0]
         misfit.append((squares - explained) / evaluator.count - 1.0)
-        subject.append(np.linalg.solve(triangle, scores[0]))
         gains = [float(s @ s) for s in scores[1:]]
         gain.append(max(gains, default=0.0) / evaluator.count)
     numerical = _numerical_error(evaluator, nominal)
-    return NullDistribution(
-        np.array(misfit), np.array(gain), np.cov(np.array(subject).T), numerical
-    )
+    return NullDistribution(np.array(misfit), np.array(gain), numerical)
 
 
 def _weighted_noise(evaluator, nominal, seed):
@@ -122,7 +118,7 @@ def _weighted_noise(evaluator, nominal, seed):
 def _orthogonal_part(basis, fit, n):
     """Orthonormal columns of an effect beyond the subject's."""
     columns = fit.solution.jacobian[: len(basis), n:]
-    columns = columns - basis @ (basis.T @ columns)
+    columns = beyond(columns, basis)
     norms = np.linalg.norm(columns, axis=0)
     columns = columns[:, norms > 1e-9]
     return np.linalg.qr(columns)[0] if columns.size else columns
