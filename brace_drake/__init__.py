@@ -1,0 +1,1 @@
+"""Digital twin of a robotic scoliosis brace that says why it differs."""
