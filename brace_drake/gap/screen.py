@@ -23,11 +23,14 @@ from brace_drake.gap.candidates import CandidateFit, finish_fit
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.separation import beyond
+from brace_drake.gap.verdict import is_exact
 
 _STEPS = 5
 # Who is searched: this many, and all that promise to leave at most this many
 # times what the best has left so far.
 _PLACES, _FACTOR = 5, 2.0
+# So many are enough once one follows the recording to the floor.
+_PLACES_AT_FLOOR = 3
 # Beyond these places a promise counts from this share of the gap on.
 _SHARE = 0.1
 # About as near as a coarse search comes, in squares of the floor.
@@ -90,10 +93,16 @@ class Ground:
         self.noise = evaluator.count * evaluator.noise_level(
             leader.uses, coarse=True
         )
+        self.there = max(0.0, float(self.left @ self.left) - self.noise)
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
         """What of residuals or columns no change of the leader's fit takes."""
         return beyond(vectors[: self.rows], self.basis)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the leader leaves nothing for another effect to explain."""
+        return is_exact(self.evaluator, self.leader)
 
     def foresee(self, runner: Runner) -> tuple[float, float]:
         """What is left at the best place on the straight way to a runner.
@@ -149,12 +158,15 @@ def race(
         places: So many are searched whatever they promise.
 
     Returns:
-        Runners, those searched with a Jacobian.
+        Runners, those searched with a Jacobian; none is searched where the
+        leader leaves nothing to explain.
     """
     runners = []
     for i, card in enumerate(cards):
         say(f"cause {card.key}", 0.6 * i / len(cards))
         runners += line_up(ground, card)
+    if ground.is_exact:
+        return runners
     best = {}
     for runner in sorted(runners, key=lambda r: r.promise):
         best.setdefault(runner.problem.effects[-1].key, runner)
@@ -170,11 +182,13 @@ def search_best(
 ) -> None:
     """Searches the runners that promise most, best first."""
     least, trust = np.inf, _COARSE * ground.evaluator.count
-    there = max(0.0, float(ground.left @ ground.left) - ground.noise)
+    there = ground.there
     for place, runner in enumerate(runners):
         fit = runner.fit()
         far_behind = fit.excess > _FACTOR * (least + trust)
         no_gain = there - fit.excess < max(trust, _SHARE * there)
+        if least <= trust:
+            places = min(places, _PLACES_AT_FLOOR)
         if place >= places and (far_behind or no_gain):
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
@@ -233,6 +247,8 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
                 break
             if card.run_parameters or _ENOUGH < far < 1.0 / _ENOUGH:
                 break
+            if ground.is_exact:
+                return found
             rescaled = card.scaled(values, max(far, _WEAKEST))
             if np.allclose(rescaled, values, rtol=0.1, atol=0.0):
                 break
