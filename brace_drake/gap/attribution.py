@@ -29,14 +29,12 @@ Games II, 1953; Groemping, The American Statistician 61, 2007.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import factorial
 
 import numpy as np
 
-UNEXPLAINED = "none of these"
+from brace_drake.gap.shapley import UNEXPLAINED, coalitions, shapley_values
 
 # Part of the gap that a further block has to explain.
 _PRICE = 0.015
@@ -84,25 +82,6 @@ def gather(
     )
 
 
-def shapley_values(values: dict[frozenset[int], float], n: int) -> np.ndarray:
-    """Shapley values of a game of n players.
-
-    phi_i = sum over S without i of |S|! (n - |S| - 1)! / n!
-            (v(S + i) - v(S)).
-
-    Args:
-        values: v of every coalition, the empty one included.
-        n: Number of players, numbered from 0.
-    """
-    out = np.zeros(n)
-    for coalition, value in values.items():
-        for i in set(range(n)) - coalition:
-            size = len(coalition)
-            weight = factorial(size) * factorial(n - size - 1) / factorial(n)
-            out[i] += weight * (values[coalition | {i}] - value)
-    return out
-
-
 def explained_shares(
     moments: Moments, weights: np.ndarray | None = None
 ) -> dict[frozenset[int], float] | None:
@@ -120,7 +99,7 @@ def explained_shares(
     if gap <= 0.0:
         return None
     out = {}
-    for coalition in _coalitions(len(moments.blocks)):
+    for coalition in coalitions(len(moments.blocks)):
         inside = np.flatnonzero(np.isin(owner, list(coalition)))
         out[coalition] = min(1.0, _explained(gram, inside) / gap)
     return _never_falling(out)
@@ -166,15 +145,6 @@ def _explained(gram: np.ndarray, inside: np.ndarray) -> float:
     return max(0.0, float(target @ solution) - len(inside))
 
 
-def _coalitions(n: int) -> list[frozenset[int]]:
-    """All of them, smaller ones first."""
-    return [
-        frozenset(c)
-        for size in range(n + 1)
-        for c in itertools.combinations(range(n), size)
-    ]
-
-
 def fewest(
     values: dict[frozenset[int], float], settled: frozenset[int] | None = None
 ) -> frozenset[int]:
@@ -202,7 +172,7 @@ def shares_of(
     members = sorted(fewest(values, settled))
     inner = {
         s: values[frozenset(members[i] for i in s)]
-        for s in _coalitions(len(members))
+        for s in coalitions(len(members))
     }
     out = np.zeros(n + 1)
     out[members] = shapley_values(inner, len(members))

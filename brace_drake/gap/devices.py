@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from brace_drake.campaign.recording import Campaign
 from brace_drake.errors import CampaignError, ScenarioError
+from brace_drake.gap.bench_attribution import attribute_bench
 from brace_drake.gap.bench_ladder import (
     bench_quantities,
     bench_rungs,
@@ -41,12 +42,15 @@ class Device:
         rungs: Of the substitution ladder.
         quantities: From (twin, recording) to series of what users ask for.
         phase_inputs: From a prepared run to reference and force or None.
+        attribute: From (evaluator, nominal fit, seed) to shares of the blocks
+            in a gap that no effect explains; None where that is not known.
     """
 
     twin: object
     rungs: list[Rung]
     quantities: Callable
     phase_inputs: Callable
+    attribute: Callable | None = None
 
 
 def MakeDevice(campaign: Campaign, scenario=None) -> Device:
@@ -90,7 +94,9 @@ def check_room(twin) -> None:
 def _MakeBench(campaign: Campaign, scenario) -> Device:
     twin = BenchTwin(scenario or BenchScenario())
     rungs = bench_rungs(twin, campaign.rate_hz)
-    return Device(twin, rungs, bench_quantities, prepared_phase_inputs)
+    return Device(
+        twin, rungs, bench_quantities, prepared_phase_inputs, attribute_bench
+    )
 
 
 def _MakeLegBench(campaign: Campaign, scenario) -> Device:

@@ -9,7 +9,6 @@ import numpy as np
 
 from brace_drake.campaign.recording import Campaign
 from brace_drake.gap import verdict
-from brace_drake.gap.bench_attribution import attribute_bench
 from brace_drake.gap.budget import (
     PHASES,
     band_budget,
@@ -25,11 +24,11 @@ from brace_drake.gap.cause_rows import (
 from brace_drake.gap.cube import gap_cube
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.next_run import NextRun, describe_next
+from brace_drake.gap.repair_shares import share_repairs
 from brace_drake.gap.run_parameters import has_run_parameters
 from brace_drake.gap.shrink_part import shrink_part
 from brace_drake.gap.uncertainty import EstimateTable
 from brace_drake.gap.verdict_text import next_experiment, verdict_sentence
-from brace_drake.twin.bench_twin import BenchTwin
 
 FORMAT = "brace-diagnosis/1"
 
@@ -114,6 +113,7 @@ def _where(d: Diagnosis) -> dict:
     return {
         "blocks": d.ladder,
         "attribution": _attribution(d),
+        "attribution_by": "repair" if d.verdict.winner else "errors",
         "channels": channel_budget(d.fit_runs, channels, floor),
         "phases": phase_budget(d.fit_runs, phases),
         "bands": band_budget(d.fit_runs, rate),
@@ -124,10 +124,13 @@ def _where(d: Diagnosis) -> dict:
 
 
 def _attribution(d: Diagnosis) -> list[dict]:
-    """Shares of the blocks; empty without a gap or where no law is known."""
-    if not d.verdict.gap or not isinstance(d.device.twin, BenchTwin):
+    """Shares of the blocks: by repair, else by what their errors could do."""
+    winner, rivals = d.verdict.winner, d.verdict.ambiguous_with
+    if winner is not None:
+        return share_repairs(d.evaluator, d.nominal, winner, rivals, d.seed)
+    if not d.verdict.gap or d.device.attribute is None:
         return []
-    return attribute_bench(d.evaluator, d.nominal, d.seed)
+    return d.device.attribute(d.evaluator, d.nominal, d.seed)
 
 
 def _subject(table: EstimateTable) -> dict:

@@ -102,6 +102,7 @@ def _make_where(where: dict) -> dict:
     return {
         "lead": _where_lead(blocks),
         "attribution": [attribution_row(r) for r in shares],
+        "attribution_by": text(where, "attribution_by"),
         "attribution_figure": draw_attribution(shares),
         "cube_figure": draw_cube(rows(where, "cube")),
         "blocks": [block_row(b) for b in blocks],

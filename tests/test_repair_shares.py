@@ -1,0 +1,68 @@
+"""Shares of repaired blocks on recordings whose gap is known."""
+
+import unittest
+
+import numpy as np
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.gap.candidates import fit_effects, fit_nominal
+from brace_drake.gap.devices import MakeDevice
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.gap.repair_shares import share_repairs
+from brace_drake.gap.shapley import UNEXPLAINED
+from tests.pad_recordings import ARM, make_campaign, relaxing
+
+DRIFT = 2.0e-2
+
+
+def drifting(motion, time):
+    """A relaxing tissue under a gauge that drifts, N/s, as it warms up."""
+    return relaxing(motion, time) + DRIFT * time
+
+
+class TestShares(unittest.TestCase):
+    def shares(self, force_of, names, rivals=()):
+        campaign = make_campaign(force_of)
+        twin = MakeDevice(campaign).twin
+        subject = np.array([p.nominal for p in twin.subject])
+        floors, _ = estimate_floors(twin, campaign, subject, 0)
+        runs = prepare_runs(
+            twin, campaign.split("fit"), floors, campaign.rate_hz, 0
+        )
+        evaluator = Evaluator(twin, runs, 1)
+        nominal = fit_nominal(evaluator)
+        cards = [find_effect(name) for name in names]
+        starts = [next(iter(card.starts())) for card in cards]
+        winner = fit_effects(evaluator, cards, starts)
+        rows = share_repairs(evaluator, nominal, winner, rivals, 0)
+        return {row["block"]: row for row in rows}
+
+    def test_one_block_gets_all_that_its_repair_takes(self):
+        rows = self.shares(relaxing, ["relaxation"], ["force_drift"])
+        self.assertEqual(list(rows), ["contact", UNEXPLAINED])
+        self.assertGreater(rows["contact"]["share"], 0.99)
+        self.assertEqual(rows["contact"]["or"], ["sensing"])
+        total = sum(row["share"] for row in rows.values())
+        self.assertAlmostEqual(total, 1.0, places=12)
+
+    def test_a_block_that_is_right_adds_nothing_to_the_other(self):
+        rows = self.shares(relaxing, ["relaxation", "force_drift"])
+        self.assertGreater(rows["contact"]["share"], 0.8)
+        self.assertGreater(rows["contact"]["alone"], 0.99)
+
+    def test_two_blocks_share_the_gap_and_nothing_is_left(self):
+        rows = self.shares(drifting, ["relaxation", "force_drift"])
+        self.assertEqual(list(rows), ["contact", "sensing", UNEXPLAINED])
+        total = sum(row["share"] for row in rows.values())
+        self.assertAlmostEqual(total, 1.0, places=12)
+        self.assertLess(rows[UNEXPLAINED]["share"], 0.01)
+        for block in ("contact", "sensing"):
+            row = rows[block]
+            self.assertLess(row["alone"], 1.0)
+            self.assertLessEqual(row["lower95"], row["share"])
+            self.assertGreaterEqual(row["upper95"], row["share"])
+
+
+if __name__ == "__main__":
+    unittest.main()
