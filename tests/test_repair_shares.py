@@ -11,7 +11,7 @@ from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
 from brace_drake.gap.repair_shares import share_repairs
 from brace_drake.gap.shapley import UNEXPLAINED
-from tests.pad_recordings import ARM, make_campaign, relaxing
+from tests.pad_recordings import make_campaign, relaxing
 
 DRIFT = 2.0e-2
 

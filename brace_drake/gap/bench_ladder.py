@@ -9,6 +9,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.gap.phases import MotionSignals
 from brace_drake.laws import blocks, controller
 from brace_drake.laws.legs import solve_forward_kinematics
 from brace_drake.laws.rotation import quaternion_to_rotation_vector
@@ -17,6 +18,7 @@ from brace_drake.twin.subject import with_subject
 
 _COMMANDS, _LENGTHS = slice(0, 6), slice(6, 12)
 _FORCE, _MARKER, _VIRTUAL = slice(12, 15), slice(15, 18), 18
+_FORCE_Y, _TORSO_Y = 13, 16
 _CUTOFF_HZ = 5.0
 
 
@@ -205,7 +207,20 @@ def bench_quantities(twin: BenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
     return {"force_error_N": x[:, _FORCE], "ring_error_mm": 1e3 * poses[:, 0:3]}
 
 
-def prepared_phase_inputs(prepared: PreparedRun):
-    """Reference and force along y of a run, for its phases."""
+def bench_signals(
+    twin: BenchTwin, prepared: PreparedRun, subject: np.ndarray
+) -> MotionSignals:
+    """Signals along y of a run; a pad has lost touch where the force of the
+    other one alone, 2 k d_0 and more, is measured.
+    """
+    x = prepared.measured
+    travel, name = ring_poses(twin, x[:, _LENGTHS])[0][:, 1], "ring"
+    touching = None
+    if prepared.run.contact:
+        travel, name = travel - x[:, _TORSO_Y], "ring against torso"
+        values = {p.name: v for p, v in zip(twin.subject, subject, strict=True)}
+        alone = 2.0 * values["contact_stiffness_N_m"] * values["preload_m"]
+        force = x[:, _FORCE_Y]
+        touching = np.column_stack([force > -alone, force < alone])
     desired = prepared.run.channels["ring2_y_desired_m"]
-    return desired, prepared.measured[:, 13]
+    return MotionSignals(desired, _FORCE_Y, touching, travel, name)

@@ -4,50 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from brace_drake.gap.phases import PHASES
 from brace_drake.gap.shrink import RunComparison, channel_gaps
 
 BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 30.0), (30.0, 1e9))
-# Slower than this share of a run's top speed is rest.
-_SLOW = 0.1
-# Samples on both sides of a change of direction that belong to it.
-_REVERSAL_S = 0.15
-
-PHASES = ("reversal", "hold", "loading", "unloading", "free motion")
-
-
-def motion_phases(
-    position: np.ndarray, force: np.ndarray | None, rate: float, contact: bool
-) -> np.ndarray:
-    """Phase of each sample, an index into PHASES (N,).
-
-    Args:
-        position: Reference along the motion (N,), m.
-        force: Measured force along it (N,), N; None without.
-        rate: Hz.
-        contact: Whether the torso is there.
-    """
-    velocity = np.gradient(position) * rate
-    top = np.max(np.abs(velocity))
-    if top == 0.0:
-        return np.full(len(position), PHASES.index("hold"))
-    moving = np.abs(velocity) > _SLOW * top
-    phase = np.where(moving, PHASES.index("free motion"), PHASES.index("hold"))
-    if contact and force is not None:
-        rising = velocity * np.sign(force) > 0.0
-        phase[moving & rising] = PHASES.index("loading")
-        phase[moving & ~rising] = PHASES.index("unloading")
-    width = max(1, round(_REVERSAL_S * rate))
-    for at in _direction_changes(velocity, _SLOW * top):
-        phase[max(0, at - width) : at + width] = PHASES.index("reversal")
-    return phase
-
-
-def _direction_changes(velocity: np.ndarray, threshold: float) -> list[int]:
-    """Samples at which a real motion turns into its opposite."""
-    fast = np.flatnonzero(np.abs(velocity) > threshold)
-    signs = np.sign(velocity[fast])
-    turns = np.flatnonzero(signs[1:] != signs[:-1])
-    return [int((fast[i] + fast[i + 1]) // 2) for i in turns]
 
 
 def channel_budget(

@@ -11,18 +11,18 @@ from brace_drake.gap.bench_attribution import attribute_bench
 from brace_drake.gap.bench_ladder import (
     bench_quantities,
     bench_rungs,
-    prepared_phase_inputs,
+    bench_signals,
 )
 from brace_drake.gap.ladder import Rung
 from brace_drake.gap.leg_ladder import (
-    leg_phase_inputs,
     leg_quantities,
     leg_rungs,
+    leg_signals,
 )
 from brace_drake.gap.pad_ladder import (
-    pad_phase_inputs,
     pad_quantities,
     pad_rungs,
+    pad_signals,
 )
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.bench import BenchScenario
@@ -41,7 +41,8 @@ class Device:
         twin: The nominal twin.
         rungs: Of the substitution ladder.
         quantities: From (twin, recording) to series of what users ask for.
-        phase_inputs: From a prepared run to reference and force or None.
+        motion_signals: From (twin, prepared run, subject values) to what phases
+            of the motion are read from.
         attribute: From (evaluator, nominal fit, seed) to shares of the blocks
             in a gap that no effect explains; None where that is not known.
     """
@@ -49,7 +50,7 @@ class Device:
     twin: object
     rungs: list[Rung]
     quantities: Callable
-    phase_inputs: Callable
+    motion_signals: Callable
     attribute: Callable | None = None
 
 
@@ -94,19 +95,17 @@ def check_room(twin) -> None:
 def _MakeBench(campaign: Campaign, scenario) -> Device:
     twin = BenchTwin(scenario or BenchScenario())
     rungs = bench_rungs(twin, campaign.rate_hz)
-    return Device(
-        twin, rungs, bench_quantities, prepared_phase_inputs, attribute_bench
-    )
+    return Device(twin, rungs, bench_quantities, bench_signals, attribute_bench)
 
 
 def _MakeLegBench(campaign: Campaign, scenario) -> Device:
     twin = LegBenchTwin(scenario or MakeLegBenchScenario(campaign))
-    return Device(twin, leg_rungs(twin), leg_quantities, leg_phase_inputs)
+    return Device(twin, leg_rungs(twin), leg_quantities, leg_signals)
 
 
 def _MakePadBench(campaign: Campaign, scenario) -> Device:
     twin = PadBenchTwin(scenario or MakePadBenchScenario(campaign))
-    return Device(twin, pad_rungs(twin), pad_quantities, pad_phase_inputs)
+    return Device(twin, pad_rungs(twin), pad_quantities, pad_signals)
 
 
 _DEVICES = {

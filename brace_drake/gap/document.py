@@ -10,10 +10,8 @@ import numpy as np
 from brace_drake.campaign.recording import Campaign
 from brace_drake.gap import verdict
 from brace_drake.gap.budget import (
-    PHASES,
     band_budget,
     channel_budget,
-    motion_phases,
     phase_budget,
 )
 from brace_drake.gap.cause_rows import (
@@ -24,8 +22,10 @@ from brace_drake.gap.cause_rows import (
 from brace_drake.gap.cube import gap_cube
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.next_run import NextRun, describe_next
+from brace_drake.gap.phases import PHASES, motion_phases
 from brace_drake.gap.repair_shares import share_repairs
 from brace_drake.gap.run_parameters import has_run_parameters
+from brace_drake.gap.shrink import RunComparison
 from brace_drake.gap.shrink_part import shrink_part
 from brace_drake.gap.uncertainty import EstimateTable
 from brace_drake.gap.verdict_text import next_experiment, verdict_sentence
@@ -103,13 +103,7 @@ def _where(d: Diagnosis) -> dict:
     channels, rate = d.device.twin.channels, d.campaign.rate_hz
     reference = d.fit_runs[-1].prepared.floor.rms
     floor = dict(zip(channels, reference, strict=True))
-    phases = []
-    for comparison in d.fit_runs:
-        prepared = comparison.prepared
-        position, force = d.device.phase_inputs(prepared)
-        phases.append(
-            motion_phases(position, force, rate, prepared.run.contact)
-        )
+    phases = [_phases(d, comparison) for comparison in d.fit_runs]
     return {
         "blocks": d.ladder,
         "attribution": _attribution(d),
@@ -121,6 +115,24 @@ def _where(d: Diagnosis) -> dict:
         if d.verdict.gap
         else [],
     }
+
+
+def _phases(d: Diagnosis, comparison: RunComparison) -> np.ndarray:
+    prepared = comparison.prepared
+    signals = d.device.motion_signals(
+        d.device.twin, prepared, d.nominal.subject
+    )
+    breath = None
+    if has_run_parameters(d.verdict.winner) and signals.force is not None:
+        # What its repair changes while the brace holds still is the breath.
+        breath = (comparison.after - comparison.before)[:, signals.force]
+    return motion_phases(
+        signals,
+        prepared.measured,
+        d.campaign.rate_hz,
+        prepared.run.contact,
+        breath,
+    )
 
 
 def _attribution(d: Diagnosis) -> list[dict]:

@@ -9,6 +9,7 @@ import numpy as np
 from brace_drake.campaign.recording import Run
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.gap.phases import MotionSignals
 from brace_drake.twin.leg_bench_twin import LegBenchTwin
 
 _CUTOFF_HZ = 20.0
@@ -54,7 +55,10 @@ def leg_quantities(twin: LegBenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
     return {"force_error_N": x[:, [0]], "position_error_mm": 1e3 * x[:, [1]]}
 
 
-def leg_phase_inputs(prepared: PreparedRun):
-    """Reference, or else position, of a run, for its phases; no force."""
+def leg_signals(
+    twin: LegBenchTwin, prepared: PreparedRun, subject: np.ndarray
+) -> MotionSignals:
+    """Reference, or else position, of a run; no force."""
     channels = prepared.run.channels
-    return channels.get("position_desired_m", channels["position_m"]), None
+    position = channels.get("position_desired_m", channels["position_m"])
+    return MotionSignals(position, None, None, position, "position")

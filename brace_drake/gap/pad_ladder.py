@@ -6,6 +6,7 @@ import numpy as np
 
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.gap.phases import MotionSignals
 from brace_drake.twin.pad_bench_twin import PadBenchTwin, simulate_pad
 
 # Motion of tissue under a pad is slower than this, Hz.
@@ -110,6 +111,11 @@ def pad_quantities(twin: PadBenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
     return {"force_error_N": x}
 
 
-def pad_phase_inputs(prepared: PreparedRun):
-    """Displacement and force of a run, for its phases."""
-    return prepared.motion.displacement, prepared.measured[:, 0]
+def pad_signals(
+    twin: PadBenchTwin, prepared: PreparedRun, subject: np.ndarray
+) -> MotionSignals:
+    """Displacement and force of a run; the pad touches where there is any."""
+    force = prepared.measured[:, 0]
+    touching = force[:, None] > _TOUCH * prepared.motion.sigma
+    displacement = prepared.motion.displacement
+    return MotionSignals(displacement, 0, touching, displacement, "position")
