@@ -22,6 +22,9 @@ _STEPS, _FAR_STEPS = 10, 30
 # Relative decrease of the sum of squares that ends the search at the coarse
 # plant step, and at the twin's own.
 _NEAR, _END = 1e-3, 1e-5
+# Where drives stick the sum of squares is rough: what a search gains by less
+# at a time, or in later steps, is chance.
+_NEAR_ROUGH, _ROUGH_STEPS = 1e-2, 8
 # A change of the common spread by less is none, in logarithms.
 _SAME_SPREAD = 0.05
 _SPREAD_ROUNDS = 3
@@ -139,13 +142,14 @@ def search(
     """
     limits = problem.lower, problem.upper, problem.steps, problem.radius
     if known is None:
+        rough = problem.is_rough
         near = solve_gauss_newton(
             partial(problem.batch, coarse=True),
             z,
             *limits,
             differentiate=lambda z, r: problem.columns(z, base=r),
-            max_iterations=_FAR_STEPS,
-            tolerance=_NEAR,
+            max_iterations=_ROUGH_STEPS if rough else _FAR_STEPS,
+            tolerance=_NEAR_ROUGH if rough else _NEAR,
         )
         z = near.z
         known = problem.batch([z])[0], near.jacobian

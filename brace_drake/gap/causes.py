@@ -20,6 +20,7 @@ from brace_drake.gap.verdict import (
     explains,
     has_gap,
     is_exact,
+    is_near_floor,
     refined,
 )
 
@@ -72,20 +73,20 @@ def try_causes(
             explains(evaluator, nominal, f, null) for f in refined(candidates)
         )
 
-    if not is_exact(evaluator, nominal) and not is_settled(fits):
+    if not is_exact(evaluator, nominal) and not is_near_floor(evaluator, fits):
         flexible = [c for c in cards if is_flexible(c)]
         more = race(ground, flexible, _part(say, 0.45, 0.5), places=0)
         fits += _refine_flexible(evaluator, nominal, fits, best_fits(more))
         runners += more
     has_one = fits and has_gap(evaluator, nominal, fits, null)
-    if not has_one or is_settled(fits):
+    if not has_one or (is_settled(fits) and is_near_floor(evaluator, fits)):
         return fits, null
     partners = _partners(runners, fits, nominal)
     del runners
     found = search_pairs(ground, partners, _part(say, 0.55, 0.68))
     del partners
     pairs = refine(evaluator, best_fits(found), nominal.excess)
-    if not is_settled(pairs):
+    if not is_settled([*fits, *pairs]):
         say("a second effect", 0.7)
         say_more = _part(say, 0.7, 0.78)
         pairs += _beside_best(evaluator, nominal, fits, simple, say_more)

@@ -31,6 +31,8 @@ class CandidateProblem:
     deviation of their own or with a common spread, adds a row z_i / s_i to
     the residual.
 
+    Attribute `is_rough` tells whether noise dithers an effect.
+
     Args:
         evaluator: Over the fit runs.
         effects: None for the nominal twin.
@@ -72,10 +74,10 @@ class CandidateProblem:
         self.radius = np.array(radius)
         self.steps = np.full(len(units), _EFFECT_STEP)
         self.steps[: self.num_subject] = _SUBJECT_STEP
-        self._is_rough = evaluator.twin.has_loop and any(
+        self.is_rough = evaluator.twin.has_loop and any(
             e.dithered for e in effects
         )
-        if self._is_rough:
+        if self.is_rough:
             self.steps[: self.num_subject] *= _ROUGH
         self._groups = groups
         self._alike = np.zeros(len(units), dtype=bool)
@@ -228,7 +230,7 @@ class CandidateProblem:
             first: Of the columns.
             base: The coarse residual at z, where it is known.
         """
-        if self._is_rough:
+        if self.is_rough:
             forth = self._differences(z, first, base, self.steps)
             back = self._differences(z, first, base, -self.steps)
             return 0.5 * (forth + back)

@@ -25,6 +25,11 @@ MAJOR_REAL = 0.75
 # Root mean square, in floors, up to which a repaired twin counts as good: the
 # noise itself is 1, what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
+# Mean square, in floors, above which a single effect that explains most may
+# still be half of the answer.
+_ENOUGH = 0.5
+# Two effects have to leave this share of what one leaves.
+_SECOND_PAYS = 0.25
 # Mean square, in floors, up to which a twin of the right effect is trusted to
 # follow a recording: a tenth of the floor's amplitude and a bit.
 _EXACT_TO = 0.02
@@ -140,14 +145,12 @@ def decide(
         )
         short = best / smallest_share(evaluator)
         return Verdict(True, None, True, (), sure_of_outside(short))
-    # Fewer effects first: a pair is asked only where no single explains.
-    fewest = min(len(f.effects) for f in good)
-    good = [f for f in good if len(f.effects) == fewest]
-    winner = simplest(evaluator, good)
+    winner = simplest_of_fewest(evaluator, good)
+    number = len(winner.effects)
     rivals = [
         f
         for f in fits
-        if f.identifiers != winner.identifiers and len(f.effects) == fewest
+        if f.identifiers != winner.identifiers and len(f.effects) == number
     ]
     limit = _TIED * left_over(evaluator, winner)
     near = dict.fromkeys(
@@ -157,7 +160,7 @@ def decide(
     )
     second = min((left_over(evaluator, f) for f in rivals), default=np.inf)
     contrast = second / left_over(evaluator, winner)
-    sure = sure_of_effects(contrast, fewest)
+    sure = sure_of_effects(contrast, number)
     return Verdict(True, winner, False, tuple(near), sure)
 
 
@@ -169,6 +172,31 @@ def left_over(evaluator: Evaluator, fit: CandidateFit) -> float:
 def is_exact(evaluator: Evaluator, fit: CandidateFit) -> bool:
     """Whether a fit follows the recording as far as any twin is trusted to."""
     return misfit(evaluator, fit) <= _EXACT_TO
+
+
+def is_near_floor(evaluator: Evaluator, fits: Sequence[CandidateFit]) -> bool:
+    """Whether the best of fits leaves little to look for another effect in."""
+    best = next(iter(refined(fits)), None)
+    return best is not None and misfit(evaluator, best) <= _ENOUGH
+
+
+def simplest_of_fewest(
+    evaluator: Evaluator, fits: Sequence[CandidateFit]
+) -> CandidateFit:
+    """The simplest fit of one effect, or of two where the second one pays."""
+    by_number: dict[int, list[CandidateFit]] = {}
+    for fit in fits:
+        by_number.setdefault(len(fit.effects), []).append(fit)
+    numbers = sorted(by_number)
+    best = simplest(evaluator, by_number[numbers[0]])
+    for number in numbers[1:]:
+        richer = simplest(evaluator, by_number[number])
+        pays = _SECOND_PAYS * left_over(evaluator, best)
+        if left_over(evaluator, richer) < pays and (
+            misfit(evaluator, richer) <= _NEAR_FLOOR
+        ):
+            best = richer
+    return best
 
 
 def simplest(
