@@ -15,6 +15,7 @@ from brace_drake.campaign import (
     DEVICES,
     CheckCampaign,
     Limits,
+    LoadCampaign,
     WriteCampaign,
 )
 from brace_drake.campaign.samples import flat_extremes
@@ -291,11 +292,21 @@ class TestTable(CheckTest):
 
     def test_every_missing_column_is_reported(self):
         header, *rows = self.lines()
-        header = header.replace("torso_x_m", "a").replace("leg2_length_m", "b")
+        header = header.replace("ring2_force_y_N", "a")
+        header = header.replace("leg2_length_m", "b")
         self.put_lines([header, *rows])
-        for column in ("torso_x_m", "leg2_length_m"):
+        for column in ("ring2_force_y_N", "leg2_length_m"):
             self.assert_problem("missing column", column=column, only=False)
         self.assertEqual(len(CheckCampaign(self.path)), 2)
+
+    def test_a_marker_that_was_not_recorded_is_a_warning(self):
+        header, *rows = self.lines()
+        self.put_lines([header.replace("torso_x_m", "a"), *rows])
+        self.assert_problem(
+            "missing column", column="torso_x_m", severity="warning"
+        )
+        self.put_lines([header.replace("torso_x_m", "torso_x_mm"), *rows])
+        self.assert_problem("did you mean 'torso_x_mm'", column="torso_x_m")
 
     def test_another_unit_gets_a_hint(self):
         cases = ("leg1_length_mm", "leg1_length", "Leg1_Length_m")
@@ -344,7 +355,33 @@ class TestTable(CheckTest):
 
     def test_an_empty_field_is_reported_with_its_place(self):
         self.edit_cell(12, "leg6_length_m", "")
+        self.assert_problem(
+            "empty", row=12, column="leg6_length_m", severity="warning"
+        )
+        for row in range(13, 19):
+            self.edit_cell(row, "leg6_length_m", "")
         self.assert_problem("empty", row=12, column="leg6_length_m")
+
+    def test_a_lost_value_or_row_is_put_back_on_a_straight_line(self):
+        column = "ring2_force_y_N"
+        whole = LoadCampaign(self.path).runs[0].channels
+        line = 0.5 * (whole[column][30] + whole[column][32])
+        self.edit_cell(32, column, "nan")
+        found = LoadCampaign(self.path).runs[0].channels
+        self.assertAlmostEqual(found[column][31], line, places=12)
+        self.rewrite(make_campaign())
+        lines = self.lines()
+        del lines[32]
+        self.put_lines(lines)
+        found = LoadCampaign(self.path).runs[0].channels
+        for name, values in found.items():
+            self.assertEqual(len(values), len(whole[name]), name)
+        self.assertAlmostEqual(found[column][31], line, places=12)
+        np.testing.assert_allclose(found["time_s"], whole["time_s"], atol=1e-12)
+
+    def test_a_nan_in_the_time_is_an_error(self):
+        self.edit_cell(33, "time_s", "nan")
+        self.assert_problem("finite", row=33, column="time_s", only=False)
 
     def test_a_nan_is_reported_with_file_row_and_column(self):
         for text in ("nan", "inf", "-inf", "1e999"):
@@ -352,7 +389,11 @@ class TestTable(CheckTest):
                 self.rewrite(make_campaign())
                 self.edit_cell(33, "ring2_force_z_N", text, "free.csv")
                 self.assert_problem(
-                    "finite", file="free.csv", row=33, column="ring2_force_z_N"
+                    "finite",
+                    file="free.csv",
+                    row=33,
+                    column="ring2_force_z_N",
+                    severity="warning" if text == "nan" else "error",
                 )
 
     def test_problems_of_different_kinds_are_all_found(self):
@@ -614,7 +655,7 @@ class TestCommand(CheckTest):
         self.assertIn("1 warning", lines[-1])
 
     def test_errors_are_printed_line_by_line_and_end_with_status_2(self):
-        self.edit_cell(3, "torso_x_m", "nan")
+        self.edit_cell(3, "torso_x_m", "inf")
         (self.path / "free.csv").unlink()
         status, lines = self.run_command()
         self.assertEqual((status, len(lines)), (2, 3))

@@ -12,6 +12,7 @@ from brace_drake.campaign.columns import (
     Channel,
     near_miss,
 )
+from brace_drake.campaign.dropouts import fill_dropouts, lost_rows
 from brace_drake.campaign.findings import error, quoted, warning
 from brace_drake.campaign.manifest import (
     MANIFEST,
@@ -125,10 +126,11 @@ def _check_missing(
 ) -> list[Problem]:
     """One error per missing column, or one for all of a wrong device."""
     required = [c.name for c in channels.values() if c.required]
-    missing = [name for name in required if name not in columns]
+    wanted = [c.name for c in channels.values() if not c.is_optional]
+    missing = [name for name in wanted if name not in columns]
     extra = [name for name in columns if name not in channels]
     hints = {name: near_miss(name, extra) for name in missing}
-    if len(missing) > len(required) / 2 and not any(hints.values()):
+    if len(missing) > len(wanted) / 2 and not any(hints.values()):
         message = (
             f"{len(missing)} missing columns, is this a {device} recording? "
             + ", ".join(missing)
@@ -139,7 +141,11 @@ def _check_missing(
         message = "missing column"
         if hint is not None:
             message += f"; did you mean {quoted(hint)}?"
-        problems.append(error(file, message, name))
+        if name in required or hint is not None:
+            problems.append(error(file, message, name))
+        else:
+            message += "; what it would show stays unknown"
+            problems.append(warning(file, message, name))
     return problems
 
 
@@ -189,7 +195,7 @@ def _check_directions(
 ) -> list[Problem]:
     """Force signs, on the rows where every known channel has a number."""
     channels = DEVICES.get(manifest.device, {})
-    if any(c.required and c.name not in columns for c in channels.values()):
+    if any(not c.is_optional and n not in columns for n, c in channels.items()):
         return []
     known = {name: columns[name] for name in channels if name in columns}
     if not known:
@@ -248,6 +254,8 @@ def _compare_repeat(
     if all(same.values()):
         message = f"a copy of {entry.repeat_of}: it shows no noise"
         return [warning(entry.file, message)]
+    if any(lost_rows(c["time_s"]).any() for c in (repeat, original)):
+        return []
     return [
         warning(
             entry.file,
@@ -272,7 +280,9 @@ def _assemble(
             motion=entry.motion,
             repeat_of=entry.repeat_of,
             split=entry.split,
-            channels=tables[entry.file],
+            channels=fill_dropouts(
+                tables[entry.file], {"time_s", *DEVICES[manifest.device]}
+            ),
         )
         for entry in manifest.entries
     )

@@ -30,6 +30,7 @@ class Channel:
         saturates: Which limit clips it: "command", "reading" or None.
         is_input: Whether a repeat must show the same values again.
         required: Whether a recording without it is unusable.
+        is_optional: Whether a recording without it misses nothing.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Channel:
     saturates: str | None = None
     is_input: bool = False
     required: bool = True
+    is_optional: bool = False
 
     @property
     def unit(self) -> str:
@@ -73,7 +75,11 @@ def _leg(k: int) -> list[Channel]:
     # A leg of 0.09 to 0.2 m: millimetres and centimetres fall outside.
     return [
         Channel(
-            f"leg{k}_force_command_N", -1000.0, 1000.0, saturates="command"
+            f"leg{k}_force_command_N",
+            -1000.0,
+            1000.0,
+            saturates="command",
+            required=False,
         ),
         Channel(f"leg{k}_length_m", 0.03, 0.5),
     ]
@@ -97,13 +103,14 @@ def _ring(i: int) -> list[Channel]:
         Channel(y_d, -0.2, 0.2, constant="always", is_input=True),
         Channel(f"ring{i}_vy_desired_m_s", -2.0, 2.0, **driven),
         Channel(f"ring{i}_ay_desired_m_s2", -50.0, 50.0, **driven),
-        Channel(f"ring{i}_y_virtual_m", -0.2, 0.2, **driven),
+        Channel(f"ring{i}_y_virtual_m", -0.2, 0.2, required=False, **driven),
     ]
 
 
 def _torso() -> list[Channel]:
     return [
-        Channel(f"torso_{axis}_m", -0.2, 0.2, constant="free") for axis in _AXES
+        Channel(f"torso_{axis}_m", -0.2, 0.2, constant="free", required=False)
+        for axis in _AXES
     ]
 
 
@@ -117,7 +124,8 @@ def _stages(legs: Iterable[int], rings: Iterable[int]) -> list[Channel]:
 
 
 def _leg_bench() -> list[Channel]:
-    given = {"constant": "always", "is_input": True, "required": False}
+    given = {"constant": "always", "is_input": True}
+    given |= {"required": False, "is_optional": True}
     return [
         _time(),
         Channel("force_command_N", -1000.0, 1000.0, saturates="command"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -53,8 +54,16 @@ class Run:
         return self.channels["time_s"]
 
     def stack(self, columns: list[str] | tuple[str, ...]) -> np.ndarray:
-        """The named columns side by side, shape (N, len(columns))."""
-        return np.column_stack([self.channels[c] for c in columns])
+        """The named columns side by side, shape (N, len(columns)).
+
+        0 where a channel was not recorded, see `has`.
+        """
+        nothing = np.zeros(len(self.time_s))
+        return np.column_stack([self.channels.get(c, nothing) for c in columns])
+
+    def has(self, columns: Sequence[str]) -> np.ndarray:
+        """Which of the columns were recorded, bool (len(columns),)."""
+        return np.array([c in self.channels for c in columns])
 
 
 @dataclass(frozen=True)

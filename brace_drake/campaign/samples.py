@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.campaign.columns import Channel
+from brace_drake.campaign.dropouts import can_fill, lost_rows
 from brace_drake.campaign.findings import at_rows, error, warning
 from brace_drake.campaign.recording import Problem
 from brace_drake.campaign.table import Columns
@@ -55,7 +56,11 @@ def check_time(
     if gaps.any():
         step = steps[int(np.argmax(gaps))]
         message = f"gap in time: {step:.4g} s before this row"
-        problems += at_rows(file, "time_s", gaps, message)
+        fills = np.all(steps[1:] > 0) and can_fill(lost_rows(time))
+        if fills:
+            message += "; filled by a straight line"
+        severity = "warning" if fills else "error"
+        problems += at_rows(file, "time_s", gaps, message, severity)
     return problems
 
 

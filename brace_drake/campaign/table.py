@@ -6,6 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
+from brace_drake.campaign.dropouts import can_fill
 from brace_drake.campaign.findings import at_rows, counted, error, quoted
 from brace_drake.campaign.recording import Problem
 
@@ -200,7 +201,9 @@ def _describe_fields(
             message = f"{quoted(text)} is not a number"
             if not text:
                 message = "the field is empty, not a number"
-            problems += at_rows(file, name, bad, message)
+            texts = [fields[i][header.index(name)] for i in np.flatnonzero(bad)]
+            fills = not any(t.strip() for t in texts) and _fills(name, bad)
+            problems += _at_lost(file, name, bad, message, fills)
     return problems
 
 
@@ -211,4 +214,18 @@ def _check_finite(
     if not bad.any():
         return []
     value = values[int(np.argmax(bad))]
-    return at_rows(file, name, bad, f"{value} is not a finite number")
+    message = f"{value} is not a finite number"
+    fills = not np.isinf(values[bad]).any() and _fills(name, bad)
+    return _at_lost(file, name, bad, message, fills)
+
+
+def _fills(name: str, lost: np.ndarray) -> bool:
+    return name != "time_s" and can_fill(lost)
+
+
+def _at_lost(file, name, lost, message, fills) -> list[Problem]:
+    """An error, or a warning where straight lines stand in."""
+    if fills:
+        message += "; filled by a straight line"
+    severity = "warning" if fills else "error"
+    return at_rows(file, name, lost, message, severity)

@@ -65,7 +65,7 @@ def _run_controller(readings, desired, law, memory, every, out):
 
 def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
     """Controller, actuation, mechanism, contact, torso and sensing."""
-    numbers = twin.numbers
+    numbers, names = twin.numbers, twin.channels
 
     def run_controller(prepared, x):
         every = prepared.motion.ticks_per_sample
@@ -172,12 +172,14 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "leg lengths, force, reference",
             "commands, virtual position",
             controller_residual,
+            (*names[_COMMANDS], names[_VIRTUAL]),
         ),
         Rung(
             "actuation",
             "commands, motion and force of the ring",
             "balance of the leg forces",
             actuation_residual,
+            names[_COMMANDS],
         ),
         Rung(
             "mechanism",
@@ -190,12 +192,14 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "motion of ring and torso",
             "force between them",
             contact_residual,
+            names[_MARKER],
         ),
         Rung(
             "torso",
             "force on the torso",
             "motion of the torso",
             torso_residual,
+            names[_MARKER],
         ),
         Rung("sensing", "no contact", "force reading", sensing_residual),
     ]
@@ -217,7 +221,8 @@ def bench_signals(
     travel, name = ring_poses(twin, x[:, _LENGTHS])[0][:, 1], "ring"
     touching = None
     if prepared.run.contact:
-        travel, name = travel - x[:, _TORSO_Y], "ring against torso"
+        if prepared.run.has([twin.channels[_TORSO_Y]]).all():
+            travel, name = travel - x[:, _TORSO_Y], "ring against torso"
         values = {p.name: v for p, v in zip(twin.subject, subject, strict=True)}
         alone = 2.0 * values["contact_stiffness_N_m"] * values["preload_m"]
         force = x[:, _FORCE_Y]

@@ -30,12 +30,14 @@ class Rung:
         given, found: What it is fed and what is compared, in words.
         residual: From (prepared run, recording (N, C), subject values) to a
             residual (M,), or None where the run says nothing about it.
+        needs: Channels without which a run says nothing about it.
     """
 
     block: str
     given: str
     found: str
     residual: Callable[[PreparedRun, np.ndarray, np.ndarray], np.ndarray | None]
+    needs: tuple[str, ...] = ()
 
 
 def climb(
@@ -102,6 +104,8 @@ def climb(
 
 
 def _mean_square(rung, prepared, recording, subject):
+    if not prepared.run.has(rung.needs).all():
+        return None
     residual = rung.residual(prepared, recording, subject)
     return None if residual is None else float(np.mean(residual**2))
 

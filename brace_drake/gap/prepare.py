@@ -107,7 +107,9 @@ def _checked_with_repeats(twin, campaign, floors):
             first, second = twin.measured(original), twin.measured(run)
             samples = min(len(first), len(second))
             difference = first[:samples] - second[:samples]
-            ratios.append(repeat_ratio(difference, floor, campaign.rate_hz))
+            ratio = repeat_ratio(difference, floor, campaign.rate_hz)
+            both = twin.active(original) & twin.active(run)
+            ratios.append(np.where(both, ratio, np.nan))
         if not ratios:
             continue
         ratio = np.mean(ratios, axis=0)

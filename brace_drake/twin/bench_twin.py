@@ -84,7 +84,8 @@ class BenchTwin:
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (C,)."""
         names = np.array(self.channels)
-        return run.contact | ~np.char.startswith(names, "torso")
+        moves = run.contact | ~np.char.startswith(names, "torso")
+        return moves & run.has(self.channels)
 
     def simulate(
         self,
