@@ -32,6 +32,8 @@ _MAX_CONTENDERS = 3
 _OTHERS, _STEPS = 2, 4
 # A second effect is looked for beside one that explains about half the gap.
 _HALF = 0.5
+# A flexible effect may leave this many times what the best has left.
+_UNFINISHED = 2.0
 # Who leaves more than this share of what there was has gained nothing.
 _NO_GAIN = 0.9
 # Of the floor's mean square: about as near as a coarse search comes.
@@ -94,11 +96,13 @@ def try_causes(
 
 
 def _refine_flexible(evaluator, nominal, fits, flexible) -> list[CandidateFit]:
-    """Flexible fits, refined where they leave less than half.
+    """Flexible fits, refined where they may come to explain the gap.
 
-    With so much freedom less than that would not be believed.
+    With so much freedom they have to leave less than half of it; a race leaves
+    their search far from its end.
     """
-    bar = 0.5 * min((f.excess for f in fits), default=nominal.excess)
+    best = min((f.excess for f in fits), default=nominal.excess)
+    bar = min(_HALF * nominal.excess, _UNFINISHED * best)
     good = [f for f in flexible if f.excess < bar]
     rest = [f for f in flexible if f.excess >= bar]
     return [*refine(evaluator, good, nominal.excess), *rest]
