@@ -13,7 +13,7 @@ import math
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def calc_compression(s, offset, preload, p_WR, R_WR, V_WR, p_WT, R_WT, V_WT, o):
     """Writes the geometry of one pad's contact.
 
@@ -46,13 +46,13 @@ def calc_compression(s, offset, preload, p_WR, R_WR, V_WR, p_WT, R_WT, V_WT, o):
     o[11], o[12], o[13] = nx, ny, nz
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def normal_force(d, d_dot, stiffness, damping):
     """The contact law before it is cut at zero: k d + c d', N."""
     return stiffness * d + damping * d_dot
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_pad_forces(s, N, friction, v_s, o, F_R_W, F_T_W, f_T_W):
     """Adds the forces of one pad with normal force N to both bodies.
 

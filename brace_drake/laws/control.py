@@ -7,19 +7,19 @@ from numba import njit
 from brace_drake.laws.linear_solve import solve_in_place
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def low_pass_gain_cutoff(cutoff_hz, period):
     """Gain of a discrete first-order low pass, 1 - exp(-2 pi f_c h)."""
     return 1.0 - math.exp(-2.0 * math.pi * cutoff_hz * period)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def low_pass_gain_tau(tau, period):
     """Gain of a discrete first-order low pass, 1 - exp(-h / tau)."""
     return 1.0 - math.exp(-period / tau)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def update_velocity_estimate(X, X_previous, V, gain, period):
     """Backward difference of X (6,) through a low pass, in place.
 
@@ -30,7 +30,7 @@ def update_velocity_estimate(X, X_previous, V, gain, period):
         X_previous[i] = X[i]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def update_impedance(M_d, C_d, K_d, desired, force, period, virtual):
     """One step of the impedance filter along one axis, equation (5).
 
@@ -55,7 +55,7 @@ def update_impedance(M_d, C_d, K_d, desired, force, period, virtual):
     virtual[2] = a
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def calc_task_force(X, V, virtual, force, mass, weight, kp, kd, axis, F):
     """Inverse dynamics in the task space, equation (6), for one ring.
 
@@ -80,7 +80,7 @@ def calc_task_force(X, V, virtual, force, mass, weight, kp, kd, axis, F):
     F[2] += weight
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def distribute_to_legs(J, J_transposed, F, limit, commands):
     """Writes leg commands f = J^-T F (6,), N, each cut at +-limit.
 

@@ -18,7 +18,7 @@ NUM_POSE_MEMORY = 20  # p_WR (3), q_WR (4), X previous (6), V (6), started
 NUM_IMPEDANCE_MEMORY = 4  # filtered force, y_v, y_v', y_v''
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
     """Forward kinematics of the leg lengths and the filtered rate.
 
@@ -61,7 +61,7 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
     return good
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def filter_impedance(force, desired, law, memory):
     """Low-passes the force, then takes one step of equation (5).
 
@@ -77,7 +77,7 @@ def filter_impedance(force, desired, law, memory):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def calc_leg_commands(estimate, impedance, law, p_WB, p_RT, commands):
     """Inverse dynamics (6) at the estimated pose, sent to the legs.
 
@@ -119,7 +119,7 @@ NUM_MEMORY = NUM_POSE_MEMORY + NUM_IMPEDANCE_MEMORY
 NUM_LAW = 56
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance(readings, desired, law, pose, virtual, estimate, commands):
     """All three steps of one tick.
 
@@ -143,7 +143,7 @@ def advance(readings, desired, law, pose, virtual, estimate, commands):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def control_tick(readings, desired, law, memory, estimate, commands):
     """`advance` with both memories in one, see NUM_MEMORY."""
     return advance(

@@ -17,7 +17,7 @@ from brace_drake.laws.rotation import quaternion_to_matrix, rotate_quaternion
 _SMALL_STEP = 2e-6  # m
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J):
     """Writes leg lengths (n,), m, and the leg Jacobian (n, 6).
 
@@ -48,7 +48,7 @@ def calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J):
         J[k, 5] = rx * ny - ry * nx
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def calc_leg_rates(J, w_WR, v_WR, rates):
     """Writes leg rates J [v; w] (n,), m/s."""
     for k in range(rates.shape[0]):
@@ -62,7 +62,7 @@ def calc_leg_rates(J, w_WR, v_WR, rates):
         )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_leg_wrench(J, forces, F_R_W):
     """Adds J' f to the spatial force F_R_W (6,), torque first as in Drake."""
     for k in range(forces.shape[0]):
@@ -75,7 +75,7 @@ def add_leg_wrench(J, forces, F_R_W):
         F_R_W[5] += J[k, 2] * f
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve_forward_kinematics(lengths, p_WB, p_RT, p_WR, q_WR):
     """Finds the ring pose that has the given leg lengths, by Newton's method.
 

@@ -3,7 +3,7 @@
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def solve_in_place(A, b):
     """Solves A x = b by elimination with row pivots; x replaces b.
 

@@ -3,7 +3,7 @@
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def add_posture_force(p_T, r_T, V_WT, posture, F_T_W):
     """Adds the spring and damper to rest, acting at To along W.
 

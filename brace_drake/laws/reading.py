@@ -3,7 +3,7 @@
 from numba import njit
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def read_instrument(value, noise, resolution):
     """value + noise, rounded to the resolution (0: not rounded)."""
     reading = value + noise

@@ -9,7 +9,7 @@ from brace_drake.laws.rotation import (
 )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def step_free_body_at(R, q, p, V, body, F_W, dt):
     """`step_free_body` where the body's rotation matrix R is at hand."""
     mass, inertia = body[0], body[1:4]
@@ -33,7 +33,7 @@ def step_free_body_at(R, q, p, V, body, F_W, dt):
     integrate_quaternion(q, V[0], V[1], V[2], dt)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def step_free_body(q, p, V, body, F_W, dt):
     """Semi-implicit Euler: velocity from the forces now, then the pose.
 
