@@ -75,24 +75,39 @@ def try_causes(
             explains(evaluator, nominal, f, null) for f in refined(candidates)
         )
 
-    if not is_exact(evaluator, nominal) and not is_near_floor(evaluator, fits):
+    if not is_exact(evaluator, nominal) and not is_near_floor(
+        evaluator, fits, null.misfit_threshold
+    ):
         flexible = [c for c in cards if is_flexible(c)]
         more = race(ground, flexible, _part(say, 0.45, 0.5), places=0)
         fits += _refine_flexible(evaluator, nominal, fits, best_fits(more))
         runners += more
     has_one = fits and has_gap(evaluator, nominal, fits, null)
-    if not has_one or (is_settled(fits) and is_near_floor(evaluator, fits)):
-        return fits, null
+    if has_one and not (is_settled(fits) and is_near_floor(evaluator, fits)):
+        fits = [*fits, *_try_pairs(ground, fits, runners, is_settled, say)]
+    return fits, null
+
+
+def _try_pairs(ground, fits, runners, is_settled, say) -> list[CandidateFit]:
+    """Pairs, refined, where no single effect explains all that there is.
+
+    Where one explains most, two must leave much less to be worth it.
+    """
+    evaluator, nominal = ground.evaluator, ground.leader
+    bar = _HALF * refined(fits)[0].excess if is_settled(fits) else np.inf
     partners = _partners(runners, fits, nominal)
-    del runners
-    found = search_pairs(ground, partners, _part(say, 0.55, 0.68))
-    del partners
-    pairs = refine(evaluator, best_fits(found), nominal.excess)
+    found = search_pairs(ground, partners, _part(say, 0.55, 0.68), bar)
+    good = [f for f in best_fits(found) if f.excess <= bar]
+    pairs = refine(evaluator, good, nominal.excess)
     if not is_settled([*fits, *pairs]):
         say("a second effect", 0.7)
+        cards = [r.problem.effects[0] for r in runners]
+        simple = {c.key: c for c in cards if not is_flexible(c)}
         say_more = _part(say, 0.7, 0.78)
-        pairs += _beside_best(evaluator, nominal, fits, simple, say_more)
-    return [*fits, *refined(pairs)], null
+        pairs += _beside_best(
+            evaluator, nominal, fits, list(simple.values()), say_more
+        )
+    return refined(pairs)
 
 
 def _refine_flexible(evaluator, nominal, fits, flexible) -> list[CandidateFit]:

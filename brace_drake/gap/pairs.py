@@ -19,6 +19,7 @@ def search_pairs(
     ground: Ground,
     singles: Sequence[Runner],
     say=lambda what, share: None,
+    bar: float = np.inf,
 ) -> list[Runner]:
     """Runs the pairs that promise most.
 
@@ -26,9 +27,12 @@ def search_pairs(
         ground: The nominal fit.
         singles: Single effects, whose ways foresee pairs.
         say: Progress.
+        bar: Pairs that promise to leave more are not run.
     """
     pairs = []
     for promise, first, second in foresee_pairs(ground, singles)[:_SEARCHED]:
+        if promise > bar:
+            break
         runner = _line_up(ground, first, second)
         if runner is not None:
             runner.promise = promise

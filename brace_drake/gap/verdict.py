@@ -174,10 +174,14 @@ def is_exact(evaluator: Evaluator, fit: CandidateFit) -> bool:
     return misfit(evaluator, fit) <= _EXACT_TO
 
 
-def is_near_floor(evaluator: Evaluator, fits: Sequence[CandidateFit]) -> bool:
+def is_near_floor(
+    evaluator: Evaluator,
+    fits: Sequence[CandidateFit],
+    limit: float = _ENOUGH,
+) -> bool:
     """Whether the best of fits leaves little to look for another effect in."""
     best = next(iter(refined(fits)), None)
-    return best is not None and misfit(evaluator, best) <= _ENOUGH
+    return best is not None and misfit(evaluator, best) <= limit
 
 
 def simplest_of_fewest(

@@ -1,0 +1,123 @@
+"""A recording with any effect of the library leads back to that effect."""
+
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.effects.registry import effects_for
+from brace_drake.gap.alike import ALIKE
+from brace_drake.gap.candidates import fit_nominal
+from brace_drake.gap.causes import try_causes
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.gap.verdict import decide, misfit
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.twin.bench_rollout import Motion
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.reference import COLUMNS
+
+RATE, DEVICE = 200.0, "bench stage 2"
+# Mean square of the gap, in floors, that a recording is made to have.
+LEAST, MOST = 4.0, 100.0
+
+
+def reference(duration, depth, ripple):
+    """A slow push with a ripple, at rest at both ends (ticks, 3)."""
+    t = np.arange(round(duration * 1000) + 1) / 1000.0
+    window = np.sin(np.pi * t / duration) ** 2
+    y = depth * window
+    for rate, phase in ((1.1, 0.3), (2.3, 1.9), (4.7, 4.0)):
+        y = y + ripple / rate * window * np.sin(2 * np.pi * rate * t + phase)
+    velocity = np.gradient(y, 1e-3)
+    return np.column_stack([y, velocity, np.gradient(velocity, 1e-3)])
+
+
+MOTIONS = {
+    "free": (False, reference(2.0, -0.003, 0.002)),
+    "push": (True, reference(5.0, -0.008, 0.0)),
+    "multisine": (True, reference(3.0, -0.003, 0.003)),
+}
+
+
+def record(twin, subject, uses, seed):
+    """A campaign that the twin itself recorded."""
+    runs = []
+    for i, (name, (contact, desired)) in enumerate(MOTIONS.items()):
+        mine = [(card, card.in_run(values, i)) for card, values in uses]
+        noise = np.random.default_rng([seed, i])
+        log = twin.simulate(Motion(desired, contact), subject, mine, noise)
+        channels = {"time_s": np.arange(len(log)) / RATE}
+        channels |= dict(zip(twin.channels, log.T, strict=True))
+        channels |= dict(zip(COLUMNS, desired[::5].T, strict=True))
+        runs.append(Run(f"{name}.csv", contact, name, None, "fit", channels))
+    return Campaign(Path("synthetic"), DEVICE, RATE, "twin", tuple(runs))
+
+
+def strength_of(card, seed):
+    """Values of an effect in the middle of its starts."""
+    starts = card.starts()
+    values = starts[len(starts) // 2].astype(float)
+    generator = np.random.default_rng(seed)
+    if not values[card.is_continuous].any():
+        values = 3e-4 * generator.standard_normal(len(values))
+    own = [p.starts[len(p.starts) // 2] for p in card.run_parameters] * len(
+        MOTIONS
+    )
+    return np.concatenate([values, own]) if own else values
+
+
+class TestRegistry(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.twin = BenchTwin(BenchScenario(), 1e-3 / 3.0)
+        cls.subject = np.array([p.nominal for p in cls.twin.subject])
+        cls.subject = cls.subject * [1.1, 0.9, 1.05, 1.1, 0.95, 1.1]
+        campaign = record(cls.twin, cls.subject, (), 0)
+        cls.floors, _ = estimate_floors(cls.twin, campaign, cls.subject, 0)
+
+    def evaluator(self, uses):
+        runs = record(self.twin, self.subject, uses, 1).runs
+        prepared = prepare_runs(self.twin, runs, self.floors, RATE, 0)
+        return Evaluator(self.twin, prepared, 2)
+
+    def evaluator_with_a_gap(self, card):
+        """A recording whose gap is neither faint nor wild."""
+        values = strength_of(card, 3)
+        for _ in range(8):
+            evaluator = self.evaluator([(card, values)])
+            (residual,) = evaluator.residuals([(self.subject, ())])
+            size = residual @ residual / evaluator.count - 1.0
+            if LEAST <= size <= MOST:
+                break
+            factor = np.sqrt(np.sqrt(LEAST * MOST) / max(size, 1e-3))
+            shared = len(card.parameters)
+            scaled = card.scaled(values[:shared], np.clip(factor, 0.1, 10.0))
+            values = np.concatenate([scaled, values[shared:]])
+        return evaluator
+
+    def diagnose(self, evaluator):
+        nominal = fit_nominal(evaluator)
+        fits, null = try_causes(evaluator, nominal, 0, lambda what, share: 0)
+        return nominal, decide(evaluator, nominal, fits, null)
+
+    def test_no_effect_leads_to_none(self):
+        _, verdict = self.diagnose(self.evaluator(()))
+        self.assertFalse(verdict.gap)
+
+    def test_every_effect_leads_back_to_itself(self):
+        for key, card in effects_for(DEVICE).items():
+            with self.subTest(effect=key):
+                evaluator = self.evaluator_with_a_gap(card)
+                nominal, verdict = self.diagnose(evaluator)
+                self.assertTrue(verdict.gap, misfit(evaluator, nominal))
+                self.assertIsNotNone(verdict.winner)
+                found = frozenset(verdict.winner.identifiers)
+                names = {card.name, *found}
+                told = found == {card.name} or frozenset(names) in ALIKE
+                self.assertTrue(told, sorted(found))
+
+
+if __name__ == "__main__":
+    unittest.main()
