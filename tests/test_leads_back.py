@@ -62,10 +62,12 @@ def strength_of(card, seed):
     generator = np.random.default_rng(seed)
     if not values[card.is_continuous].any():
         values = 3e-4 * generator.standard_normal(len(values))
-    own = [p.starts[len(p.starts) // 2] for p in card.run_parameters] * len(
-        MOTIONS
-    )
-    return np.concatenate([values, own]) if own else values
+    if not card.run_parameters:
+        return values
+    # A chest that widens alike on both sides hardly moves the brace.
+    values[1] *= 0.3
+    own = [p.starts[len(p.starts) // 2] for p in card.run_parameters]
+    return np.concatenate([values, own * len(MOTIONS)])
 
 
 class TestRegistry(unittest.TestCase):
