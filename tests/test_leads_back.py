@@ -12,6 +12,8 @@ from brace_drake.gap.candidates import fit_nominal
 from brace_drake.gap.causes import try_causes
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.gap.problem import CandidateProblem
+from brace_drake.gap.separation import beyond
 from brace_drake.gap.verdict import decide, misfit
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.twin.bench_rollout import Motion
@@ -20,7 +22,7 @@ from brace_drake.twin.reference import COLUMNS
 
 RATE, DEVICE = 200.0, "bench stage 2"
 # Mean square of the gap, in floors, that a recording is made to have.
-LEAST, MOST = 4.0, 100.0
+LEAST, MOST = 1.0, 25.0
 
 
 def reference(duration, depth, ripple):
@@ -78,19 +80,25 @@ class TestRegistry(unittest.TestCase):
         cls.subject = cls.subject * [1.1, 0.9, 1.05, 1.1, 0.95, 1.1]
         campaign = record(cls.twin, cls.subject, (), 0)
         cls.floors, _ = estimate_floors(cls.twin, campaign, cls.subject, 0)
+        # What a change of the subject could make, and no effect is needed for.
+        problem = CandidateProblem(cls.evaluator(()), ())
+        columns = problem.columns(cls.subject / problem.scales)
+        cls.basis = np.linalg.qr(columns)[0]
 
-    def evaluator(self, uses):
-        runs = record(self.twin, self.subject, uses, 1).runs
-        prepared = prepare_runs(self.twin, runs, self.floors, RATE, 0)
-        return Evaluator(self.twin, prepared, 2)
+    @classmethod
+    def evaluator(cls, uses):
+        runs = record(cls.twin, cls.subject, uses, 97).runs
+        prepared = prepare_runs(cls.twin, runs, cls.floors, RATE, 0)
+        return Evaluator(cls.twin, prepared, 2)
 
     def evaluator_with_a_gap(self, card):
         """A recording whose gap is neither faint nor wild."""
         values = strength_of(card, 3)
-        for _ in range(8):
+        for _ in range(12):
             evaluator = self.evaluator([(card, values)])
             (residual,) = evaluator.residuals([(self.subject, ())])
-            size = residual @ residual / evaluator.count - 1.0
+            left = beyond(residual, self.basis)
+            size = left @ left / evaluator.count - 1.0
             if LEAST <= size <= MOST:
                 break
             factor = np.sqrt(np.sqrt(LEAST * MOST) / max(size, 1e-3))

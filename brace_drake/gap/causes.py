@@ -12,8 +12,9 @@ from brace_drake.effects.registry import effects_for
 from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit, fit_effects
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.ground import Ground
 from brace_drake.gap.pairs import search_pairs
-from brace_drake.gap.screen import Ground, Runner, make_runner, race, step
+from brace_drake.gap.screen import Runner, make_runner, race, step
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import (
     closed_amplitude,
@@ -94,7 +95,10 @@ def _try_pairs(ground, fits, runners, is_settled, say) -> list[CandidateFit]:
     Where one explains most, two must leave much less to be worth it.
     """
     evaluator, nominal = ground.evaluator, ground.leader
-    bar = _HALF * refined(fits)[0].excess if is_settled(fits) else np.inf
+    bar = np.inf
+    if is_settled(fits):
+        # As the race has left them: then all are equally unfinished.
+        bar = _HALF * min(f.excess for f in best_fits(runners))
     partners = _partners(runners, fits, nominal)
     found = search_pairs(ground, partners, _part(say, 0.55, 0.68), bar)
     good = [f for f in best_fits(found) if f.excess <= bar]

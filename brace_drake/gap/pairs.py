@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.gap.screen import Ground, Runner, make_runner, search_best
+from brace_drake.gap.ground import Ground
+from brace_drake.gap.screen import Runner, make_runner, search_best
 
 # Pairs that are searched inside the twin, of all that are foreseen.
 _SEARCHED = 4
@@ -100,7 +101,7 @@ def _span(ground: Ground, runner: Runner) -> np.ndarray:
 
 def _ridge(ground: Ground, runner: Runner) -> np.ndarray:
     """Precision of the prior on the columns of a span, noise taken off."""
-    noise = -ground.added_noise(runner)
+    noise = -ground.added_noise(runner.problem, runner.z)
     if runner.jacobian is None:
         return np.array([noise])
     prior = runner.problem.prior_jacobian()

@@ -20,10 +20,8 @@ from brace_drake.fit.gauss_newton import (
     solve_gauss_newton,
 )
 from brace_drake.gap.candidates import CandidateFit, finish_fit
-from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.ground import Ground
 from brace_drake.gap.problem import CandidateProblem
-from brace_drake.gap.separation import beyond
-from brace_drake.gap.verdict import is_exact
 
 _STEPS = 5
 # Who is searched: this many, and all that promise to leave at most this many
@@ -35,8 +33,6 @@ _PLACES_AT_FLOOR = 3
 _SHARE = 0.1
 # About as near as a coarse search comes, in squares of the floor.
 _COARSE = 0.01
-# A promise looks at most this many times as far as the start.
-_REACH = 30.0
 # A start is tried again at another strength, this often, where it is more than
 # that many times too strong or too weak.
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
@@ -71,76 +67,6 @@ class Runner:
         if self.jacobian is not None:
             return fit
         return replace(fit, excess=float(self.promise))
-
-
-class Ground:
-    """The fit that a race sets out from, and its sensitivities.
-
-    Args:
-        evaluator: Over the fit runs.
-        leader: The nominal fit, or one whose effects stay in.
-    """
-
-    def __init__(self, evaluator: Evaluator, leader: CandidateFit):
-        self.evaluator, self.leader = evaluator, leader
-        self.rows = evaluator.ends[-1]
-        self.sensitivities = leader.solution.jacobian[: self.rows]
-        self.basis = np.linalg.qr(self.sensitivities)[0]
-        problem = CandidateProblem(evaluator, leader.effects, leader.values)
-        (residual,) = problem.batch([leader.solution.z], coarse=True)
-        self.residual = residual[: self.rows]
-        self.left = self.beyond(self.residual)
-        self.noise = evaluator.count * evaluator.noise_level(
-            leader.uses, coarse=True
-        )
-        self.there = max(0.0, float(self.left @ self.left) - self.noise)
-
-    def beyond(self, vectors: np.ndarray) -> np.ndarray:
-        """What of residuals or columns no change of the leader's fit takes."""
-        return beyond(vectors[: self.rows], self.basis)
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether the leader leaves nothing for another effect to explain."""
-        return is_exact(self.evaluator, self.leader)
-
-    def foresee(self, runner: Runner) -> tuple[float, float]:
-        """What is left at the best place on the straight way to a runner.
-
-        Returns:
-            Sum of squares above noise there, and how far it is, 1 at the
-            runner itself.
-        """
-        way = self.beyond(runner.residual[: self.rows] - self.residual)
-        # Noise that the way has of its own is no part of it.
-        length = way @ way - self.added_noise(runner)
-        left = float(self.left @ self.left - self.noise)
-        if length <= 0.0:
-            return left, 1.0
-        along = float(way @ self.left)
-        far = float(np.clip(-along / length, 0.0, _REACH))
-        return left + 2.0 * far * along + far**2 * length, far
-
-    def added_noise(self, runner: Runner) -> float:
-        """Squares of noise in a runner's way, of replays that are dithered."""
-        _, uses = runner.problem.split(runner.z)
-        count = self.evaluator.count
-        level = self.evaluator.noise_level(uses, coarse=True)
-        return max(0.0, level * count - self.noise)
-
-    def differentiate(self, problem: CandidateProblem):
-        """Jacobian with the leader's columns kept."""
-        n = self.sensitivities.shape[1]
-
-        def jacobian(z, residual):
-            columns = problem.columns(z, n, residual)
-            out = np.zeros((len(residual), len(z)))
-            out[: self.rows, :n] = self.sensitivities
-            out[self.rows :] = problem.prior_jacobian()
-            out[:, n:] = columns
-            return out
-
-        return jacobian
 
 
 def race(
@@ -239,7 +165,9 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
             )
             if runner is None:
                 break
-            runner.promise, far = ground.foresee(runner)
+            runner.promise, far = ground.foresee(
+                runner.problem, runner.z, runner.residual
+            )
             found.append(runner)
             if card.spread is not None:
                 # The way to no error at all says nothing.

@@ -1,0 +1,129 @@
+"""The fit that a race of causes sets out from, and what is near it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.problem import CandidateProblem
+from brace_drake.gap.separation import beyond
+from brace_drake.gap.verdict import is_exact
+
+# A promise looks at most this many times as far as the start.
+_REACH = 30.0
+# Relative to the largest, what is added to the diagonal of small systems.
+_RIDGE = 1e-12
+
+
+class Ground:
+    """A fit, its sensitivities, and what it leaves that no change of it takes.
+
+    Parameters of the fit stay within their limits: one that is at its limit
+    takes nothing that lies beyond.
+
+    Args:
+        evaluator: Over the fit runs.
+        leader: The nominal fit, or one whose effects stay in.
+    """
+
+    def __init__(self, evaluator: Evaluator, leader: CandidateFit):
+        self.evaluator, self.leader = evaluator, leader
+        self.rows = evaluator.ends[-1]
+        self.sensitivities = leader.solution.jacobian[: self.rows]
+        problem = CandidateProblem(evaluator, leader.effects, leader.values)
+        z = leader.solution.z
+        self._room = problem.lower - z, problem.upper - z
+        (residual,) = problem.batch([z], coarse=True)
+        self.residual = residual[: self.rows]
+        self._gram = self.sensitivities.T @ self.sensitivities
+        self._slope = self.sensitivities.T @ self.residual
+        self._square = float(self.residual @ self.residual)
+        step = _minimise(self._gram, self._slope, *self._room)
+        inside = (step > self._room[0]) & (step < self._room[1])
+        self.basis = np.linalg.qr(self.sensitivities[:, inside])[0]
+        moved = self.residual + self.sensitivities @ np.where(inside, 0, step)
+        self.left = self.beyond(moved)
+        self.noise = evaluator.count * evaluator.noise_level(
+            leader.uses, coarse=True
+        )
+        self.there = max(0.0, float(self.left @ self.left) - self.noise)
+
+    def beyond(self, vectors: np.ndarray) -> np.ndarray:
+        """What of residuals or columns no change of the leader's fit takes."""
+        return beyond(vectors[: self.rows], self.basis)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the leader leaves nothing for another effect to explain."""
+        return is_exact(self.evaluator, self.leader)
+
+    def foresee(
+        self, problem: CandidateProblem, z: np.ndarray, residual: np.ndarray
+    ) -> tuple[float, float]:
+        """What is left at the best place on the straight way to a candidate.
+
+        On the way the leader's parameters follow, within their limits.
+
+        Args:
+            problem: The candidate's.
+            z: Where it stands.
+            residual: There.
+
+        Returns:
+            Sum of squares above noise at that place, and how far it is, 1 at
+            the candidate itself.
+        """
+        way = residual[: self.rows] - self.residual
+        # Noise that the way has of its own is no part of it.
+        length = way @ way - self.added_noise(problem, z)
+        if length <= 0.0:
+            return self.there, 1.0
+        cross = self.sensitivities.T @ way
+        gram = np.block([[self._gram, cross[:, None]], [cross, length]])
+        slope = np.append(self._slope, way @ self.residual)
+        low, high = (
+            np.append(r, e)
+            for r, e in zip(self._room, (0.0, _REACH), strict=True)
+        )
+        x = _minimise(gram, slope, low, high)
+        left = self._square + 2.0 * slope @ x + x @ gram @ x - self.noise
+        return float(left), float(x[-1])
+
+    def added_noise(self, problem: CandidateProblem, z: np.ndarray) -> float:
+        """Squares of noise in a way, of replays that are dithered."""
+        _, uses = problem.split(z)
+        count = self.evaluator.count
+        level = self.evaluator.noise_level(uses, coarse=True)
+        return max(0.0, level * count - self.noise)
+
+    def differentiate(self, problem: CandidateProblem):
+        """Jacobian with the leader's columns kept."""
+        n = self.sensitivities.shape[1]
+
+        def jacobian(z, residual):
+            columns = problem.columns(z, n, residual)
+            out = np.zeros((len(residual), len(z)))
+            out[: self.rows, :n] = self.sensitivities
+            out[self.rows :] = problem.prior_jacobian()
+            out[:, n:] = columns
+            return out
+
+        return jacobian
+
+
+def _minimise(
+    gram: np.ndarray, slope: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> np.ndarray:
+    """x within limits that makes x' gram x + 2 slope' x least (n,)."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    scaled = gram * np.outer(scale, scale)
+    scaled[np.diag_indices(len(scaled))] += _RIDGE
+    # What noise was taken off may leave a little less than nothing.
+    value, vector = np.linalg.eigh(scaled)
+    value = np.maximum(value, _RIDGE)
+    root = np.sqrt(value)[:, None] * vector.T
+    target = -(vector.T @ (slope * scale)) / np.sqrt(value)
+    limits = np.minimum(low, 0.0) / scale, np.maximum(high, 1e-12) / scale
+    return lsq_linear(root, target, limits, method="bvls").x * scale
