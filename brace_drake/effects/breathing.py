@@ -34,13 +34,13 @@ def _law(t, dt, pad, d, p, x):
     )
 
 
-def _side(name: str) -> EffectParameter:
+def _side(name: str, start: float) -> EffectParameter:
     return EffectParameter(
         f"amplitude_{name}_m",
         "m",
         -0.01,
         0.01,
-        (3e-4,),
+        (start,),
         f"amplitude A at the pad on the {name}",
     )
 
@@ -54,8 +54,9 @@ CARD = Effect(
     source="De Groote et al., Chest wall motion during tidal breathing, J."
     " Appl. Physiol. 83, 1997; rates: Fleming et al., Lancet 377, 2011",
     parameters=(
-        _side("left"),
-        _side("right"),
+        # Both alike would hardly move the brace.
+        _side("left", 3e-4),
+        _side("right", 1e-4),
         EffectParameter(
             "rate_Hz",
             "Hz",
