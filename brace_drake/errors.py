@@ -9,6 +9,10 @@ class ScenarioError(BraceError, ValueError):
     """A scenario file or value is missing, malformed or out of range."""
 
 
+class KinematicsError(BraceError, ValueError):
+    """Legs and rings do not fit: bad geometry, or a pose out of reach."""
+
+
 class CampaignError(BraceError, ValueError):
     """A recorded campaign cannot be used; the message names the place."""
 

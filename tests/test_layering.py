@@ -10,6 +10,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "brace_drake"
 LAYERS = (
     ("errors", "resources"),
     ("output", "laws", "campaign"),
+    ("kinematics",),
     ("effects",),
     ("scenario",),
     ("systems", "plant", "twin"),

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from brace_drake.kinematics.geometry import circle_points
 from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
 from brace_drake.scenario.bench import BenchScenario, JointCircle
 
@@ -63,11 +64,9 @@ class BenchNumbers:
         return replace(self, **arrays)
 
 
-def circle_points(circle: JointCircle, height: float) -> np.ndarray:
-    """Points of a joint circle at a height, shape (n, 3), m."""
-    angles = np.deg2rad(circle.angles_deg)
-    x, y = circle.radius * np.cos(angles), circle.radius * np.sin(angles)
-    return np.column_stack([x, y, np.full_like(x, height)])
+def joint_points(circle: JointCircle, height: float) -> np.ndarray:
+    """Points of a joint circle at a height (6, 3), m."""
+    return circle_points(circle.radius, circle.angles_deg, height)
 
 
 def pack_bench(scenario: BenchScenario) -> BenchNumbers:
@@ -76,8 +75,8 @@ def pack_bench(scenario: BenchScenario) -> BenchNumbers:
     contact, control = scenario.contact, scenario.control
     sensors, period = scenario.sensors, 1.0 / scenario.control.rate
     rest = np.array([0.0, 0.0, stage.upper_height])
-    p_WB = circle_points(stage.lower, stage.lower_height)
-    p_RT = circle_points(stage.upper, 0.0)
+    p_WB = joint_points(stage.lower, stage.lower_height)
+    p_RT = joint_points(stage.upper, 0.0)
     weight = ring.mass * scenario.gravity
     velocity_gain = low_pass_gain_cutoff(control.velocity_cutoff_hz, period)
     return BenchNumbers(
