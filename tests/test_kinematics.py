@@ -230,7 +230,7 @@ class TestWorkspace(unittest.TestCase):
         X = np.zeros(18)
         X[2] = X[8] = X[14] = 0.05
         with self.assertRaisesRegex(
-            KinematicsError, "stage 1 from below: leg . is 0.0414.*0.025 m"
+            KinematicsError, "stage 1 from below: leg . is 0.04138 m.*0.025 m"
         ):
             WORKSPACE.check(BRACE, X)
 
