@@ -51,19 +51,25 @@ class Workspace:
             KinematicsError: X lies outside; one line with the stage, what it
                 exceeds, by how much and what is allowed.
         """
-        for i, m in enumerate(measure_stages(geometry, X, self.stroke), 1):
-            at = f"stage {i} from below"
-            if not m.stroke_use <= 1.0:
-                raise KinematicsError(
-                    f"{at}: leg {m.leg} is {m.stroke_use * self.stroke / 2:.4g}"
-                    " m from its length at rest; allowed: up to"
-                    f" {self.stroke / 2:.4g} m, half its stroke"
-                )
-            if not m.singular_value >= self.singular_value:
-                raise KinematicsError(
-                    f"{at}: smallest singular value {m.singular_value:.3g};"
-                    f" allowed: {self.singular_value:.3g} or more"
-                )
+        for i in range(geometry.num_stages):
+            self.check_stage(geometry, X, i)
+
+    def check_stage(
+        self, geometry: BraceGeometry, X: np.ndarray, i: int
+    ) -> None:
+        """As `check`, of the stage of index i alone."""
+        m, half = measure_stages(geometry, X, self.stroke)[i], self.stroke / 2
+        at = f"stage {i + 1} from below"
+        if not m.stroke_use <= 1.0:
+            raise KinematicsError(
+                f"{at}: leg {m.leg} is {m.stroke_use * half:.4g} m from its"
+                f" length at rest; allowed: up to {half:.4g} m, half its stroke"
+            )
+        if not m.singular_value >= self.singular_value:
+            raise KinematicsError(
+                f"{at}: smallest singular value {m.singular_value:.3g};"
+                f" allowed: {self.singular_value:.3g} or more"
+            )
 
     def holds(self, geometry: BraceGeometry, X: np.ndarray) -> bool:
         """Whether X (6 S,) lies within."""

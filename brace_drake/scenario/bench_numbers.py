@@ -8,7 +8,12 @@ import numpy as np
 
 from brace_drake.kinematics.geometry import circle_points
 from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
-from brace_drake.scenario.bench import BenchScenario, JointCircle
+from brace_drake.scenario.bench import (
+    BenchScenario,
+    Contact,
+    JointCircle,
+    Torso,
+)
 
 
 @dataclass(frozen=True)
@@ -69,10 +74,36 @@ def joint_points(circle: JointCircle, height: float) -> np.ndarray:
     return circle_points(circle.radius, circle.angles_deg, height)
 
 
+def pack_contact(contact: Contact) -> np.ndarray:
+    """Stiffness, damping, friction, its speed, pad offset, preload (6,)."""
+    return np.array(
+        [
+            contact.stiffness,
+            contact.damping,
+            contact.friction,
+            contact.friction_regularization,
+            contact.pad_offset,
+            contact.preload,
+        ]
+    )
+
+
+def pack_posture(torso: Torso) -> np.ndarray:
+    """The posture's K (3), D (3), K_r (3), D_r (3): (12,)."""
+    return np.concatenate(
+        [
+            torso.posture_stiffness,
+            torso.posture_damping,
+            torso.posture_rot_stiffness,
+            torso.posture_rot_damping,
+        ]
+    )
+
+
 def pack_bench(scenario: BenchScenario) -> BenchNumbers:
     """Arrays of the nominal twin that a scenario describes."""
     stage, ring, torso = scenario.stage, scenario.ring, scenario.torso
-    contact, control = scenario.contact, scenario.control
+    control = scenario.control
     sensors, period = scenario.sensors, 1.0 / scenario.control.rate
     rest = np.array([0.0, 0.0, stage.upper_height])
     p_WB = joint_points(stage.lower, stage.lower_height)
@@ -86,24 +117,8 @@ def pack_bench(scenario: BenchScenario) -> BenchNumbers:
         p_WB_known=p_WB,
         p_RT_known=p_RT,
         viscous=np.full(6, scenario.leg.viscous),
-        contact=np.array(
-            [
-                contact.stiffness,
-                contact.damping,
-                contact.friction,
-                contact.friction_regularization,
-                contact.pad_offset,
-                contact.preload,
-            ]
-        ),
-        posture=np.concatenate(
-            [
-                torso.posture_stiffness,
-                torso.posture_damping,
-                torso.posture_rot_stiffness,
-                torso.posture_rot_damping,
-            ]
-        ),
+        contact=pack_contact(scenario.contact),
+        posture=pack_posture(torso),
         ring=np.array([ring.mass, *ring.inertia, weight]),
         torso=np.array([torso.mass, *torso.inertia, 0.0]),
         estimator=np.array([*rest, period, velocity_gain]),

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Iterator
 
 import numpy as np
 
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench import BenchScenario, Contact
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.check_brace import check_brace
 from brace_drake.scenario.effects import check_effects
 from brace_drake.scenario.messages import fail
 
@@ -20,7 +23,9 @@ _POSITIVE = (
     " control.kp control.velocity_cutoff_hz control.force_filter_tau"
     " control.desired_mass control.desired_stiffness control.desired_damping"
     " sensors.log_period mass control.force_limit stiffness depth_scale"
-    " rate_scale"
+    " rate_scale joints.lower.radius joints.upper.radius ring.half_axes"
+    " leg.stroke leg.tube_mass leg.rod_mass leg.tube_radius leg.rod_radius"
+    " workspace.singular_value"
 ).split()
 _NOT_NEGATIVE = (
     "gravity leg.viscous torso.posture_stiffness torso.posture_damping"
@@ -33,8 +38,12 @@ _NOT_NEGATIVE = (
 ).split()
 _WORDS = {
     "contact.model": ("linear", "hydroelastic"),
+    "contact.ring.model": ("none", "linear", "hydroelastic"),
     "control.layout": ("pic", "blocks"),
+    "mechanism": ("task_space", "articulated"),
 }
+# What holds of one ring or stage holds of each.
+_ONE_OF_MANY = re.compile(r"\.(ring|stage)[1-3]")
 
 
 def CheckScenario(scenario, source: str = "scenario") -> None:
@@ -46,18 +55,29 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
     defaults = dict(_walk(type(scenario)()))
     values = dict(_walk(scenario))
     for path, value in values.items():
-        _check_kind(source, path, value, defaults.get(path, value))
-        if path in _POSITIVE and not np.all(np.asarray(value) > 0.0):
+        # A controller's numbers are of any count.
+        free = path.startswith("control.controllers.")
+        default = value if free else defaults.get(path, value)
+        _check_kind(source, path, value, default)
+        rule = _ONE_OF_MANY.sub("", path)
+        if rule in _POSITIVE and not np.all(np.asarray(value) > 0.0):
             fail(source, path, value, "greater than 0")
-        if path in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0.0):
+        if rule in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0.0):
             fail(source, path, value, "0 or more")
-        if path in _WORDS and value not in _WORDS[path]:
-            fail(source, path, value, " or ".join(_WORDS[path]))
+        words = _WORDS.get(_ONE_OF_MANY.sub(r".\1", path), (value,))
+        if value not in words:
+            fail(source, path, value, " or ".join(words))
     if "control.rate" in values:
         _check_period(source, values, "time_step", 1.0 / values["control.rate"])
+    if isinstance(scenario, BraceScenario):
+        _check_parts(source, scenario)
+        for name, contact in vars(scenario.contact).items():
+            _check_preload(source, f"contact.{name}", contact)
+        check_brace(source, scenario)
+        return
     check_effects(source, scenario.effects, scenario.device)
     if isinstance(scenario, BenchScenario):
-        _check_bench(source, scenario, values)
+        _check_bench(source, scenario)
 
 
 def _walk(node, at: str = "") -> Iterator[tuple[str, object]]:
@@ -103,7 +123,7 @@ def _check_array(source: str, path: str, value, default) -> None:
         fail(source, path, value, "finite numbers")
 
 
-def _check_bench(source: str, scenario: BenchScenario, values: dict) -> None:
+def _check_bench(source: str, scenario: BenchScenario) -> None:
     """Checks what only makes sense together."""
     stage, contact = scenario.stage, scenario.contact
     if not stage.upper_height > stage.lower_height:
@@ -114,17 +134,17 @@ def _check_bench(source: str, scenario: BenchScenario, values: dict) -> None:
             stage.upper_height,
             f"more than stage.lower_height, {stage.lower_height}",
         )
-    for path in ("ring.inertia", "torso.inertia"):
-        moments = np.sort(values[path])
+    _check_parts(source, scenario)
+    _check_preload(source, "contact", contact)
+
+
+def _check_parts(source: str, scenario: BenchScenario | BraceScenario) -> None:
+    """Checks moments of inertia, and the period of the log."""
+    for path, body in (("ring", scenario.ring), ("torso", scenario.torso)):
+        moments = np.sort(body.inertia)
         if moments[2] > moments[0] + moments[1]:
-            fail(source, path, values[path], "no moment above the others' sum")
-    if contact.preload >= contact.pad_offset:
-        fail(
-            source,
-            "contact.preload",
-            contact.preload,
-            f"less than contact.pad_offset, {contact.pad_offset}",
-        )
+            allowed = "no moment above the others' sum"
+            fail(source, f"{path}.inertia", body.inertia, allowed)
     period = 1.0 / scenario.control.rate
     ratio = scenario.sensors.log_period / period
     if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6:
@@ -133,6 +153,16 @@ def _check_bench(source: str, scenario: BenchScenario, values: dict) -> None:
             "sensors.log_period",
             scenario.sensors.log_period,
             f"a multiple of the control period, {period:g} s",
+        )
+
+
+def _check_preload(source: str, path: str, contact: Contact) -> None:
+    if contact.preload >= contact.pad_offset:
+        fail(
+            source,
+            f"{path}.preload",
+            contact.preload,
+            f"less than {path}.pad_offset, {contact.pad_offset}",
         )
 
 

@@ -13,6 +13,8 @@ from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from brace_drake.errors import ScenarioError
 from brace_drake.scenario.bench import DEVICE, BenchScenario
+from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
+from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check import CheckScenario
 from brace_drake.scenario.leg_bench import DEVICE as LEG_DEVICE
 from brace_drake.scenario.leg_bench import LegBenchScenario
@@ -25,9 +27,10 @@ SCHEMAS = {
     DEVICE: BenchScenario,
     LEG_DEVICE: LegBenchScenario,
     PAD_DEVICE: PadBenchScenario,
+    BRACE_DEVICE: BraceScenario,
 }
 
-Scenario = BenchScenario | LegBenchScenario | PadBenchScenario
+Scenario = BenchScenario | LegBenchScenario | PadBenchScenario | BraceScenario
 
 
 def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
@@ -135,6 +138,8 @@ def _check_value(kind, value, source: str, path: str) -> None:
             _check_value(inner, entry, source, f"{path}.{key}")
     elif kind is float and not _is_number(value):
         fail(source, path, value, "a number")
+    elif kind is int and type(value) is not int:
+        fail(source, path, value, "a whole number")
     elif kind is bool and not isinstance(value, bool):
         fail(source, path, value, "true or false")
     elif kind is str and not isinstance(value, str):

@@ -1,0 +1,88 @@
+"""A brace scenario as the geometry and the number arrays that laws take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.kinematics import BraceGeometry, Workspace, make_geometry
+from brace_drake.scenario.bench_numbers import pack_contact, pack_posture
+from brace_drake.scenario.brace import BraceScenario
+
+
+@dataclass(frozen=True)
+class BraceNumbers:
+    """Arrays of a brace with S moving rings, bottom to top.
+
+    Attributes:
+        geometry: Anchors, and the rings at rest.
+        workspace: Poses that it may take.
+        start: Task coordinates at time 0 (6 S,).
+        torso_rest: Position of To in W at rest (3,), m: that of R2.
+        viscous: Of each leg (6 S,), N s/m.
+        contact: Of each ring stiffness, damping, friction, regularisation
+            speed, pad offset, preload (S, 6); a stiffness of 0 is no pad.
+        posture: K (3), D (3), K_r (3), D_r (3): (12,).
+        ring: Mass, moments (3), weight (5,), of each the same.
+    """
+
+    geometry: BraceGeometry
+    workspace: Workspace
+    start: np.ndarray
+    torso_rest: np.ndarray
+    viscous: np.ndarray
+    contact: np.ndarray
+    posture: np.ndarray
+    ring: np.ndarray
+
+    @property
+    def num_stages(self) -> int:
+        return self.geometry.num_stages
+
+    @property
+    def force_law(self) -> np.ndarray:
+        """The law of the brace's forces, see `laws.kernels.num_law`."""
+        arrays = (
+            self.torso_rest,
+            self.viscous,
+            self.geometry.lower,
+            self.geometry.upper,
+            self.contact,
+            self.posture,
+        )
+        return np.concatenate([np.ravel(a) for a in arrays])
+
+
+def pack_geometry(scenario: BraceScenario) -> BraceGeometry:
+    """Geometry of the stages that a scenario picks.
+
+    Raises:
+        KinematicsError: Legs without length, or a stage singular at rest.
+    """
+    joints = [getattr(scenario.joints, f"stage{i}") for i in scenario.stages]
+    clamped = scenario.stages[0] - 1
+    return make_geometry(
+        [(j.lower.radius, j.lower.angles_deg) for j in joints],
+        [(j.upper.radius, j.upper.angles_deg) for j in joints],
+        scenario.ring_heights[clamped : clamped + len(joints) + 1],
+    )
+
+
+def pack_brace(scenario: BraceScenario) -> BraceNumbers:
+    """Arrays of the brace that a checked scenario describes."""
+    ring, leg = scenario.ring, scenario.leg
+    contact = np.array([pack_contact(c) for c in scenario.contacts])
+    linear = np.array([c.model == "linear" for c in scenario.contacts])
+    contact[~linear, 0:2] = 0.0
+    start = [getattr(scenario.start, name) for name in scenario.rings]
+    return BraceNumbers(
+        geometry=pack_geometry(scenario),
+        workspace=Workspace(leg.stroke, scenario.workspace.singular_value),
+        start=np.concatenate(start),
+        torso_rest=np.array([0.0, 0.0, scenario.ring_heights[2]]),
+        viscous=np.full(6 * len(scenario.stages), leg.viscous),
+        contact=contact,
+        posture=pack_posture(scenario.torso),
+        ring=np.array([ring.mass, *ring.inertia, ring.mass * scenario.gravity]),
+    )
