@@ -24,7 +24,7 @@ from brace_drake.plant import AddBenchPlant, plant_resolves_contact
 from brace_drake.scenario.bench import BenchScenario, Ring
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
 from brace_drake.scenario.effects import scenario_uses
-from brace_drake.systems.bench_forces import BenchForces, pack_bench_law
+from brace_drake.systems.brace_forces import BraceForces, pack_bench_law
 from brace_drake.systems.contact_force_hold import ContactForceHold
 from brace_drake.systems.controller_blocks import (
     BraceInverseDynamics,
@@ -135,11 +135,12 @@ def _AddForces(builder, plant, scenario, numbers, plug_ins):
     with_torso = scenario.torso.present
     forces = builder.AddNamedSystem(
         "forces",
-        BenchForces(
-            plug_ins,
+        BraceForces(
+            1,
             plant.time_step(),
             with_torso,
             with_pads=with_torso and not plant_resolves_contact(scenario),
+            plug_ins=plug_ins,
         ),
     )
     law = builder.AddNamedSystem(

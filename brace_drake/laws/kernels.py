@@ -8,25 +8,40 @@ over few, with the place to work in among them.
 import numpy as np
 from numba import njit
 
-from brace_drake.laws import blocks, controller, legs
+from brace_drake.laws import blocks, controller, stages
 from brace_drake.laws.rotation import quaternion_to_matrix
 
 _compile = {"cache": True, "error_model": "numpy"}
 
-# Law of the forces: rest position (3), viscous (6), p_WB (18), p_RT (18),
-# contact (6), posture (12).
-NUM_BENCH_LAW = 63
-# A bench's forces and signals: F on the ring (6) and on the torso (6), torque
-# first; leg lengths (6), force of the ring on the torso (3), displacement and
-# rotation vector of the torso (6). Then a place to work in: Jacobian (36),
-# rates (6), leg forces (6), pads (34), rotations of ring and torso (18).
-NUM_BENCH = 27
-NUM_BENCH_WITH_WORK = NUM_BENCH + 100
 # Law of a tick: resolution (2), noise sigma (12), then `controller.NUM_LAW`.
 NUM_TICK_LAW = 14 + controller.NUM_LAW
 # A tick's results: leg command (6), readings (12), then the memories of the
 # impedance filter (4) and of the pose estimator (20).
 NUM_TICK = 18 + controller.NUM_MEMORY
+
+
+def num_law(num_stages: int) -> int:
+    """Size of the law of a brace's forces.
+
+    That is To at rest (3), viscous (6 S), lower anchors (18 S), upper anchors
+    (18 S), contact of each ring (6 S), posture (12). A contact whose stiffness
+    and damping are 0 is none.
+    """
+    return 15 + 48 * num_stages
+
+
+def num_forces(num_stages: int, with_work: bool = False) -> int:
+    """Size of a brace's forces and signals.
+
+    That is F on the rings (6 S) and on the torso (6), torque first; leg
+    lengths (6 S), force of each ring on the torso (3 S), displacement and
+    rotation vector of the torso (6); then a place to work in: J and J_L (72 S),
+    rates and leg forces (12 S), rotations (9 S) and lower anchors (18 S) of
+    rings and stages, pads (34 S), states of a ring and the torso (26), rotation
+    of the torso (9).
+    """
+    work = 145 * num_stages + 35 if with_work else 0
+    return 15 * num_stages + 12 + work
 
 
 @njit(**_compile)
@@ -39,46 +54,87 @@ def add_absent_torso(state):
 
 
 @njit(**_compile)
-def calc_bench(inputs, with_pads, out):
-    """All nominal forces of the bench, and what its instruments see.
+def _take_work(out, n):
+    """The places to work in behind a brace's forces, see `num_forces`."""
+    at = 15 * n + 12
+    J = out[at : at + 36 * n].reshape((n, 6, 6))
+    at += 36 * n
+    J_L = out[at : at + 36 * n].reshape((n, 6, 6))
+    at += 36 * n
+    rates, f = out[at : at + 6 * n], out[at + 6 * n : at + 12 * n]
+    at += 12 * n
+    R = out[at : at + 9 * n].reshape((n, 3, 3))
+    at += 9 * n
+    p_WB = out[at : at + 18 * n].reshape((n, 6, 3))
+    at += 18 * n
+    pads = out[at : at + 34 * n].reshape((n, 2, 17))
+    at += 34 * n
+    pair, R_WT = out[at : at + 26], out[at + 26 : at + 35].reshape((3, 3))
+    return J, J_L, rates, f, R, p_WB, pads, pair, R_WT
+
+
+@njit(**_compile)
+def _copy_state(pose, V, to_pose, to_V):
+    for c in range(7):
+        to_pose[c] = pose[c]
+    for c in range(6):
+        to_V[c] = V[c]
+
+
+@njit(**_compile)
+def calc_brace(inputs, n, with_pads, with_legs, out):
+    """All nominal forces of a brace, and what its instruments see.
 
     Args:
-        inputs: q, p of ring and, where present, torso, then [w; v] of each
-            (13) or (26); held leg commands (6), N; law, see NUM_BENCH_LAW.
+        inputs: q, p of the rings from the lowest up and, where present, of the
+            torso, then [w; v] of each (13 n) or (13 n + 13); held leg commands
+            (6 n), N; law, see `num_law`.
+        n: Number of stages.
         with_pads: Whether pads press on the torso.
-        out: See NUM_BENCH, overwritten, with the place to work in behind it;
-            the torso's part is left alone where it is absent.
+        with_legs: Whether the legs' forces are among those on the rings; else
+            the legs are bodies that the plant drives.
+        out: See `num_forces`, overwritten, with the place to work in behind
+            it; the torso's part is left alone where it is absent.
     """
-    n = inputs.shape[0] - NUM_BENCH_LAW - 6
-    state, u, law = inputs[0:n], inputs[n : n + 6], inputs[n + 6 :]
-    with_torso = n == 26
-    bodies = state if with_torso else add_absent_torso(state)
-    F_R_W, F_T_W, f_T_W = out[0:6], out[6:12], out[18:21]
-    J, rates, f = out[27:63].reshape((6, 6)), out[63:69], out[69:75]
-    R_WR = out[109:118].reshape((3, 3))
-    out[0:12] = 0.0
-    out[18:21] = 0.0
-    quaternion_to_matrix(bodies[0:4], R_WR)
-    legs.calc_leg_kinematics(
-        bodies[4:7],
-        R_WR,
-        law[9:27].reshape((6, 3)),
-        law[27:45].reshape((6, 3)),
-        out[12:18],
-        J,
+    size = inputs.shape[0] - 15 - 54 * n
+    with_torso = size == 13 * n + 13
+    num_bodies = n + 1 if with_torso else n
+    poses = inputs[0 : 7 * num_bodies].reshape((num_bodies, 7))
+    V = inputs[7 * num_bodies : size].reshape((num_bodies, 6))
+    u, law = inputs[size : size + 6 * n], inputs[size + 6 * n :]
+    at = 3 + 6 * n
+    lower = law[at : at + 18 * n].reshape((n, 6, 3))
+    upper = law[at + 18 * n : at + 36 * n].reshape((n, 6, 3))
+    contact = law[at + 36 * n : at + 42 * n].reshape((n, 6))
+    J, J_L, rates, f, R, p_WB, pads, pair, R_WT = _take_work(out, n)
+    F, F_T_W = out[0 : 6 * n].reshape((n, 6)), out[6 * n : 6 * n + 6]
+    f_T_W = out[12 * n + 6 : 15 * n + 6].reshape((n, 3))
+    for c in range(6 * n + 6):
+        out[c] = 0.0
+    for c in range(12 * n + 6, 15 * n + 6):
+        out[c] = 0.0
+    stages.calc_kinematics(
+        poses[0:n], lower, upper, R, p_WB, out[6 * n + 6 : 12 * n + 6], J, J_L
     )
-    legs.calc_leg_rates(J, bodies[14:17], bodies[17:20], rates)
-    if with_pads:
-        R_WT = out[118:127].reshape((3, 3))
-        quaternion_to_matrix(bodies[7:11], R_WT)
-        pads = out[75:109].reshape((2, 17))
-        blocks.add_pads_at(
-            bodies, R_WR, R_WT, law[45:51], pads, F_R_W, F_T_W, f_T_W
-        )
-    blocks.calc_leg_forces(u, law[3:9], rates, f)
-    legs.add_leg_wrench(J, f, F_R_W)
     if with_torso:
-        blocks.add_posture(bodies, law[0:3], law[51:63], out[21:27], F_T_W)
+        _copy_state(poses[n], V[n], pair[7:14], pair[20:26])
+        quaternion_to_matrix(pair[7:11], R_WT)
+    if with_pads:
+        for i in range(n):
+            if contact[i, 0] == 0.0 and contact[i, 1] == 0.0:
+                continue
+            _copy_state(poses[i], V[i], pair[0:7], pair[14:20])
+            blocks.add_pads_at(
+                pair, R[i], R_WT, contact[i], pads[i], F[i], F_T_W, f_T_W[i]
+            )
+    if with_legs:
+        stages.calc_rates(J, J_L, V[0:n], rates)
+        blocks.calc_leg_forces(u, law[3 : 3 + 6 * n], rates, f)
+        stages.add_wrenches(J, J_L, f, F)
+    if with_torso:
+        displacement = out[15 * n + 6 : 15 * n + 12]
+        posture = law[law.shape[0] - 12 :]
+        blocks.add_posture(pair, law[0:3], posture, displacement, F_T_W)
 
 
 @njit(**_compile)

@@ -77,7 +77,9 @@ def calc_kinematics(poses, lower, upper, R, p_WB, lengths, J, J_L):
     for i in range(poses.shape[0]):
         quaternion_to_matrix(poses[i, 0:4], R[i])
         if i == 0:
-            p_WB[0] = lower[0]
+            for k in range(6):
+                for c in range(3):
+                    p_WB[0, k, c] = lower[0, k, c]
         else:
             place_lower_anchors(poses[i - 1], R[i - 1], lower[i], p_WB[i])
         legs.calc_leg_kinematics(

@@ -49,8 +49,8 @@ class ForceLaws:
         Args:
             context: Of the system.
             inputs: Plant state (13,) or (26,), leg commands (6), law (63), as
-                `kernels.calc_bench` takes them.
-            bench: Output, see `kernels.NUM_BENCH`.
+                `kernels.calc_brace` takes them of one stage.
+            bench: Output, see `kernels.num_forces`.
 
         Returns:
             States of the effects one plant step on, for `store`.
@@ -58,7 +58,7 @@ class ForceLaws:
         memory = {p: host.memory(context) for p, host in self._hosts.items()}
         apply = _Effects(self._hosts, memory, context, self._dt)
         state, u, rest, law = np.split(
-            inputs, np.cumsum([-6 - kernels.NUM_BENCH_LAW, 6, 3])
+            inputs, np.cumsum([-6 - kernels.num_law(1), 6, 3])
         )
         self._CalcWithEffects(state, u, rest, law, bench, apply)
         return memory
