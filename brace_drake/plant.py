@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping
 
 import numpy as np
 from pydrake.common import MemoryFile
@@ -27,10 +28,11 @@ from pydrake.multibody.plant import (
     DiscreteContactApproximation,
     MultibodyPlant,
 )
+from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import DiagramBuilder
 
 from brace_drake.resources import sdf_path
-from brace_drake.scenario.bench import BenchScenario, Contact
+from brace_drake.scenario.bench import BenchScenario, Contact, Ring, Torso
 
 
 def _model_with_inertia(name: str, mass: float, moments: np.ndarray) -> str:
@@ -82,6 +84,14 @@ def AddHydroelasticContact(
     softer edges. Each pad's face lies `preload` inside. Only `lagged` and
     `similar` take Hunt-Crossley dissipation and the stiction tolerance.
     """
+    scene_graph = AddSceneGraphFor(builder, plant)
+    AddHalfSpacePads(plant, scene_graph, {"ring2": contact})
+
+
+def AddSceneGraphFor(
+    builder: DiagramBuilder, plant: MultibodyPlant
+) -> SceneGraph:
+    """Adds a scene graph, and the plant as its source."""
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant.RegisterAsSourceForSceneGraph(scene_graph)
     builder.Connect(
@@ -92,27 +102,48 @@ def AddHydroelasticContact(
         plant.get_geometry_pose_output_port(),
         scene_graph.get_source_pose_port(plant.get_source_id()),
     )
+    return scene_graph
+
+
+def AddHalfSpacePads(
+    plant: MultibodyPlant,
+    scene_graph: SceneGraph,
+    contacts: Mapping[str, Contact],
+) -> None:
+    """Adds the pads of rings by name, and a half space under each pad.
+
+    The law is that of `AddHydroelasticContact`; the stiction tolerance is the
+    smallest of the contacts'.
+    """
     plant.set_contact_model(ContactModel.kHydroelastic)
     plant.set_discrete_contact_approximation(
         DiscreteContactApproximation.kLagged
     )
-    plant.set_stiction_tolerance(contact.friction_regularization)
-    pads, sides = zip(
-        *(_AddPadAndSide(plant, contact, s) for s in (1.0, -1.0)), strict=True
+    plant.set_stiction_tolerance(
+        min(c.friction_regularization for c in contacts.values())
     )
-    # A half space reaches through the torso to the pad of the other side.
-    for pad, side in zip(pads, reversed(sides), strict=True):
+    pads, sides = zip(
+        *(
+            _AddPadAndSide(plant, ring, contact, s)
+            for ring, contact in contacts.items()
+            for s in (1.0, -1.0)
+        ),
+        strict=True,
+    )
+    # A half space reaches through the torso to all other pads.
+    for i, pad in enumerate(pads):
+        others = GeometrySet([*sides[:i], *sides[i + 1 :]])
         scene_graph.collision_filter_manager().Apply(
             CollisionFilterDeclaration().ExcludeBetween(
-                GeometrySet(pad), GeometrySet(side)
+                GeometrySet(pad), others
             )
         )
 
 
 def _AddPadAndSide(
-    plant: MultibodyPlant, contact: Contact, s: float
+    plant: MultibodyPlant, ring: str, contact: Contact, s: float
 ) -> tuple[GeometryId, GeometryId]:
-    """Adds the pad at s y and the torso's side under it."""
+    """Adds the ring's pad at s y and the torso's side under it."""
     friction = CoulombFriction(contact.friction, contact.friction)
     rigid, compliant = ProximityProperties(), ProximityProperties()
     AddRigidHydroelasticProperties(rigid)
@@ -128,10 +159,10 @@ def _AddPadAndSide(
     size, name = contact.pad_size, "left" if s > 0 else "right"
     face = contact.pad_offset - contact.preload
     pad = plant.RegisterCollisionGeometry(
-        plant.GetBodyByName("ring2"),
+        plant.GetBodyByName(ring),
         RigidTransform([0.0, s * face, 0.0]),
         _make_pad_face(size, s),
-        f"{name}_pad",
+        f"{ring}_{name}_pad",
         rigid,
     )
     outward, surface = np.array([0.0, s, 0.0]), [0.0, s * contact.pad_offset, 0]
@@ -139,7 +170,7 @@ def _AddPadAndSide(
         plant.GetBodyByName("torso"),
         HalfSpace.MakePose(outward, surface),
         HalfSpace(),
-        f"{name}_side",
+        f"{ring}_{name}_side",
         compliant,
     )
     return pad, side
@@ -175,9 +206,16 @@ def AddBenchBodies(plant: MultibodyPlant, scenario: BenchScenario) -> None:
     if scenario.torso.present:
         bodies["torso"] = scenario.torso
     for name, config in bodies.items():
-        text = _model_with_inertia(name, config.mass, config.inertia)
-        (instance,) = Parser(plant).AddModelsFromString(text, "sdf")
-        body = plant.GetBodyByName(name, instance)
+        body = AddBody(plant, name, config)
         plant.SetDefaultFloatingBaseBodyPose(body, X_WRest)
         if name == "torso":
-            plant.set_gravity_enabled(instance, False)
+            plant.set_gravity_enabled(body.model_instance(), False)
+
+
+def AddBody(
+    plant: MultibodyPlant, name: str, config: Ring | Torso
+) -> RigidBody:
+    """Adds the body of `sdf/{name}.sdf` with a scenario's mass and moments."""
+    text = _model_with_inertia(name, config.mass, config.inertia)
+    (instance,) = Parser(plant).AddModelsFromString(text, "sdf")
+    return plant.GetBodyByName(name, instance)

@@ -1,0 +1,18 @@
+"""The brace with its 18 legs as bodies, from one scenario's numbers."""
+
+from brace_drake.articulated.models import WriteBraceModels, make_models
+from brace_drake.articulated.plant import (
+    AddArticulatedBrace,
+    GetDrives,
+    SetLegs,
+    calc_closure_error,
+)
+
+__all__ = [
+    "AddArticulatedBrace",
+    "GetDrives",
+    "SetLegs",
+    "WriteBraceModels",
+    "calc_closure_error",
+    "make_models",
+]
