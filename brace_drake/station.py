@@ -24,15 +24,19 @@ from brace_drake.plant import AddBenchPlant, plant_resolves_contact
 from brace_drake.scenario.bench import BenchScenario, Ring
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
 from brace_drake.scenario.effects import scenario_uses
-from brace_drake.systems.brace_forces import BraceForces, pack_bench_law
-from brace_drake.systems.contact_force_hold import ContactForceHold
+from brace_drake.systems.brace_forces import (
+    BraceForces,
+    ConnectBraceForces,
+    pack_bench_law,
+)
+from brace_drake.systems.contact_force_hold import AddContactForce
 from brace_drake.systems.controller_blocks import (
     BraceInverseDynamics,
     ImpedanceFilter,
     PoseEstimator,
     TickHold,
 )
-from brace_drake.systems.instruments import BenchInstruments
+from brace_drake.systems.instruments import BraceInstruments
 from brace_drake.systems.pic_controller import PicController, pack_tick_law
 
 
@@ -83,7 +87,7 @@ def MakeBenchStation(
         builder, plant, scenario, numbers, plug_ins
     )
     if plant_resolves_contact(scenario):
-        _AddContactForce(builder, plant, forces)
+        AddContactForce(builder, plant, ["ring2"], forces)
     # Reference, then instruments and controller.
     source = builder.AddNamedSystem("reference", TrajectorySource(reference))
     add = _CONTROLLERS[scenario.control.layout]
@@ -143,35 +147,14 @@ def _AddForces(builder, plant, scenario, numbers, plug_ins):
             plug_ins=plug_ins,
         ),
     )
-    law = builder.AddNamedSystem(
-        "force_law", ConstantVectorSource(pack_bench_law(numbers))
-    )
-    # Native systems join what one look-up from Python then takes: at each
-    # plant step that is cheaper than a port for each.
-    state = plant.get_state_output_port()
-    sources = state.size(), 6, law.get_output_port().size()
-    inputs = builder.AddNamedSystem("forces_inputs", Multiplexer(sources))
-    builder.Connect(inputs.get_output_port(), forces.GetInputPort("inputs"))
-    builder.Connect(state, inputs.get_input_port(0))
-    builder.Connect(law.get_output_port(), inputs.get_input_port(2))
-    builder.Connect(
-        forces.GetOutputPort("generalized_force"),
+    leg_command = ConnectBraceForces(
+        builder,
+        forces,
+        pack_bench_law(numbers),
+        plant.get_state_output_port(),
         plant.get_applied_generalized_force_input_port(),
     )
-    return forces, inputs.get_input_port(1)
-
-
-def _AddContactForce(builder, plant, forces) -> None:
-    """Adds the reading of the contact force that the plant resolves."""
-    hold = builder.AddNamedSystem("contact_force", ContactForceHold(plant))
-    builder.Connect(
-        plant.get_contact_results_output_port(),
-        hold.GetInputPort("contact_results"),
-    )
-    builder.Connect(
-        hold.GetOutputPort("contact_force"),
-        forces.GetInputPort("contact_force"),
-    )
+    return forces, leg_command
 
 
 def _AddPicController(builder, measured, desired, numbers, plug_ins):
@@ -204,7 +187,15 @@ def _AddPicController(builder, measured, desired, numbers, plug_ins):
 def _AddControllerBlocks(builder, measured, desired, numbers, plug_ins):
     """Adds the controller block by block, as `_AddPicController`."""
     add = builder.AddNamedSystem
-    instruments = add("instruments", BenchInstruments(numbers, plug_ins))
+    instruments = add(
+        "instruments",
+        BraceInstruments(
+            numbers.resolution,
+            numbers.noise_sigma,
+            numbers.estimator[3],
+            plug_ins,
+        ),
+    )
     split = add("readings_split", Demultiplexer(np.array([6, 3, 3])))
     estimator = add("pose_estimator", PoseEstimator(numbers))
     impedance = add("impedance_filter", ImpedanceFilter(numbers))

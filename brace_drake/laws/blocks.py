@@ -138,17 +138,19 @@ def read_instruments(resolution, noise, out):
 
     Args:
         resolution: Of lengths, m, and forces, N; 0 is not rounded (2,).
-        noise: Of lengths, force and marker (12,); empty: exact readings,
+        noise: Of lengths, forces and marker, as `out`; empty: exact readings,
             neither noisy nor rounded.
-        out: Lengths (6), m, force (3), N, marker (3), m: (12,).
+        out: Of S stages lengths (6 S), m, forces (3 S), N, marker (3), m.
     """
     if noise.shape[0] == 0:
         return
-    for i in range(6):
+    end = out.shape[0] - 3
+    num_lengths = 2 * end // 3
+    for i in range(num_lengths):
         out[i] = read_instrument(out[i], noise[i], resolution[0])
-    for i in range(6, 9):
+    for i in range(num_lengths, end):
         out[i] = read_instrument(out[i], noise[i], resolution[1])
-    for i in range(9, 12):
+    for i in range(end, end + 3):
         out[i] += noise[i]
 
 

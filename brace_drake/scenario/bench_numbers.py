@@ -12,6 +12,7 @@ from brace_drake.scenario.bench import (
     BenchScenario,
     Contact,
     JointCircle,
+    Sensors,
     Torso,
 )
 
@@ -100,11 +101,28 @@ def pack_posture(torso: Torso) -> np.ndarray:
     )
 
 
+def pack_instruments(
+    sensors: Sensors, num_stages: int
+) -> dict[str, np.ndarray]:
+    """`resolution` and `noise_sigma` of a brace's instruments."""
+    noises = (
+        sensors.leg_length_noise,
+        sensors.force_noise,
+        sensors.marker_noise,
+    )
+    return {
+        "resolution": np.array(
+            [sensors.leg_length_resolution, sensors.force_resolution]
+        ),
+        "noise_sigma": np.repeat(noises, [6 * num_stages, 3 * num_stages, 3]),
+    }
+
+
 def pack_bench(scenario: BenchScenario) -> BenchNumbers:
     """Arrays of the nominal twin that a scenario describes."""
     stage, ring, torso = scenario.stage, scenario.ring, scenario.torso
     control = scenario.control
-    sensors, period = scenario.sensors, 1.0 / scenario.control.rate
+    period = 1.0 / scenario.control.rate
     rest = np.array([0.0, 0.0, stage.upper_height])
     p_WB = joint_points(stage.lower, stage.lower_height)
     p_RT = joint_points(stage.upper, 0.0)
@@ -141,15 +159,5 @@ def pack_bench(scenario: BenchScenario) -> BenchNumbers:
                 scenario.leg.force_limit,
             ]
         ),
-        resolution=np.array(
-            [sensors.leg_length_resolution, sensors.force_resolution]
-        ),
-        noise_sigma=np.repeat(
-            [
-                sensors.leg_length_noise,
-                sensors.force_noise,
-                sensors.marker_noise,
-            ],
-            [6, 3, 3],
-        ),
+        **pack_instruments(scenario.sensors, 1),
     )

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry, Workspace, make_geometry
-from brace_drake.scenario.bench_numbers import pack_contact, pack_posture
+from brace_drake.scenario.bench_numbers import (
+    pack_contact,
+    pack_instruments,
+    pack_posture,
+)
 from brace_drake.scenario.brace import BraceScenario
 
 
@@ -25,6 +29,8 @@ class BraceNumbers:
             speed, pad offset, preload (S, 6); a stiffness of 0 is no pad.
         posture: K (3), D (3), K_r (3), D_r (3): (12,).
         ring: Mass, moments (3), weight (5,), of each the same.
+        resolution: Of lengths, m, and forces, N (2,).
+        noise_sigma: Of lengths (6 S), forces (3 S), marker (3).
     """
 
     geometry: BraceGeometry
@@ -35,6 +41,8 @@ class BraceNumbers:
     contact: np.ndarray
     posture: np.ndarray
     ring: np.ndarray
+    resolution: np.ndarray
+    noise_sigma: np.ndarray
 
     @property
     def num_stages(self) -> int:
@@ -85,4 +93,5 @@ def pack_brace(scenario: BraceScenario) -> BraceNumbers:
         contact=contact,
         posture=pack_posture(scenario.torso),
         ring=np.array([ring.mass, *ring.inertia, ring.mass * scenario.gravity]),
+        **pack_instruments(scenario.sensors, len(scenario.stages)),
     )

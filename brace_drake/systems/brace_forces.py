@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiagramBuilder,
+    InputPort,
+    LeafSystem,
+    OutputPort,
+)
+from pydrake.systems.primitives import ConstantVectorSource, Multiplexer
 
 from brace_drake.errors import EffectError
 from brace_drake.laws import kernels
@@ -131,3 +139,36 @@ class BraceForces(LeafSystem):
         inputs = self._port.Eval(context)
         memory = self._laws.calc(context, inputs, self._brace)
         self._laws.store(memory, discrete)
+
+
+def ConnectBraceForces(
+    builder: DiagramBuilder,
+    forces: BraceForces,
+    law: np.ndarray,
+    state: OutputPort,
+    applied_force: InputPort,
+) -> InputPort:
+    """Connects forces with a plant, and adds their law as a constant.
+
+    Native systems join what one look-up from Python then takes: at each plant
+    step that is cheaper than a port for each.
+
+    Args:
+        builder: That `forces` was added to.
+        forces: The system.
+        law: See `kernels.num_law`; a numeric parameter of `force_law`.
+        state: Of the plant's rings and torso.
+        applied_force: Of the plant's rings and torso.
+
+    Returns:
+        The input port for the leg commands.
+    """
+    add = builder.AddNamedSystem
+    source = add("force_law", ConstantVectorSource(law)).get_output_port()
+    num_legs = forces.GetInputPort("inputs").size() - state.size() - len(law)
+    join = add("forces_inputs", Multiplexer([state.size(), num_legs, len(law)]))
+    builder.Connect(join.get_output_port(), forces.GetInputPort("inputs"))
+    builder.Connect(state, join.get_input_port(0))
+    builder.Connect(source, join.get_input_port(2))
+    builder.Connect(forces.GetOutputPort("generalized_force"), applied_force)
+    return join.get_input_port(1)

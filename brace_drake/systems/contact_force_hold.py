@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydrake.common.value import Value
+from pydrake.geometry import GeometryId
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem
+
+from brace_drake.systems.brace_forces import BraceForces
 
 
 class ContactForceHold(LeafSystem):
-    """Sum of hydroelastic contact forces of the ring on the torso, in W.
+    """Hydroelastic contact forces of each ring on the torso, summed, in W.
 
     Taken together with each plant step, when it costs no further solve and is
     that of the command in force, and held: a tick reads the force that the
@@ -20,18 +25,21 @@ class ContactForceHold(LeafSystem):
         contact_results: Of the plant.
 
     Output ports:
-        contact_force: (3,), N.
+        contact_force: (3 S,), N, of the rings in the order given.
     """
 
-    def __init__(self, plant: MultibodyPlant):
+    def __init__(self, plant: MultibodyPlant, rings: Sequence[str]):
         super().__init__()
-        self._torso = set(
-            plant.GetCollisionGeometriesForBody(plant.GetBodyByName("torso"))
-        )
+        self._torso = _geometries(plant, "torso")
+        self._row_of = {
+            geometry: 3 * i
+            for i, ring in enumerate(rings)
+            for geometry in _geometries(plant, ring)
+        }
         self._port = self.DeclareAbstractInputPort(
             "contact_results", Value[ContactResults]()
         )
-        state = self.DeclareDiscreteState(3)
+        state = self.DeclareDiscreteState(3 * len(rings))
         self.DeclareStateOutputPort("contact_force", state)
         self.DeclarePeriodicDiscreteUpdateEvent(
             plant.time_step(), 0.0, self._Take
@@ -39,11 +47,39 @@ class ContactForceHold(LeafSystem):
 
     def _Take(self, context: Context, discrete) -> None:
         results = self._port.Eval(context)
-        force = np.zeros(3)
+        force = np.zeros(discrete.value(0).size)
         for i in range(results.num_hydroelastic_contacts()):
             info = results.hydroelastic_contact_info(i)
+            surface = info.contact_surface()
             # F_Ac_W acts on the body of geometry M.
-            f_M_W = info.F_Ac_W().translational()
-            on_torso = info.contact_surface().id_M() in self._torso
-            force += f_M_W if on_torso else -f_M_W
+            f_T_W, ring = info.F_Ac_W().translational(), surface.id_N()
+            if ring in self._torso:
+                f_T_W, ring = -f_T_W, surface.id_M()
+            if ring in self._row_of:
+                row = self._row_of[ring]
+                force[row : row + 3] += f_T_W
         discrete.set_value(0, force)
+
+
+def _geometries(plant: MultibodyPlant, body: str) -> set[GeometryId]:
+    return set(plant.GetCollisionGeometriesForBody(plant.GetBodyByName(body)))
+
+
+def AddContactForce(
+    builder: DiagramBuilder,
+    plant: MultibodyPlant,
+    rings: Sequence[str],
+    forces: BraceForces,
+) -> None:
+    """Adds the reading of the contact forces that the plant resolves."""
+    hold = builder.AddNamedSystem(
+        "contact_force", ContactForceHold(plant, rings)
+    )
+    builder.Connect(
+        plant.get_contact_results_output_port(),
+        hold.GetInputPort("contact_results"),
+    )
+    builder.Connect(
+        hold.GetOutputPort("contact_force"),
+        forces.GetInputPort("contact_force"),
+    )

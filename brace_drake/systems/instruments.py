@@ -1,4 +1,4 @@
-"""The bench's instruments: leg encoders, force sensor, torso marker."""
+"""A brace's instruments: leg encoders, force sensors, torso marker."""
 
 from __future__ import annotations
 
@@ -9,52 +9,60 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.laws import blocks
 from brace_drake.laws.plug_in import PlugIn, idle
-from brace_drake.scenario.bench_numbers import BenchNumbers
 from brace_drake.systems.hosting import EffectHost
 from brace_drake.systems.ticks import DeclareTick
 
 
-class BenchInstruments(LeafSystem):
+class BraceInstruments(LeafSystem):
     """Readings at a tick: ideal value, effects, noise, rounding.
 
     Input ports:
-        measured: True leg lengths (6), m, force of the ring on the torso (3),
-            N, displacement of the torso (3), m: (12,).
-        held_command: Commands of the last tick (6,), N.
-        noise: Standard normal draws of the tick (12,); left unconnected the
-            readings are exact and not rounded.
+        measured: True leg lengths (6 S), m, force of each ring on the torso
+            (3 S), N, displacement of the torso (3), m.
+        held_command: Commands of the last tick (6 S,), N; only effects of one
+            stage look at them.
+        noise: Standard normal draws of the tick (9 S + 3,); left unconnected
+            the readings are exact and not rounded.
 
     Output ports:
-        readings: Leg lengths (6), m, force (3), N, marker (3), m: (12,).
+        readings: As `measured`.
 
-    Numeric parameters: resolution (2,), noise_sigma (12,); those of effects at
-    `sensing`, whose states advance once in each tick.
+    Numeric parameters: resolution (2,), of lengths, m, and forces, N, and
+    noise_sigma (9 S + 3,); those of effects at `sensing`, whose states advance
+    once in each tick.
     """
 
-    def __init__(self, numbers: BenchNumbers, plug_ins: Mapping[str, PlugIn]):
+    def __init__(
+        self,
+        resolution: np.ndarray,
+        noise_sigma: np.ndarray,
+        period: float,
+        plug_ins: Mapping[str, PlugIn] | None = None,
+    ):
         super().__init__()
-        self._period = numbers.estimator[3]
+        self._period, size = period, len(noise_sigma)
+        self._num_lengths = 2 * (size - 3) // 3
         self._measured_port, self._held_port, self._noise_port = (
-            self.DeclareVectorInputPort(name, size)
-            for name, size in (
-                ("measured", 12),
-                ("held_command", 6),
-                ("noise", 12),
+            self.DeclareVectorInputPort(name, width)
+            for name, width in (
+                ("measured", size),
+                ("held_command", self._num_lengths),
+                ("noise", size),
             )
         )
         self._resolution, self._sigma = (
             int(self.DeclareNumericParameter(BasicVector(a)))
-            for a in (numbers.resolution, numbers.noise_sigma)
+            for a in (resolution, noise_sigma)
         )
         self._host = EffectHost(
-            self, plug_ins.get("sensing") or idle("sensing")
+            self, (plug_ins or {}).get("sensing") or idle("sensing")
         )
         self._output = self.DeclareVectorOutputPort(
-            "readings", 12, self._CalcReadings
+            "readings", size, self._CalcReadings
         )
         if not self._host.is_idle:
             DeclareTick(self, self._period, self._Advance)
-        self._readings = np.empty(12)
+        self._readings = np.empty(size)
 
     def _Eval(self, context: Context):
         readings = self._readings
@@ -67,8 +75,8 @@ class BenchInstruments(LeafSystem):
                 context.get_time(),
                 self._period,
                 self._held_port.Eval(context),
-                readings[0:6],
-                readings[6:9],
+                readings[: self._num_lengths],
+                readings[self._num_lengths : -3],
             )
         if self._noise_port.HasValue(context):
             resolution = context.get_numeric_parameter(self._resolution)
