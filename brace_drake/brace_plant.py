@@ -130,6 +130,9 @@ def SetBracePose(
 
 
 def _SetStart(plant: MultibodyPlant, scenario: BraceScenario) -> None:
-    context = plant.CreateDefaultContext()
-    SetBracePose(plant, context, scenario, pack_brace(scenario).start)
+    context, numbers = plant.CreateDefaultContext(), pack_brace(scenario)
+    SetBracePose(plant, context, scenario, numbers.start)
+    if scenario.torso.present:
+        X_WT = RigidTransform(numbers.torso_rest)
+        plant.SetFreeBodyPose(context, plant.GetBodyByName("torso"), X_WT)
     plant.SetDefaultPositions(plant.GetPositions(context))

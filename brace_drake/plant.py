@@ -130,6 +130,10 @@ def AddHalfSpacePads(
         ),
         strict=True,
     )
+    # Pads of neighbours are as high as the rings are apart.
+    scene_graph.collision_filter_manager().Apply(
+        CollisionFilterDeclaration().ExcludeWithin(GeometrySet(pads))
+    )
     # A half space reaches through the torso to all other pads.
     for i, pad in enumerate(pads):
         others = GeometrySet([*sides[:i], *sides[i + 1 :]])
