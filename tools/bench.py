@@ -5,21 +5,27 @@ python tools/bench.py [--campaign FOLDER] [--quick]
 
 import argparse
 import os
+import sys
 import time
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from brace_drake.brace_plant import AddBracePlant
+from brace_drake.brace_station import MakeBraceStation
 from brace_drake.campaign import LoadCampaign
 from brace_drake.fit.campaign_fit import fit_campaign
 from brace_drake.gap.diagnose import diagnose
+from brace_drake.kinematics import static_leg_forces
 from brace_drake.plant import AddBenchBodies
 from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_brace
 from brace_drake.simulate import SimulateBench
 from brace_drake.station import MakeBenchStation
 from brace_drake.twin.bench_twin import BenchTwin
@@ -27,9 +33,18 @@ from brace_drake.twin.reference import (
     MakeReference,
     reference_of_run,
 )
+from tests.brace_runs import brace, way_to
+from tests.brace_servo import BraceServo
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
 DURATION = 12.0
+BRACE_DURATION = 3.0
+# What the whole brace is timed as: mechanism, contact, plant step.
+BRACES = (
+    ("task_space", "linear", 5e-4),
+    ("articulated", "none", 1e-3),
+    ("articulated", "linear", 5e-4),
+)
 
 
 def best_of(count, function):
@@ -71,6 +86,61 @@ def closed_loop(run, step):
     return diagram, rollout
 
 
+def run_brace(mechanism, contact, step):
+    """Times of the brace's closed loop at 1 kHz and of its bare plant, s.
+
+    Of the processor, as both run on one core.
+    """
+    scenario = brace(mechanism, contact, time_step=step)
+    X = np.zeros(18)
+    X[1::6] = -0.004, -0.008, -0.006
+    servo = BraceServo(pack_brace(scenario))
+    desired = way_to(X, BRACE_DURATION)
+    station = MakeBraceStation(scenario, servo, desired).diagram
+    builder = DiagramBuilder()
+    plant = AddBracePlant(builder, scenario)
+    bare = builder.Build()
+    if plant.num_actuators():
+        # Legs that carry the rings; falling they would meet their stops.
+        held = static_leg_forces(
+            pack_brace(scenario).geometry, np.zeros(18), _weights(scenario)
+        )
+    times = []
+    for diagram in (station, bare):
+        simulator = Simulator(diagram)
+        context = simulator.get_mutable_context()
+        if diagram is bare and plant.num_actuators():
+            plant.get_actuation_input_port().FixValue(
+                plant.GetMyContextFromRoot(context), held
+            )
+        kept = [s.GetMyContextFromRoot(context) for s in diagram.GetSystems()]
+        simulator.AdvanceTo(0.02)
+        start = time.process_time()
+        simulator.AdvanceTo(BRACE_DURATION)
+        times.append(time.process_time() - start)
+        del kept
+    return times
+
+
+def _weights(scenario):
+    """What the legs have to put on the rings against gravity (18,)."""
+    W = np.zeros((3, 6))
+    W[:, 2] = scenario.ring.mass * scenario.gravity
+    return W.ravel()
+
+
+def time_braces():
+    """Prints the rows of the whole brace."""
+    print(f"{'the whole brace':44} {'x real':>8} {'x bare plant':>13}")
+    for mechanism, contact, step in BRACES:
+        closed, bare = np.min(
+            [run_brace(mechanism, contact, step) for _ in range(3)], axis=0
+        )
+        label = f"{mechanism}, contact {contact}, {1e3 * step:g} ms"
+        speed = (BRACE_DURATION - 0.02) / closed
+        print(f"{label:44} {speed:8.2f} {closed / bare:13.2f}")
+
+
 def main():
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -90,6 +160,7 @@ def main():
         ):
             label = f"{name}, 12 s at {1e3 * step:g} ms"
             print(f"{label:44} {value:8.3f} {value / bare:13.2f}")
+    time_braces()
     if args.quick:
         return
     jobs = os.cpu_count() or 1
