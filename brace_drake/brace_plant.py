@@ -46,29 +46,34 @@ def AddBracePlant(
     Args:
         builder: Of the diagram.
         scenario: Of the brace.
-        add_geometry: Adds geometry to rings and torso; without it, and where
-            a ring's contact is hydroelastic, its pads meet half spaces.
+        add_geometry: Adds geometry to rings and torso, and may set how the
+            plant resolves contact; without it, where a ring's contact is
+            hydroelastic, its pads meet half spaces.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(scenario.time_step))
     AddBraceBodies(plant, scenario)
     # Sampled ports would make the plant's step an unrestricted update, whose
     # copies of all state cost more than the step.
     plant.SetUseSampledOutputPorts(False)
+    plant.set_discrete_contact_approximation(_approximation(scenario))
     if add_geometry is None and plant_resolves_contact(scenario):
         add_geometry = AddHydroelasticPads
-    plant.set_discrete_contact_approximation(
-        DiscreteContactApproximation.kSap
-        if scenario.mechanism == "articulated"
-        else DiscreteContactApproximation.kTamsi
-    )
     if add_geometry is not None:
-        plant.set_discrete_contact_approximation(
-            DiscreteContactApproximation.kLagged
-        )
         add_geometry(plant, AddSceneGraphFor(builder, plant), scenario)
     plant.Finalize()
     _SetStart(plant, scenario)
     return plant
+
+
+def _approximation(scenario: BraceScenario) -> DiscreteContactApproximation:
+    """What solves for contacts and constraints at a step."""
+    if plant_resolves_contact(scenario):
+        # Takes Hunt-Crossley dissipation and the stiction tolerance.
+        return DiscreteContactApproximation.kLagged
+    if scenario.mechanism == "articulated":
+        return DiscreteContactApproximation.kSap
+    # Nothing is left to the solver: take the cheapest.
+    return DiscreteContactApproximation.kTamsi
 
 
 def AddBraceBodies(plant: MultibodyPlant, scenario: BraceScenario) -> None:

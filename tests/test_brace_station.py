@@ -8,13 +8,13 @@ from pydrake.systems.framework import LeafSystem
 from brace_drake.brace_plant import SetBracePose
 from brace_drake.brace_station import MakeBraceStation
 from brace_drake.errors import ScenarioError
-from brace_drake.kinematics import static_leg_forces
+from brace_drake.kinematics import find_task_coordinates, static_leg_forces
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 from brace_drake.simulate import SimulateBench
 from brace_drake.station import MakeBenchStation
 from brace_drake.twin.reference import MakeReference
-from tests.brace_runs import brace, replay, run_servo
+from tests.brace_runs import brace, hold, replay, run, run_servo
 from tests.brace_servo import BraceServo
 from tests.test_station import smooth_push
 
@@ -86,6 +86,31 @@ class TestStatics(unittest.TestCase):
         scenario = brace(stages=[1])
         _, _, log = replay(scenario, [[500.0, -500, 1, 1, 1, 1]], 1e-3)
         np.testing.assert_array_equal(log[0, 0:6], [120, -120, 1, 1, 1, 1])
+
+
+class TestStages(unittest.TestCase):
+    def test_any_neighbouring_stages_stand_alone(self):
+        for stages in ([1], [3], [1, 2], [2, 3]):
+            for mechanism in ("task_space", "articulated"):
+                scenario = brace(
+                    mechanism, "linear", stages=stages, time_step=5e-4
+                )
+                X = np.zeros(6 * len(stages))
+                X[1::6] = -5e-4
+                for name in scenario.rings:
+                    setattr(scenario.start, name, X[0:6])
+                with self.subTest(stages=stages, mechanism=mechanism):
+                    servo = BraceServo(pack_brace(scenario))
+                    station = MakeBraceStation(scenario, servo, hold(X))
+                    context = run(station.diagram, 0.02).get_context()
+                    log = station.sink.FindLog(context).data().T
+                    n = len(stages)
+                    self.assertEqual(log.shape[1], 15 * n + 3)
+                    found = find_task_coordinates(
+                        station.numbers.geometry, log[-1, 6 * n : 12 * n]
+                    )
+                    np.testing.assert_allclose(found, X, atol=3e-4)
+                    self.assertTrue((log[-1, 12 * n + 1 : -3 : 3] < 0).all())
 
 
 class TestPorts(unittest.TestCase):
