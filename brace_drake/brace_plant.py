@@ -51,15 +51,17 @@ def AddBracePlant(
             hydroelastic, its pads meet half spaces.
     """
     plant = builder.AddNamedSystem("plant", MultibodyPlant(scenario.time_step))
+    if add_geometry is None and plant_resolves_contact(scenario):
+        add_geometry = AddHydroelasticPads
+    # Bodies are drawn where there is a scene graph already.
+    scene_graph = add_geometry and AddSceneGraphFor(builder, plant)
     AddBraceBodies(plant, scenario)
     # Sampled ports would make the plant's step an unrestricted update, whose
     # copies of all state cost more than the step.
     plant.SetUseSampledOutputPorts(False)
     plant.set_discrete_contact_approximation(_approximation(scenario))
-    if add_geometry is None and plant_resolves_contact(scenario):
-        add_geometry = AddHydroelasticPads
     if add_geometry is not None:
-        add_geometry(plant, AddSceneGraphFor(builder, plant), scenario)
+        add_geometry(plant, scene_graph, scenario)
     plant.Finalize()
     _SetStart(plant, scenario)
     return plant

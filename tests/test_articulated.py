@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from pydrake.geometry import Role
 from pydrake.systems.framework import DiagramBuilder
 
 from brace_drake.articulated import (
@@ -80,6 +81,16 @@ class TestModels(unittest.TestCase):
         scenario.leg.tube_mass = 0.5
         with self.assertRaisesRegex(ScenarioError, "^ring.mass is 0.85"):
             MakeBraceStation(scenario)
+
+    def test_rings_and_legs_are_drawn_where_there_is_a_scene_graph(self):
+        drawn = []
+
+        def count(plant, scene_graph, scenario):
+            inspector = scene_graph.model_inspector()
+            drawn.append(inspector.NumGeometriesWithRole(Role.kIllustration))
+
+        AddBracePlant(DiagramBuilder(), brace("articulated"), count)
+        self.assertEqual(drawn, [3 * 24 + 18 * 2])
 
     def test_legs_of_several_lengths_have_a_file_each(self):
         scenario = brace("articulated", stages=[1])

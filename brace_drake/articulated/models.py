@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,10 @@ from brace_drake.scenario.brace_numbers import pack_geometry
 
 PACKAGE = "brace_drake"
 DIRECTIVES = "brace.dmd.yaml"
+
+# For drawing: straight pieces of a ring, and their radius, m.
+_RING_PIECES = 24
+_RING_RADIUS = 0.006
 
 _BY = "Written by tools/write_brace_models.py from the scenario's numbers."
 
@@ -45,7 +50,8 @@ def make_models(scenario: BraceScenario) -> dict[str, str]:
     geometry, texts = pack_geometry(scenario), {}
     for i, name in enumerate(scenario.rings):
         link = make_bare_ring(scenario, geometry, i)
-        texts[f"bare_{name}.sdf"] = _ring_sdf(name, link)
+        half_axes = scenario.ring.half_axes
+        texts[f"bare_{name}.sdf"] = _ring_sdf(name, link, half_axes)
     for i in range(geometry.num_stages):
         for k in range(6):
             rest = geometry.rest_lengths[6 * i + k]
@@ -109,7 +115,38 @@ def _inertial(link: Link) -> str:
       </inertial>"""
 
 
-def _ring_sdf(name: str, link: Link) -> str:
+def _cylinder_visual(name, pose, radius: float, length: float) -> str:
+    return f"""      <visual name="{name}">
+        <pose>{_numbers(pose)}</pose>
+        <geometry><cylinder>
+          <radius>{_number(radius)}</radius><length>{_number(length)}</length>
+        </cylinder></geometry>
+      </visual>"""
+
+
+def _link_visual(name: str, link: Link, radius: float) -> str:
+    """A cylinder along z with its middle at the centre of mass."""
+    middle = link.p_LoLcm
+    pose = [*middle, 0.0, 0.0, 0.0]
+    return _cylinder_visual(name, pose, radius, 2.0 * abs(middle[2]))
+
+
+def _ring_visuals(half_axes: np.ndarray) -> str:
+    """The ring's ellipse in straight pieces."""
+    turn = 2.0 * np.pi * np.arange(_RING_PIECES + 1) / _RING_PIECES
+    ends = half_axes * np.column_stack([np.cos(turn), np.sin(turn)])
+    visuals = []
+    for k, (a, b) in enumerate(pairwise(ends)):
+        (x, y), (dx, dy) = 0.5 * (a + b), b - a
+        pose = [x, y, 0.0, 0.0, 0.5 * np.pi, np.arctan2(dy, dx)]
+        length = np.hypot(dx, dy)
+        visuals.append(
+            _cylinder_visual(f"piece{k}", pose, _RING_RADIUS, length)
+        )
+    return "\n".join(visuals)
+
+
+def _ring_sdf(name: str, link: Link, half_axes: np.ndarray) -> str:
     return f"""<?xml version="1.0"?>
 <!-- {name} without the halves of its legs, for the articulated brace.
      {_BY} -->
@@ -117,6 +154,7 @@ def _ring_sdf(name: str, link: Link) -> str:
   <model name="{name}">
     <link name="{name}">
 {_inertial(link)}
+{_ring_visuals(half_axes)}
     </link>
   </model>
 </sdf>
@@ -125,7 +163,7 @@ def _ring_sdf(name: str, link: Link) -> str:
 
 def _leg_sdf(scenario: BraceScenario, rest: float) -> str:
     leg, half = scenario.leg, 0.5 * scenario.leg.stroke
-    closed = rest - half
+    tube, rod = (f(scenario, rest - half) for f in (make_tube, make_rod))
     # A universal joint's axes are not driven.
     idle = "<limit><effort>0</effort></limit>"
     return f"""<?xml version="1.0"?>
@@ -143,11 +181,13 @@ def _leg_sdf(scenario: BraceScenario, rest: float) -> str:
       </inertial>
     </link>
     <link name="tube">
-{_inertial(make_tube(scenario, closed))}
+{_inertial(tube)}
+{_link_visual("tube", tube, leg.tube_radius)}
     </link>
     <link name="rod">
       <pose>0 0 {_number(rest)} 0 0 0</pose>
-{_inertial(make_rod(scenario, closed))}
+{_inertial(rod)}
+{_link_visual("rod", rod, leg.rod_radius)}
     </link>
     <joint name="universal" type="universal">
       <parent>clevis</parent>
