@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 import re
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,6 +10,7 @@ from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check_brace import check_brace
 from brace_drake.scenario.effects import check_effects
+from brace_drake.scenario.leaves import check_kind, walk
 from brace_drake.scenario.messages import fail
 
 _POSITIVE = (
@@ -52,13 +50,13 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
     Raises:
         ScenarioError: One line: source, key path, value, what is allowed.
     """
-    defaults = dict(_walk(type(scenario)()))
-    values = dict(_walk(scenario))
+    defaults = dict(walk(type(scenario)()))
+    values = dict(walk(scenario))
     for path, value in values.items():
         # A controller's numbers are of any count.
         free = path.startswith("control.controllers.")
         default = value if free else defaults.get(path, value)
-        _check_kind(source, path, value, default)
+        check_kind(source, path, value, default)
         rule = _ONE_OF_MANY.sub("", path)
         if rule in _POSITIVE and not np.all(np.asarray(value) > 0.0):
             fail(source, path, value, "greater than 0")
@@ -78,49 +76,6 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
     check_effects(source, scenario.effects, scenario.device)
     if isinstance(scenario, BenchScenario):
         _check_bench(source, scenario)
-
-
-def _walk(node, at: str = "") -> Iterator[tuple[str, object]]:
-    """Key paths and values of all leaves."""
-    if dataclasses.is_dataclass(node):
-        children = [
-            (f"{at}.{f.name}" if at else f.name, getattr(node, f.name))
-            for f in dataclasses.fields(node)
-        ]
-    elif isinstance(node, dict):
-        children = [(f"{at}.{key}", child) for key, child in node.items()]
-    elif isinstance(node, list):
-        children = [(f"{at}[{i}]", child) for i, child in enumerate(node)]
-    else:
-        yield at, node
-        return
-    for path, child in children:
-        yield from _walk(child, path)
-
-
-def _check_kind(source: str, path: str, value, default) -> None:
-    if isinstance(default, np.ndarray):
-        _check_array(source, path, value, default)
-    elif isinstance(default, bool | np.bool_):
-        if not isinstance(value, bool | np.bool_):
-            fail(source, path, value, "true or false")
-    elif isinstance(default, str):
-        if not isinstance(value, str):
-            fail(source, path, value, "a word")
-    elif isinstance(value, bool) or not isinstance(
-        value, int | float | np.number
-    ):
-        fail(source, path, value, "a number")
-    elif not math.isfinite(value):
-        fail(source, path, value, "a finite number")
-
-
-def _check_array(source: str, path: str, value, default) -> None:
-    shape = default.shape
-    if not isinstance(value, np.ndarray) or value.shape != shape:
-        fail(source, path, value, f"{shape[0]} numbers")
-    if not (np.issubdtype(value.dtype, np.number) and np.isfinite(value).all()):
-        fail(source, path, value, "finite numbers")
 
 
 def _check_bench(source: str, scenario: BenchScenario) -> None:
