@@ -218,7 +218,10 @@ class _Check:
         """Desired mass and stiffness where there is an impedance."""
         n, target = self.rings.num_rings, self.control.impedance
         on = parse_coordinates(target.coordinates, n) != 0.0
-        return spread(target.mass, n)[on], spread(target.stiffness, n)[on]
+        return tuple(
+            spread(values, n, 3)[on]
+            for values in (target.mass, target.stiffness)
+        )
 
     def _check_filter(self) -> None:
         """Refuses stiffness that the stepped filter does not carry."""

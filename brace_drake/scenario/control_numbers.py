@@ -96,17 +96,17 @@ def parse_coordinates(names: list[str], num_rings: int) -> np.ndarray:
     return mask.ravel()
 
 
-def spread(values: np.ndarray, num_rings: int) -> np.ndarray:
-    """Values of one ring or of all, along 3 or 6 coordinates, as (6n,).
+def spread(values: np.ndarray, num_rings: int, per_ring: int = 6) -> np.ndarray:
+    """Values of one ring, or of all, as (6n,).
 
-    Rotations that have none get 0.
+    Args:
+        values: (per_ring,) or (per_ring n,).
+        num_rings: n.
+        per_ring: 6, or 3 for the translations; rotations then get 0.
     """
-    values = np.asarray(values, dtype=float)
-    if len(values) in (3, 6):
-        values = np.tile(values, num_rings)
-    rows = values.reshape((num_rings, -1))
-    padding = np.zeros((num_rings, 6 - rows.shape[1]))
-    return np.hstack([rows, padding]).ravel()
+    rows = np.array(values, dtype=float).reshape((-1, per_ring))
+    rows = np.broadcast_to(rows, (num_rings, per_ring))
+    return np.pad(rows, ((0, 0), (0, 6 - per_ring))).ravel()
 
 
 def _shared_law(control: BraceControl, rings: BraceRings) -> np.ndarray:
@@ -122,7 +122,7 @@ def _shared_law(control: BraceControl, rings: BraceRings) -> np.ndarray:
     impedance, inner = control.impedance, control.inner
     law[c.SELECTED] = parse_coordinates(impedance.coordinates, n)
     law[c.FED_FORWARD] = parse_coordinates(inner.force_feedforward, n)
-    M, K = spread(impedance.mass, n), spread(impedance.stiffness, n)
+    M, K = spread(impedance.mass, n, 3), spread(impedance.stiffness, n, 3)
     law[c.M_D], law[c.K_D] = M, K
     law[c.C_D] = 2.0 * impedance.damping_ratio * np.sqrt(M * K)
     law[c.K_P], law[c.K_V] = spread(inner.kp, n), spread(inner.kd, n)
@@ -192,7 +192,7 @@ def _fill_pid(control: BraceControl, shared, own, memory) -> None:
     gains = numbers.kp, numbers.ki, numbers.kd, numbers.integral_limit
     own[0:4] = [spread(g, n) for g in gains]
     own[4] = parse_coordinates(numbers.force_coordinates, n)
-    own[5] = spread(numbers.desired_force, n)
+    own[5] = spread(numbers.desired_force, n, 3)
     own[6] = numbers.force_kp
     own[7] = numbers.force_ki
 

@@ -4,8 +4,6 @@
 [A] assumed, with the reason.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -69,7 +67,7 @@ class ReferenceAdaptation:
     """
 
     # 1/s of M, C, K [A: M stays, the motion's acceleration is below the noise]
-    rates: np.ndarray = _vector(0, 1, 1)
+    rates: np.ndarray = _vector(0, 3, 3)
     error_scale: float = 0.0005  # m [A: the paper's end error is 0.31 mm]
     leak: float = 0.02  # 1/s [A: forgets within minutes, a run lasts 12 s]
     lower: np.ndarray = _vector(0.5, 0.5, 0.33)  # over the reference [A]
