@@ -9,7 +9,7 @@ from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
 from brace_drake.scenario.control_numbers import BraceRings, pack_control
 from brace_drake.scenario.controllers import BraceControl
-from brace_drake.systems.bench_forces import pack_bench_law
+from brace_drake.systems.brace_forces import pack_bench_law
 
 PERIOD = 1e-3
 
@@ -56,7 +56,7 @@ def push(control: BraceControl, seconds=12.0, step=5e-4, stiffness=None):
     state[4:7] = state[11:14] = bench.rest
     parts = state[0:4], state[4:7], state[14:20]
     torso = state[7:11], state[11:14], state[20:26]
-    out, command = np.zeros(kernels.NUM_BENCH_WITH_WORK), np.zeros(6)
+    out, command = np.zeros(kernels.num_forces(1, True)), np.zeros(6)
     held = np.zeros(18), np.zeros(18)
     pose, memory = numbers.pose.copy(), numbers.memory.copy()
     asked = np.empty(0) if stiffness is None else np.asarray(stiffness, float)
@@ -68,7 +68,7 @@ def push(control: BraceControl, seconds=12.0, step=5e-4, stiffness=None):
         for sub in range(round(PERIOD / step)):
             if sub == 0:
                 inputs = np.concatenate([state, command, law])
-                kernels.calc_bench(inputs, True, out)
+                kernels.calc_brace(inputs, 1, True, True, out)
                 result = brace_control.advance_brace(
                     numbers.kind, out[12:18].copy(), out[18:21].copy(),
                     desired[tick].ravel(), asked, numbers.law, pose, memory,
@@ -80,7 +80,7 @@ def push(control: BraceControl, seconds=12.0, step=5e-4, stiffness=None):
                 for array, values in zip(log, row, strict=True):
                     array[tick] = values
             inputs = np.concatenate([state, command, law])
-            kernels.calc_bench(inputs, True, out)
+            kernels.calc_brace(inputs, 1, True, True, out)
             out[5] -= bench.ring[4]
             step_free_body(*parts, bench.ring, out[0:6], step)
             step_free_body(*torso, bench.torso, out[6:12], step)

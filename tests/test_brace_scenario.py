@@ -23,15 +23,6 @@ BRACE = scenario_path("brace.scenario.yaml")
 class TestBraceFile(unittest.TestCase):
     def test_the_file_holds_the_defaults(self):
         loaded, default = LoadScenario(BRACE), BraceScenario()
-        ours, theirs = loaded.control, default.control
-        self.assertEqual(list(ours.controllers), list(theirs.controllers))
-        for tag, numbers in ours.controllers.items():
-            self.assertEqual(list(numbers), list(theirs.controllers[tag]))
-            for name, values in numbers.items():
-                np.testing.assert_array_equal(
-                    values, theirs.controllers[tag][name]
-                )
-        ours.controllers = theirs.controllers = {}
         self.assertEqual(differences(loaded, default), [])
 
     def test_the_file_is_complete(self):
@@ -77,8 +68,17 @@ class TestBraceFile(unittest.TestCase):
         for contact in ours.contacts:
             equal(contact.pad_size, brace["pads"]["size"])
             self.assertEqual(contact.pad_offset, brace["pads"]["offset"])
-        for key, value in ours.control.controllers["pic"].items():
-            self.assertEqual(value.item(), bench["control"][key])
+        control, sheet = ours.control, bench["control"]
+        for values, name in (
+            (control.rate, "rate"),
+            (control.estimation.velocity_cutoff_hz, "velocity_cutoff_hz"),
+            (control.estimation.force_filter_tau, "force_filter_tau"),
+            (control.inner.kp, "kp"),
+            (control.inner.kd, "kd"),
+            (control.impedance.mass, "desired_mass"),
+            (control.impedance.stiffness, "desired_stiffness"),
+        ):
+            equal(values, np.full_like(values, sheet[name]))
 
     def test_stage_2_alone_has_the_numbers_of_the_bench(self):
         numbers = pack_brace(BraceScenario(stages=[2]))
@@ -115,14 +115,15 @@ class TestBadScenarios(unittest.TestCase):
         self.assertEqual(again.stages, [2, 3])
         np.testing.assert_array_equal(again.start.ring3, [0, 0, 1e-3, 0, 0, 0])
 
-    def test_controllers_take_other_tags_and_a_number_for_each_coordinate(self):
+    def test_a_controller_takes_a_number_for_each_coordinate(self):
         scenario = self.load(
-            "control: {controller: idc, controllers:"
-            " {idc: {kp: [1, 2, 3, 4, 5, 6]}}}"
+            "stages: [2, 3]\ncontrol: {tag: idc, inner: {kp:"
+            " [900, 900, 900, 900, 900, 900, 800, 800, 800, 800, 800, 800]}}"
         )
-        numbers = scenario.control.controllers
-        np.testing.assert_array_equal(numbers["idc"]["kp"], range(1, 7))
-        self.assertEqual(sorted(numbers), ["idc", "pic"])
+        self.assertEqual(scenario.control.tag, "idc")
+        np.testing.assert_array_equal(
+            scenario.control.inner.kp, np.repeat([900, 800], 6)
+        )
 
     def test_bad_files_are_told_in_one_line(self):
         cases = {
@@ -170,20 +171,20 @@ class TestBadScenarios(unittest.TestCase):
                 "contact.ring1.preload",
                 "less than contact.ring1.pad_offset",
             ),
-            "control: {controller: pci}": (
-                "control.controller",
-                "did you mean pic?",
+            "control: {tag: mraci}": (
+                "control.tag",
+                "did you mean mraic?",
             ),
-            "control: {controllers: {pic: {kp: [high]}}}": (
-                "control.controllers.pic.kp[0]",
+            "control: {inner: {kp: [high]}}": (
+                "control.inner.kp[0]",
                 "a number",
             ),
-            "control: {controllers: {pic: {kp: []}}}": (
-                "control.controllers.pic.kp",
-                "one number or more",
+            "control: {inner: {kp: []}}": (
+                "control.inner.kp",
+                "6 or 18 numbers",
             ),
-            "control: {controllers: {pic: {kp: [.nan]}}}": (
-                "control.controllers.pic.kp",
+            "control: {inner: {kp: [.nan, 1, 1, 1, 1, 1]}}": (
+                "control.inner.kp",
                 "finite numbers",
             ),
             "time_step: 0.0007": ("time_step", "0.001"),

@@ -17,7 +17,7 @@ from brace_drake.scenario.control_numbers import (
     spread,
 )
 from brace_drake.scenario.controllers import TAGS, BraceControl
-from brace_drake.scenario.load import LoadControl
+from brace_drake.scenario.load import LoadScenario
 from brace_drake.scenario.sampled_loops import (
     damping_range,
     filter_margin,
@@ -34,11 +34,17 @@ class TestLoad(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        self.path = Path(folder.name) / "some.control.yaml"
+        self.path = Path(folder.name) / "some.scenario.yaml"
 
-    def load(self, text, overrides=None, rings=RINGS):
-        self.path.write_text(text)
-        return LoadControl(self.path, rings, overrides)
+    def load(self, text, overrides=None, stages="[2]"):
+        """Numbers of a brace, of the bench's one stage if not said otherwise.
+
+        The plant's step is a whole part of every period that is tried.
+        """
+        inner = text if text.startswith("{") else f"{{{text}}}"
+        head = f"device: brace\ntime_step: 1.0e-4\nstages: {stages}\n"
+        self.path.write_text(f"{head}control: {inner}\n")
+        return LoadScenario(self.path, overrides).control
 
     def test_what_a_file_leaves_out_has_the_default(self):
         control = self.load("{tag: npic, npic: {kappa: 0.2}}")
@@ -48,7 +54,7 @@ class TestLoad(unittest.TestCase):
 
     def test_an_override_takes_another_controller_of_the_same_file(self):
         text = "{tag: pic, impedance: {stiffness: [5e3, 5e3, 5e3]}}"
-        control = self.load(text, "tag: vpic")
+        control = self.load(text, "control: {tag: vpic}")
         self.assertEqual(control.tag, "vpic")
         np.testing.assert_array_equal(control.impedance.stiffness, 5e3)
 
@@ -64,7 +70,7 @@ class TestLoad(unittest.TestCase):
 
     def test_all_rings_may_have_numbers_of_their_own(self):
         text = "impedance: {mass: [1, 1, 1, 2, 2, 2, 3, 3, 3]}"
-        control = self.load(text, rings=three_rings())
+        control = self.load(text, stages="[1, 2, 3]")
         row = pack_control(control, three_rings()).law[brace_control.M_D]
         np.testing.assert_array_equal(row[[0, 3, 6, 9, 14]], [1, 0, 2, 0, 3])
 
@@ -77,7 +83,7 @@ class TestLoad(unittest.TestCase):
             "npic: {forgetting: 1.1}": ("npic.forgetting", "0.9 to 1"),
             "npic: {covariance_limit: 2}": ("npic.covariance_limit", "3"),
             "npic: {filter_hz: 100}": ("npic.filter_hz", "50 Hz"),
-            "rate: 10": ("rate is 10", "100 to 20000"),
+            "rate: -5": ("control.rate is -5", "greater than 0"),
             "rate: fast": ("rate", "'fast'", "a number"),
             "rate: .nan": ("rate", "nan", "finite"),
             "estimation: {velocity_cutoff_hz: 900}": ("500 Hz",),
@@ -111,7 +117,7 @@ class TestLoad(unittest.TestCase):
                     self.load(text)
                 message = str(caught.exception)
                 self.assertNotIn("\n", message)
-                for part in ("some.control.yaml", *parts):
+                for part in ("some.scenario.yaml", *parts):
                     self.assertIn(part, message)
 
     def test_a_stiffness_range_in_which_energy_may_grow_is_refused(self):
@@ -121,8 +127,9 @@ class TestLoad(unittest.TestCase):
             self.load(text)
 
     def test_the_key_within_a_larger_file_is_named(self):
-        control = BraceControl(rate=-1.0)
-        with self.assertRaisesRegex(ScenarioError, r"a\.yaml: control\.rate"):
+        control = BraceControl(rate=10.0)
+        told = r"a\.yaml: control\.rate is 10\.0; allowed: 100 to 20000"
+        with self.assertRaisesRegex(ScenarioError, told):
             check_control(control, RINGS, "a.yaml", "control")
 
 

@@ -84,7 +84,7 @@ def advance_mraic(
     virtual,
     impedance,
 ):
-    """MRAIC: the impedance of (5) is adapted until the ring shows another.
+    """MRAIC: equation (5) with an impedance that is adapted to a reference.
 
     Reference: M_m e_m'' + C_m e_m' + K_m e_m = F. The ring shows
     phi'(theta + delta) = F, with phi = [e'', e', e], e = X_d - X, theta the

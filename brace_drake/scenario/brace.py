@@ -12,6 +12,7 @@ from brace_drake.scenario.bench import (
     Sensors,
     Torso,
 )
+from brace_drake.scenario.controllers import BraceControl
 
 DEVICE = "brace"
 
@@ -103,30 +104,6 @@ class StartPoses:
     ring1: np.ndarray = _vector(0, 0, 0, 0, 0, 0)
     ring2: np.ndarray = _vector(0, 0, 0, 0, 0, 0)
     ring3: np.ndarray = _vector(0, 0, 0, 0, 0, 0)
-
-
-@dataclass
-class BraceControl:
-    """Which controller, and the numbers of each by its tag and their names.
-
-    A number is a list: one for all coordinates, or one for each.
-    """
-
-    rate: float = 1000.0  # Hz
-    controller: str = "pic"
-    controllers: dict[str, dict[str, np.ndarray]] = field(
-        default_factory=lambda: {
-            "pic": {
-                "kp": np.array([1600.0]),
-                "kd": np.array([80.0]),
-                "velocity_cutoff_hz": np.array([40.0]),
-                "force_filter_tau": np.array([0.02]),
-                "desired_mass": np.array([2.0]),
-                "desired_stiffness": np.array([6000.0]),
-                "desired_damping": np.array([219.0890230020664]),
-            }
-        }
-    )
 
 
 @dataclass

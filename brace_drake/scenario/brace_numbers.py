@@ -13,6 +13,7 @@ from brace_drake.scenario.bench_numbers import (
     pack_posture,
 )
 from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.control_numbers import BraceRings
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,17 @@ def pack_geometry(scenario: BraceScenario) -> BraceGeometry:
         [(j.lower.radius, j.lower.angles_deg) for j in joints],
         [(j.upper.radius, j.upper.angles_deg) for j in joints],
         scenario.ring_heights[clamped : clamped + len(joints) + 1],
+    )
+
+
+def pack_rings(scenario: BraceScenario) -> BraceRings:
+    """What a controller knows of the rings and legs that a scenario picks."""
+    ring, n = scenario.ring, len(scenario.stages)
+    return BraceRings(
+        geometry=pack_geometry(scenario),
+        mass=np.tile([ring.mass, *ring.inertia], (n, 1)),
+        force_limit=np.full(6 * n, scenario.leg.force_limit),
+        gravity=scenario.gravity,
     )
 
 

@@ -52,9 +52,10 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
     """
     defaults = dict(walk(type(scenario)()))
     values = dict(walk(scenario))
+    is_brace, rate = isinstance(scenario, BraceScenario), "control.rate"
     for path, value in values.items():
-        # A controller's numbers are of any count.
-        free = path.startswith("control.controllers.")
+        # A brace's controller may have a number for each ring: check_control.
+        free = is_brace and path.startswith("control.") and path != rate
         default = value if free else defaults.get(path, value)
         check_kind(source, path, value, default)
         rule = _ONE_OF_MANY.sub("", path)
@@ -65,9 +66,9 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
         words = _WORDS.get(_ONE_OF_MANY.sub(r".\1", path), (value,))
         if value not in words:
             fail(source, path, value, " or ".join(words))
-    if "control.rate" in values:
-        _check_period(source, values, "time_step", 1.0 / values["control.rate"])
-    if isinstance(scenario, BraceScenario):
+    if rate in values:
+        _check_period(source, values, "time_step", 1.0 / values[rate])
+    if is_brace:
         _check_parts(source, scenario)
         for name, contact in vars(scenario.contact).items():
             _check_preload(source, f"contact.{name}", contact)

@@ -7,24 +7,29 @@ import numpy as np
 from brace_drake.errors import KinematicsError
 from brace_drake.kinematics import BraceGeometry
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import pack_brace, pack_geometry
-from brace_drake.scenario.messages import fail, suggest
+from brace_drake.scenario.brace_numbers import (
+    pack_brace,
+    pack_geometry,
+    pack_rings,
+)
+from brace_drake.scenario.check_controllers import check_control
+from brace_drake.scenario.messages import fail
 
 
 def check_brace(source: str, scenario: BraceScenario) -> None:
-    """Checks stages, geometry, strokes and poses at the start.
+    """Checks stages, geometry, strokes, poses at the start, and control.
 
     Raises:
         ScenarioError: One line: source, key path, value, what is allowed.
     """
     _check_stages(source, scenario)
-    _check_controller(source, scenario)
     try:
         geometry = pack_geometry(scenario)
     except KinematicsError as error:
         fail(source, "joints", _radii(scenario), f"legs that reach: {error}")
     _check_strokes(source, scenario, geometry)
     _check_start(source, scenario)
+    check_control(scenario.control, pack_rings(scenario), source, "control")
 
 
 def _check_stages(source: str, scenario: BraceScenario) -> None:
@@ -36,20 +41,6 @@ def _check_stages(source: str, scenario: BraceScenario) -> None:
         fail(source, "stages", stages, "of 1, 2, 3")
     if not (np.diff(heights) > 0.0).all():
         fail(source, "ring_heights", heights, "each above the one before")
-
-
-def _check_controller(source: str, scenario: BraceScenario) -> None:
-    control = scenario.control
-    if control.controller not in control.controllers:
-        words = ", ".join(control.controllers) or "none is given"
-        hint = suggest(control.controller, control.controllers)
-        allowed = f"a tag of control.controllers: {words}{hint}"
-        fail(source, "control.controller", control.controller, allowed)
-    for tag, numbers in control.controllers.items():
-        for name, values in numbers.items():
-            if len(values) == 0:
-                path = f"control.controllers.{tag}.{name}"
-                fail(source, path, values, "one number or more")
 
 
 def _radii(scenario: BraceScenario) -> list[list[float]]:

@@ -16,9 +16,6 @@ from brace_drake.scenario.bench import DEVICE, BenchScenario
 from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check import CheckScenario
-from brace_drake.scenario.check_controllers import check_control
-from brace_drake.scenario.control_numbers import BraceRings
-from brace_drake.scenario.controllers import BraceControl
 from brace_drake.scenario.leg_bench import DEVICE as LEG_DEVICE
 from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.scenario.messages import fail, suggest
@@ -48,7 +45,10 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
         ScenarioError: One line: file, key path, value, what is allowed.
     """
     path = Path(path)
-    text = _read(path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
     data = _parse(text, str(path))
     device = data.get("device", DEVICE)
     if not isinstance(device, str) or device not in SCHEMAS:
@@ -61,28 +61,6 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
         scenario = _load(scenario, overrides, data, source)
     CheckScenario(scenario, source)
     return scenario
-
-
-def LoadControl(
-    path: str | Path, rings: BraceRings, overrides: str | None = None
-) -> BraceControl:
-    """Reads a controller's numbers from a file of their own, as LoadScenario.
-
-    Args:
-        path: A YAML file; what it leaves out has the default.
-        rings: What the numbers are to control, and are checked against.
-        overrides: YAML text over the file, for instance "tag: vpic".
-
-    Raises:
-        ScenarioError: One line: file, key path, value, what is allowed.
-    """
-    text, source = _read(Path(path)), str(path)
-    control = _load(BraceControl(), text, _parse(text, source), source)
-    if overrides:
-        source = f"{path} with overrides"
-        control = _load(control, overrides, _parse(overrides, source), source)
-    check_control(control, rings, source)
-    return control
 
 
 def SaveScenario(scenario: Scenario, path: str | Path) -> None:
@@ -102,13 +80,6 @@ def SaveScenario(scenario: Scenario, path: str | Path) -> None:
         raise ScenarioError(f"{path}: cannot be written: {error}") from error
 
 
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from error
-
-
 def _parse(text: str, source: str) -> dict:
     try:
         data = yaml.safe_load(text)
@@ -122,7 +93,7 @@ def _parse(text: str, source: str) -> dict:
     return data
 
 
-def _load(defaults, text: str, data: dict, source: str):
+def _load(defaults: Scenario, text: str, data: dict, source: str) -> Scenario:
     # Drake names neither file nor key where a value does not convert.
     _check_map(type(defaults), data, source, "")
     try:
