@@ -4,6 +4,7 @@ import numpy as np
 
 from brace_drake.kinematics import BraceGeometry
 from brace_drake.laws import brace_control, kernels
+from brace_drake.laws.blocks import read_instruments
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
@@ -41,8 +42,16 @@ def cubic(seconds, distance=-0.01, duration=12.0):
     return np.stack([y, rate, second], axis=-1)
 
 
-def push(control: BraceControl, seconds=12.0, step=5e-4, stiffness=None):
+def push(
+    control: BraceControl, seconds=12.0, step=5e-4, stiffness=None, seed=None
+):
     """Runs a controller on the bench along the cubic.
+
+    Args:
+        control: Numbers.
+        seconds, step: Length of the run, step of the plant, s.
+        stiffness: Asked for from outside (6,), N/m.
+        seed: Of the noise of the readings; None: exact readings.
 
     Returns:
         X (ticks, 6), force on the torso (ticks, 3), legs (ticks, 6), virtual
@@ -61,6 +70,10 @@ def push(control: BraceControl, seconds=12.0, step=5e-4, stiffness=None):
     pose, memory = numbers.pose.copy(), numbers.memory.copy()
     asked = np.empty(0) if stiffness is None else np.asarray(stiffness, float)
     ticks = round(seconds / PERIOD)
+    noise = np.zeros((ticks if seed is not None else 0, 12))
+    if seed is not None:
+        draws = np.random.default_rng(seed).normal(size=noise.shape)
+        noise = draws * bench.noise_sigma
     desired = np.zeros((ticks, 3, 6))
     desired[:, :, 1] = cubic(PERIOD * np.arange(ticks))
     log = [np.empty((ticks, k)) for k in (6, 3, 6, 18, 18)]
@@ -69,8 +82,11 @@ def push(control: BraceControl, seconds=12.0, step=5e-4, stiffness=None):
             if sub == 0:
                 inputs = np.concatenate([state, command, law])
                 kernels.calc_brace(inputs, 1, True, True, out)
+                readings = np.concatenate([out[12:21], np.zeros(3)])
+                if seed is not None:
+                    read_instruments(bench.resolution, noise[tick], readings)
                 result = brace_control.advance_brace(
-                    numbers.kind, out[12:18].copy(), out[18:21].copy(),
+                    numbers.kind, readings[0:6], readings[6:9],
                     desired[tick].ravel(), asked, numbers.law, pose, memory,
                     *held, command,
                 )  # fmt: skip

@@ -63,6 +63,25 @@ class TestPush(unittest.TestCase):
         # Small gain: 1 / (1 + kappa) of what it was.
         self.assertAlmostEqual(off["npic"], off["pic"] / 1.5, delta=2e-6)
 
+    def test_noise_of_the_readings_leads_no_adaptation_astray(self):
+        for seed, tag in enumerate(("mraic", "npic", "vpic")):
+            exact, noisy = (
+                self.runs[tag],
+                push(BraceControl(tag=tag), seed=seed),
+            )
+            with self.subTest(tag=tag):
+                off = exact[0][:, 1] - noisy[0][:, 1]
+                self.assertLess(np.sqrt(np.mean(off**2)), 1e-5)
+                ratio = noisy[4][-1, 2, 1] / exact[4][-1, 2, 1]
+                self.assertAlmostEqual(ratio, 1.0, delta=0.02)
+
+    def test_force_control_holds_the_force_that_is_wanted(self):
+        control = BraceControl(tag="pid")
+        control.pid.force_coordinates = ["y"]
+        X, force, _, _, _ = push(control)
+        np.testing.assert_allclose(force[-500:, 1], -4.0, atol=0.05)
+        self.assertLess(np.abs(X[:, [0, 2]]).max(), 1e-4)
+
     def test_the_learned_stiffness_of_the_paper_tracks_better(self):
         stiff = push(BraceControl(tag="vpic"), stiffness=np.full(6, 49990.0))
         e = REFERENCE[:, 0] - stiff[0][:, 1]

@@ -97,8 +97,8 @@ class TestIdc(unittest.TestCase):
             state = np.zeros((2, 6))
             state[:, 1] = X, V
             task_impedance.calc_task_forces(
-                state, virtual, np.full(6, 5.0), gains, np.full(6, mass),
-                np.zeros(6), F,
+                state, virtual, np.full(6, 5.0), np.ones(6), gains,
+                np.full(6, mass), np.zeros(6), F,
             )  # fmt: skip
             # 5 N of interaction pull back on the ring.
             V += period * (F[1] - 5.0) / mass
@@ -116,8 +116,9 @@ class TestIdc(unittest.TestCase):
         gains = np.array([np.full(6, 1600.0), np.full(6, 80.0)])
         weight = np.array([0, 0, 8.3, 0, 0, 0])
         task_impedance.calc_task_forces(
-            state, virtual, np.zeros(6), gains, np.full(6, 0.85), weight, F
-        )
+            state, virtual, np.full(6, 9.0), np.zeros(6), gains,
+            np.full(6, 0.85), weight, F,
+        )  # fmt: skip
         np.testing.assert_allclose(F, [0, 2, 8.3, 0, 0, 0], atol=1e-12)
 
 

@@ -75,21 +75,23 @@ def estimate_rings(lengths, law, pose, poses, state):
     upper = law[UPPER : UPPER + 3].reshape((n, 6, 3))
     p_WB, R, estimate = np.empty((6, 3)), np.empty((3, 3)), np.empty(19)
     for i in range(n):
-        if i == 0:
-            p_WB[:] = lower[0]
-        else:
+        anchors = lower[0]
+        if i > 0:
             quaternion_to_matrix(poses[i - 1, 0:4], R)
             stages.place_lower_anchors(poses[i - 1], R, lower[i], p_WB)
-        own = slice(6 * i, 6 * i + 6)
-        good = controller.estimate_pose(
-            lengths[own], estimator[i], p_WB, upper[i], pose[i], estimate
-        )
-        if not good:
+            anchors = p_WB
+        own = lengths[6 * i : 6 * i + 6]
+        if not controller.estimate_pose(
+            own, estimator[i], anchors, upper[i], pose[i], estimate
+        ):
             return False
-        state[0, own] = estimate[0:6]
-        state[1, own] = estimate[6:12]
-        poses[i, 0:4] = estimate[15:19]
-        poses[i, 4:7] = estimate[12:15]
+        for c in range(6):
+            state[0, 6 * i + c] = estimate[c]
+            state[1, 6 * i + c] = estimate[6 + c]
+        for c in range(4):
+            poses[i, c] = estimate[15 + c]
+        for c in range(3):
+            poses[i, 4 + c] = estimate[12 + c]
     return True
 
 
@@ -214,7 +216,7 @@ def advance_brace(
     filtered, own = memory[0], memory[1:]
     filter_force(force, law[ESTIMATOR, 5], filtered)
     if kind == PID:
-        task_impedance.follow_reference(X_d, X_v, used)
+        task_impedance.advance_idc(X_d, X_v, used)
         pid.advance_pid(
             X_d, state, filtered, law[ESTIMATOR, 3],
             is_saturated(command, law[LIMIT]),
@@ -226,7 +228,7 @@ def advance_brace(
         ):
             return BAD_STIFFNESS
         task_impedance.calc_task_forces(
-            state, X_v, filtered * law[FED_FORWARD], law[K_P : K_V + 1],
-            law[MASS], law[GRAVITY], F,
+            state, X_v, filtered, law[FED_FORWARD],
+            law[K_P : K_V + 1], law[MASS], law[GRAVITY], F,
         )  # fmt: skip
     return GOOD if send_to_legs(F, poses, law, command) else SINGULAR

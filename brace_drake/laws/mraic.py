@@ -11,7 +11,10 @@ Adaptive Control, 1996, chapters 6 and 8).
 from numba import njit
 
 from brace_drake.laws.regressor import NUM_REGRESSOR, step_regressor
-from brace_drake.laws.task_impedance import step_impedance
+from brace_drake.laws.task_impedance import (
+    follow_reference,
+    step_impedance,
+)
 
 # Rows of law: gains, lower, upper limits of M, C, K (9); b'P (2); leak; filter.
 NUM_MRAIC_LAW = 13
@@ -116,8 +119,7 @@ def advance_mraic(
     theta = memory[6:9]
     for i in range(selected.shape[0]):
         if selected[i] == 0.0:
-            virtual[:, i] = desired[:, i]
-            impedance[:, i] = 0.0
+            follow_reference(i, desired, virtual, impedance)
             continue
         e_dd, e_d, e, filtered = step_regressor(
             desired[0, i] - state[0, i],

@@ -12,7 +12,10 @@ correction of the force that is linear in the parameters' errors.
 from numba import njit
 
 from brace_drake.laws.regressor import NUM_REGRESSOR, step_regressor
-from brace_drake.laws.task_impedance import step_impedance
+from brace_drake.laws.task_impedance import (
+    follow_reference,
+    step_impedance,
+)
 
 # Rows of law: filter, forgetting, kappa, covariance limit, excitation (5);
 # lower, upper limits of the estimated M, C, K over the desired (6).
@@ -121,8 +124,7 @@ def advance_npic(
     """
     for i in range(selected.shape[0]):
         if selected[i] == 0.0:
-            virtual[:, i] = desired[:, i]
-            impedance[:, i] = 0.0
+            follow_reference(i, desired, virtual, impedance)
             continue
         M_d, C_d, K_d = wanted[0, i], wanted[1, i], wanted[2, i]
         e_dd, e_d, e, filtered = step_regressor(

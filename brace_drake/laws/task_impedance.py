@@ -12,10 +12,11 @@ from brace_drake.laws import control
 
 
 @njit(cache=True)
-def follow_reference(desired, virtual, impedance):
-    """Pure position control: X_v = X_d with its rates, and no impedance."""
-    virtual[:] = desired
-    impedance[:] = 0.0
+def follow_reference(i, desired, virtual, impedance):
+    """Coordinate i without an impedance: X_v = X_d with its rates."""
+    for row in range(3):
+        virtual[row, i] = desired[row, i]
+        impedance[row, i] = 0.0
 
 
 @njit(cache=True)
@@ -46,7 +47,8 @@ def advance_idc(desired, virtual, impedance):
     it dies away for all positive gains; sampled, for those that the scenario's
     check lets pass. What M, G and F_e miss, d, stays as e = d / (M K_P).
     """
-    follow_reference(desired, virtual, impedance)
+    for i in range(desired.shape[1]):
+        follow_reference(i, desired, virtual, impedance)
 
 
 @njit(cache=True)
@@ -70,8 +72,7 @@ def advance_pic(
     """
     for i in range(selected.shape[0]):
         if selected[i] == 0.0:
-            virtual[:, i] = desired[:, i]
-            impedance[:, i] = 0.0
+            follow_reference(i, desired, virtual, impedance)
         else:
             step_impedance(
                 i, M_d[i], C_d[i], K_d[i],
@@ -80,7 +81,7 @@ def advance_pic(
 
 
 @njit(cache=True)
-def calc_task_forces(state, virtual, force, gains, mass, gravity, F):
+def calc_task_forces(state, virtual, force, fed, gains, mass, gravity, F):
     """Inverse dynamics (6) on all coordinates: M is block diagonal.
 
     F = M (X_v'' + K_D (X_v' - X') + K_P (X_v - X)) + G + F_e. Coriolis terms
@@ -89,7 +90,8 @@ def calc_task_forces(state, virtual, force, gains, mass, gravity, F):
     Args:
         state: X, X' (2, 6n).
         virtual: (3, 6n).
-        force: F_e, 0 where it is not fed forward (6n,).
+        force: F_e (6n,), N and N m.
+        fed: 1 where F_e is fed forward, else 0 (6n,).
         gains: K_P, K_D (2, 6n), 1/s^2 and 1/s.
         mass: Diagonal of M (6n,), kg and kg m^2.
         gravity: G (6n,), N and N m.
@@ -104,5 +106,5 @@ def calc_task_forces(state, virtual, force, gains, mass, gravity, F):
                 + gains[0, i] * (virtual[0, i] - state[0, i])
             )
             + gravity[i]
-            + force[i]
+            + fed[i] * force[i]
         )

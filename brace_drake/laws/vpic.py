@@ -13,7 +13,10 @@ import math
 
 from numba import njit
 
-from brace_drake.laws.task_impedance import step_impedance
+from brace_drake.laws.task_impedance import (
+    follow_reference,
+    step_impedance,
+)
 
 # Rows of law: lower, upper limit of K; alpha; damping ratio; gain, slide,
 # forgetting of the rule.
@@ -135,8 +138,7 @@ def advance_vpic(
     by_rule = stiffness.shape[0] == 0
     for i in range(selected.shape[0]):
         if selected[i] == 0.0:
-            virtual[:, i] = desired[:, i]
-            impedance[:, i] = 0.0
+            follow_reference(i, desired, virtual, impedance)
             continue
         M, ratio = wanted[0, i], law[3, i]
         if by_rule:

@@ -46,7 +46,9 @@ def damping_range(
     return (float(min(good)), float(max(good))) if good else None
 
 
-def highest_stiffness(mass: float, damping_ratio: float, period: float):
+def highest_stiffness(
+    mass: float, damping_ratio: float, period: float
+) -> float:
     """K, N/m, below which the stepped impedance filter is stable.
 
     4 - 2 h C / M - h^2 K / M > 0 with C = 2 ratio sqrt(M K), solved for K.
