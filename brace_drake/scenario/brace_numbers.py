@@ -86,7 +86,13 @@ def pack_rings(scenario: BraceScenario) -> BraceRings:
         mass=np.tile([ring.mass, *ring.inertia], (n, 1)),
         force_limit=np.full(6 * n, scenario.leg.force_limit),
         gravity=scenario.gravity,
+        start=_pack_start(scenario),
     )
+
+
+def _pack_start(scenario: BraceScenario) -> np.ndarray:
+    """Task coordinates at time 0 (6 S,)."""
+    return np.concatenate([getattr(scenario.start, r) for r in scenario.rings])
 
 
 def pack_brace(scenario: BraceScenario) -> BraceNumbers:
@@ -95,11 +101,10 @@ def pack_brace(scenario: BraceScenario) -> BraceNumbers:
     contact = np.array([pack_contact(c) for c in scenario.contacts])
     linear = np.array([c.model == "linear" for c in scenario.contacts])
     contact[~linear, 0:2] = 0.0
-    start = [getattr(scenario.start, name) for name in scenario.rings]
     return BraceNumbers(
         geometry=pack_geometry(scenario),
         workspace=Workspace(leg.stroke, scenario.workspace.singular_value),
-        start=np.concatenate(start),
+        start=_pack_start(scenario),
         torso_rest=np.array([0.0, 0.0, scenario.ring_heights[2]]),
         viscous=np.full(6 * len(scenario.stages), leg.viscous),
         contact=contact,

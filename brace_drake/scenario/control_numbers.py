@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry
-from brace_drake.laws import brace_control, controller, mraic
+from brace_drake.laws import brace_control, controller, mraic, stages
 from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
 from brace_drake.scenario.controllers import TAGS, BraceControl
 
@@ -26,12 +26,14 @@ class BraceRings:
         mass: Mass, kg, and principal moments, kg m^2, of each ring (S, 4).
         force_limit: Of each leg's command (6 S,), N.
         gravity: m/s^2.
+        start: Task coordinates at time 0 (6 S,); None: at rest.
     """
 
     geometry: BraceGeometry
     mass: np.ndarray
     force_limit: np.ndarray
     gravity: float = 9.81
+    start: np.ndarray | None = None
 
     @property
     def num_rings(self) -> int:
@@ -53,6 +55,7 @@ class ControlNumbers:
         law: Rows (rows, 6n).
         pose: The estimator's memory at the start (20n,).
         memory: Other memory at the start (rows, 6n).
+        virtual: X_v, X_v', X_v'' at the start (18n,): at rest where it is.
     """
 
     kind: int
@@ -60,6 +63,7 @@ class ControlNumbers:
     law: np.ndarray
     pose: np.ndarray
     memory: np.ndarray
+    virtual: np.ndarray
 
 
 def pack_control(control: BraceControl, rings: BraceRings) -> ControlNumbers:
@@ -70,10 +74,26 @@ def pack_control(control: BraceControl, rings: BraceRings) -> ControlNumbers:
     memory = np.zeros((1 + brace_control.NUM_OWN_MEMORY[kind], 6 * n))
     if control.tag in _OWN_ROWS:
         _OWN_ROWS[control.tag](control, shared, own, memory[1:])
-    pose = np.zeros((n, controller.NUM_POSE_MEMORY))
-    pose[:, 0:3], pose[:, 3] = rings.geometry.rest, 1.0
-    law = np.vstack([shared, own])
-    return ControlNumbers(kind, 1.0 / control.rate, law, pose.ravel(), memory)
+    virtual = np.zeros((3, 6 * n))
+    if rings.start is not None:
+        virtual[0] = rings.start
+    return ControlNumbers(
+        kind=kind,
+        period=1.0 / control.rate,
+        law=np.vstack([shared, own]),
+        pose=_start_poses(virtual[0], rings.geometry.rest),
+        memory=memory,
+        virtual=virtual.ravel(),
+    )
+
+
+def _start_poses(X: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """The estimator's memory (20n,) of rings that stand still at X (6n,)."""
+    poses = np.empty((len(rest), 7))
+    stages.place_rings(X, rest, poses)
+    memory = np.zeros((len(rest), controller.NUM_POSE_MEMORY))
+    memory[:, 0:3], memory[:, 3:7] = poses[:, 4:7], poses[:, 0:4]
+    return memory.ravel()
 
 
 def parse_coordinates(names: list[str], num_rings: int) -> np.ndarray:

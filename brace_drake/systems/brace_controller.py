@@ -65,7 +65,7 @@ class BraceController(LeafSystem):
         self._groups = [
             int(self._DeclareHeld(name, values))
             for name, values in (
-                ("virtual", np.zeros(3 * coordinates)),
+                ("virtual", numbers.virtual),
                 ("impedance", np.zeros(3 * coordinates)),
                 ("leg_command", np.zeros(coordinates)),
                 ("", numbers.pose),
