@@ -36,7 +36,7 @@ def lyapunov_gains(M_m, C_m, K_m, Q_e, Q_v):
     return p_12 / M_m, p_22 / M_m
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def adapt_parameter(theta, start, lower, upper, gain, leak, phi, s, period):
     """One step of an adapted parameter, kept between its limits.
 
@@ -46,7 +46,7 @@ def adapt_parameter(theta, start, lower, upper, gain, leak, phi, s, period):
     return min(upper, max(lower, theta))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def adapt_impedance(i, phi, s, period, reference, law, theta):
     """Steps M, C, K of coordinate i.
 
@@ -66,7 +66,7 @@ def adapt_impedance(i, phi, s, period, reference, law, theta):
         )  # fmt: skip
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def step_reference(M_m, C_m, K_m, force, period, model):
     """One step of M_m e_m'' + C_m e_m' + K_m e_m = F; model is e_m, e_m'."""
     a = (force - C_m * model[1] - K_m * model[0]) / M_m
@@ -74,7 +74,7 @@ def step_reference(M_m, C_m, K_m, force, period, model):
     model[0] += period * model[1]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance_mraic(
     desired,
     state,

@@ -25,7 +25,7 @@ NUM_NPIC_LAW = 11
 NUM_NPIC_MEMORY = NUM_REGRESSOR + 10
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def update_estimate(psi, y, forgetting, limit, theta, P):
     """One step of recursive least squares, y = psi' theta.
 
@@ -62,7 +62,7 @@ def update_estimate(psi, y, forgetting, limit, theta, P):
             P[j] /= forgetting
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def correct_force(psi, y, law, i, theta, P):
     """Estimates the realised impedance; the force to add in (5), N.
 
@@ -82,7 +82,7 @@ def correct_force(psi, y, law, i, theta, P):
     return law[2, i] * correction
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance_npic(
     desired,
     state,

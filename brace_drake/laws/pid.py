@@ -13,7 +13,7 @@ NUM_PID_LAW = 8
 NUM_PID_MEMORY = 1
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def integrate(integral, growth, limit, saturated):
     """An integral part that does not wind up.
 
@@ -26,7 +26,7 @@ def integrate(integral, growth, limit, saturated):
     return min(limit, max(-limit, integral + growth))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance_pid(
     desired, state, force, period, saturated, law, gravity, memory, F
 ):

@@ -17,7 +17,7 @@ from numba import njit
 NUM_REGRESSOR = 4
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def step_regressor(error, force, w, period, memory):
     """One step of both filters.
 

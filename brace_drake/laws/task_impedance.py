@@ -11,7 +11,7 @@ from numba import njit
 from brace_drake.laws import control
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def follow_reference(i, desired, virtual, impedance):
     """Coordinate i without an impedance: X_v = X_d with its rates."""
     for row in range(3):
@@ -19,7 +19,7 @@ def follow_reference(i, desired, virtual, impedance):
         impedance[row, i] = 0.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def step_impedance(i, M_d, C_d, K_d, desired, force, period, virtual, used):
     """One step of equation (5) on coordinate i, and what was used in it.
 
@@ -39,7 +39,7 @@ def step_impedance(i, M_d, C_d, K_d, desired, force, period, virtual, used):
     used[2, i] = K_d
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance_idc(desired, virtual, impedance):
     """IDC, equation (6) alone: every coordinate follows its reference.
 
@@ -51,7 +51,7 @@ def advance_idc(desired, virtual, impedance):
         follow_reference(i, desired, virtual, impedance)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance_pic(
     desired, force, period, selected, M_d, C_d, K_d, virtual, impedance
 ):
@@ -80,7 +80,7 @@ def advance_pic(
             )  # fmt: skip
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def calc_task_forces(state, virtual, force, fed, gains, mass, gravity, F):
     """Inverse dynamics (6) on all coordinates: M is block diagonal.
 

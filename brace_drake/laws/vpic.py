@@ -25,7 +25,7 @@ NUM_VPIC_LAW = 7
 NUM_VPIC_MEMORY = 2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def stored_energy(M, K, ratio, alpha, e, e_d):
     """V, J, of the error with stiffness K and damping 2 ratio sqrt(M K)."""
     D = 2.0 * ratio * math.sqrt(M * K)
@@ -34,7 +34,7 @@ def stored_energy(M, K, ratio, alpha, e, e_d):
     return 0.5 * (M * sliding * sliding + beta * e * e)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def highest_next_stiffness(M, K, ratio, alpha, period):
     """The largest stiffness of the next tick with which V cannot grow.
 
@@ -71,7 +71,7 @@ def highest_next_stiffness(M, K, ratio, alpha, period):
     return M * root * root if root > 0.0 else -1.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def limit_stiffness(request, M, K, ratio, alpha, period, lower, upper):
     """The stiffness nearest to the request that limits and V allow."""
     wanted = min(upper, max(lower, request))
@@ -82,7 +82,7 @@ def limit_stiffness(request, M, K, ratio, alpha, period, lower, upper):
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def ask_stiffness(K, rest, gain, slide, forgetting, e, e_d, period):
     """Stiffness of the rule: it grows with the error and is forgotten.
 
@@ -95,7 +95,7 @@ def ask_stiffness(K, rest, gain, slide, forgetting, e, e_d, period):
     return K + period * (growth - forgetting * (K - rest))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def advance_vpic(
     desired,
     state,
