@@ -24,6 +24,9 @@ from brace_drake.gap.ground import Ground
 from brace_drake.gap.problem import CandidateProblem
 
 _STEPS = 5
+# Rounds of so many steps, as long as one leaves less than this share of what
+# the one before has left.
+_ROUNDS, _WORTH_A_ROUND = 4, 0.7
 # Who is searched: this many, and all that promise to leave at most this many
 # times what the best has left so far.
 _PLACES, _FACTOR = 5, 2.0
@@ -118,8 +121,20 @@ def search_best(
         if place >= places and (far_behind or no_gain):
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
-        if step(ground, runner, _STEPS):
+        if _search(ground, runner, trust):
             least = max(0.0, min(least, runner.fit().excess))
+
+
+def _search(ground: Ground, runner: Runner, trust: float) -> bool:
+    """Rounds of steps while they bring much; False if its twin breaks down."""
+    left = np.inf
+    for _ in range(_ROUNDS):
+        if not step(ground, runner, _STEPS):
+            return False
+        before, left = left, runner.fit().excess
+        if left < trust or left > _WORTH_A_ROUND * before:
+            break
+    return True
 
 
 def step(ground: Ground, runner: Runner, count: int) -> bool:
