@@ -7,13 +7,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from tqdm import tqdm
-
 from brace_drake.campaign import LoadCampaign
 from brace_drake.cli.options import (
     AddJobs,
     AddScenario,
     load_scenario_option,
+    share_bar,
 )
 from brace_drake.errors import BraceError
 from brace_drake.output import MakeFolder, WriteJson
@@ -60,7 +59,8 @@ def Run(args: argparse.Namespace) -> int:
         return _RunMany(args)
     campaign = LoadCampaign(args.campaigns[0])
     out = MakeFolder(Path(args.out))
-    document = _Diagnose(campaign, out, args)
+    scenario = load_scenario_option(args.scenario)
+    document = _Diagnose(campaign, scenario, out, args)
     print(document["verdict"]["sentence"])
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")
@@ -73,7 +73,7 @@ def Run(args: argparse.Namespace) -> int:
 def _RunMany(args: argparse.Namespace) -> int:
     """One after the other; 2 where any failed, the others are written."""
     # A scenario or a place that is wrong is wrong for all: fail at once.
-    load_scenario_option(args.scenario)
+    scenario = load_scenario_option(args.scenario)
     out = MakeFolder(Path(args.out))
     rows = []
     for path, name in zip(
@@ -81,7 +81,8 @@ def _RunMany(args: argparse.Namespace) -> int:
     ):
         try:
             campaign = LoadCampaign(path)
-            document = _Diagnose(campaign, MakeFolder(out / name), args)
+            folder = MakeFolder(out / name)
+            document = _Diagnose(campaign, scenario, folder, args)
             rows.append(summary_row(name, document))
             print(f"{name}: {document['verdict']['sentence']}")
         except BraceError as error:
@@ -107,9 +108,8 @@ def folder_names(campaigns: Sequence[str]) -> list[str]:
     return names
 
 
-def _Diagnose(campaign, out: Path, args: argparse.Namespace) -> dict:
+def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
     """Diagnoses one campaign, writes its files, returns the document."""
-    scenario = load_scenario_option(args.scenario)
     # Numba and Drake are slow to import: only once the input is good.
     from brace_drake.gap.diagnose import diagnose
     from brace_drake.gap.document import MakeDocument
@@ -118,12 +118,7 @@ def _Diagnose(campaign, out: Path, args: argparse.Namespace) -> dict:
     from brace_drake.gap.traces import MakeTraces
     from brace_drake.report import WriteReport
 
-    with tqdm(total=100, unit="%", bar_format=_BAR, leave=False) as bar:
-
-        def progress(what: str, share: float) -> None:
-            bar.set_description(f"{what:<28.28}")
-            bar.update(round(100 * share) - bar.n)
-
+    with share_bar() as progress:
         found = diagnose(
             campaign, args.jobs, args.seed, scenario, progress=progress
         )
@@ -142,4 +137,3 @@ _MORE = {
     "repaired twin": "repaired.scenario.yaml",
     "next run": "next_run.csv",
 }
-_BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"

@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
+from collections.abc import Callable, Iterator
+
+from tqdm import tqdm
+
+_BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"
 
 
 def AddCampaign(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +25,7 @@ def AddJobs(parser: argparse.ArgumentParser) -> None:
     """Adds --jobs and --seed."""
     parser.add_argument(
         "--jobs",
-        type=_positive,
+        type=positive,
         default=os.cpu_count() or 1,
         metavar="N",
         help="threads (default: all cores); results do not depend on it",
@@ -51,8 +57,29 @@ def load_scenario_option(path: str | None):
     return LoadScenario(path)
 
 
-def _positive(text: str) -> int:
+@contextlib.contextmanager
+def share_bar() -> Iterator[Callable[[str, float], None]]:
+    """A progress bar; yields a function of what is done and its share."""
+    with tqdm(total=100, unit="%", bar_format=_BAR, leave=False) as bar:
+
+        def progress(what: str, share: float) -> None:
+            bar.set_description(f"{what:<28.28}")
+            bar.update(round(100 * share) - bar.n)
+
+        yield progress
+
+
+def positive(text: str) -> int:
+    """A whole number of at least 1."""
     value = int(text)
     if value < 1:
         raise argparse.ArgumentTypeError("must be at least 1")
+    return value
+
+
+def not_negative(text: str) -> int:
+    """A whole number of at least 0."""
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError("must not be negative")
     return value

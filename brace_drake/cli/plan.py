@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tqdm import tqdm
-
 from brace_drake.cli.options import (
     AddJobs,
     AddScenario,
     load_scenario_option,
+    share_bar,
 )
 from brace_drake.errors import CampaignError
 from brace_drake.output import MakeFolder, WriteJson
@@ -24,7 +23,6 @@ a gap of one noise floor, and the subject's parameters are fitted to it. What
 is left is its signature; two effects with parallel signatures could not be
 told apart. Nothing has to be recorded for that.
 """
-_BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -76,12 +74,7 @@ def Run(args: argparse.Namespace) -> int:
     if args.effects:
         effects = [find_effect(name) for name in args.effects.split(",")]
     runs = _runs(args)
-    with tqdm(total=100, unit="%", bar_format=_BAR, leave=False) as bar:
-
-        def progress(what: str, share: float) -> None:
-            bar.set_description(f"{what:<28.28}")
-            bar.update(round(100 * share) - bar.n)
-
+    with share_bar() as progress:
         plan = plan_campaign(
             BenchTwin(scenario),
             runs,

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from brace_drake.cli.options import not_negative, positive
+from brace_drake.errors import BraceError
 from brace_drake.output import MakeFolder, WriteJson, WriteText
 
 _EPILOG = """\
@@ -40,7 +42,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def _add_make(parts: argparse._SubParsersAction) -> None:
     parser = parts.add_parser("make", help="make sealed cases")
     parser.add_argument(
-        "--cases", type=_positive, required=True, metavar="N", help="how many"
+        "--cases", type=positive, required=True, metavar="N", help="how many"
     )
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="folder for the cases"
@@ -53,7 +55,7 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--seed",
-        type=_not_negative,
+        type=not_negative,
         metavar="S",
         help="for repeatable cases, which are then not blind (default:"
         " entropy of the operating system)",
@@ -69,7 +71,7 @@ def _add_answer(parts: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--jobs",
-        type=_positive,
+        type=positive,
         default=os.cpu_count() or 1,
         metavar="N",
         help="cases at a time (default: all cores)",
@@ -79,9 +81,20 @@ def _add_answer(parts: argparse._SubParsersAction) -> None:
 
 def _add_score(parts: argparse._SubParsersAction) -> None:
     parser = parts.add_parser("score", help="open the vault and compare")
-    parser.add_argument("cases", metavar="DIR", help="folder of the cases")
-    parser.add_argument("--vault", required=True, metavar="FILE")
-    parser.add_argument("--answers", required=True, metavar="ANSWERS")
+    parser.add_argument(
+        "cases",
+        nargs="+",
+        metavar="DIR",
+        help="folder of the cases; several are scored together",
+    )
+    for name, metavar in (("--vault", "FILE"), ("--answers", "ANSWERS")):
+        parser.add_argument(
+            name,
+            nargs="+",
+            required=True,
+            metavar=metavar,
+            help="of each folder of cases",
+        )
     parser.add_argument(
         "--detectable",
         type=float,
@@ -142,7 +155,16 @@ def RunScore(args: argparse.Namespace) -> int:
         format_score,
     )
 
-    judged = load_judged(Path(args.cases), Path(args.vault), Path(args.answers))
+    sets = (args.cases, args.vault, args.answers)
+    if len({len(paths) for paths in sets}) > 1:
+        raise BraceError(
+            f"withheld score: {len(args.cases)} folders of cases,"
+            f" {len(args.vault)} vaults and {len(args.answers)} folders of"
+            " answers; each folder of cases has one of either"
+        )
+    judged = []
+    for paths in zip(*sets, strict=True):
+        judged += load_judged(*map(Path, paths))
     found = score(judged, args.detectable)
     text = format_score(found)
     print(text, end="")
@@ -153,17 +175,3 @@ def RunScore(args: argparse.Namespace) -> int:
         WriteText(out / "reliability.svg", draw_reliability(found))
         print(f"score: {out / 'score.json'}")
     return 0
-
-
-def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError("must be at least 1")
-    return value
-
-
-def _not_negative(text: str) -> int:
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError("must not be negative")
-    return value
