@@ -27,3 +27,7 @@ class FitError(BraceError, RuntimeError):
 
 class OutputError(BraceError, RuntimeError):
     """A result could not be written."""
+
+
+class TorsoError(BraceError, ValueError):
+    """A scan or its measures cannot be made into a torso."""

@@ -35,10 +35,19 @@ def WriteText(path: Path, text: str) -> None:
     Raises:
         OutputError: It cannot be written.
     """
+    WriteBytes(path, text.encode("utf-8"))
+
+
+def WriteBytes(path: Path, data: bytes) -> None:
+    """Writes a file that appears only when it is complete.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
     path = Path(path)
     draft = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
-        draft.write_text(text, encoding="utf-8")
+        draft.write_bytes(data)
         os.replace(draft, path)
     except OSError as error:
         draft.unlink(missing_ok=True)

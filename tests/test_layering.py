@@ -13,7 +13,7 @@ LAYERS = (
     ("kinematics",),
     ("effects",),
     ("scenario",),
-    ("systems", "plant", "twin", "articulated", "brace_plant"),
+    ("systems", "plant", "twin", "torso", "articulated", "brace_plant"),
     (
         "station",
         "leg_station",

@@ -14,7 +14,15 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from brace_drake.errors import BraceError
 
-_COMMANDS = ("check", "fit", "diagnose", "simulate", "plan", "withheld")
+_COMMANDS = (
+    "check",
+    "fit",
+    "diagnose",
+    "simulate",
+    "plan",
+    "personalize",
+    "withheld",
+)
 
 
 def main(argv: list[str] | None = None) -> int:

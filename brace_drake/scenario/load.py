@@ -45,10 +45,7 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
         ScenarioError: One line: file, key path, value, what is allowed.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+    text = _read(path)
     data = _parse(text, str(path))
     device = data.get("device", DEVICE)
     if not isinstance(device, str) or device not in SCHEMAS:
@@ -61,6 +58,16 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
         scenario = _load(scenario, overrides, data, source)
     CheckScenario(scenario, source)
     return scenario
+
+
+def LoadRecord(defaults, path: str | Path):
+    """Reads a YAML file over a dataclass's defaults; only kinds are checked.
+
+    Raises:
+        ScenarioError: One line: file, key path, value, what is allowed.
+    """
+    text = _read(Path(path))
+    return _load(defaults, text, _parse(text, str(path)), str(path))
 
 
 def SaveScenario(scenario: Scenario, path: str | Path) -> None:
@@ -80,6 +87,13 @@ def SaveScenario(scenario: Scenario, path: str | Path) -> None:
         raise ScenarioError(f"{path}: cannot be written: {error}") from error
 
 
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+
+
 def _parse(text: str, source: str) -> dict:
     try:
         data = yaml.safe_load(text)
@@ -93,7 +107,7 @@ def _parse(text: str, source: str) -> dict:
     return data
 
 
-def _load(defaults: Scenario, text: str, data: dict, source: str) -> Scenario:
+def _load(defaults, text: str, data: dict, source: str):
     # Drake names neither file nor key where a value does not convert.
     _check_map(type(defaults), data, source, "")
     try:

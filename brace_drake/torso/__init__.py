@@ -1,0 +1,1 @@
+"""The torso: its surface, its solid, and its contact with the brace's pads."""
