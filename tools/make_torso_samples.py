@@ -58,7 +58,9 @@ def _around(turn, height):
     """Delaunay triangles on the unrolled trunk, closed around."""
     count = len(turn)
     # Copies on both sides; triangles whose middle is in the first turn.
-    copies = [np.column_stack([turn + k * 2 * np.pi, 6 * height]) for k in (-1, 0, 1)]
+    copies = [
+        np.column_stack([turn + k * 2 * np.pi, 6 * height]) for k in (-1, 0, 1)
+    ]
     mesh = Delaunay(np.concatenate(copies))
     middle = mesh.points[mesh.simplices].mean(axis=1)[:, 0]
     triangles = mesh.simplices[(middle >= 0) & (middle < 2 * np.pi)]
@@ -100,7 +102,9 @@ def main():
     args.out.mkdir(parents=True, exist_ok=True)
     (args.out / "girl13.obj").write_text(obj_text(*loft_surface(coarse)))
     points, triangles = make_scan(make_parametric_loft(measures), args.seed)
-    print(f"{len(triangles)} triangles, {surface_volume(points, triangles)} m^3")
+    print(
+        f"{len(triangles)} triangles, {surface_volume(points, triangles)} m^3"
+    )
     scan = trimesh.Trimesh(
         as_scanner_sees(points).astype(np.float32), triangles, process=False
     )

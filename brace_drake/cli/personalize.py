@@ -18,9 +18,10 @@ coordinates and unit; the axes are those of the scan that point to the front,
 the left and up. Nothing of a scan is repaired.
 
 Writes torso.obj (surface), torso.vtk (tetrahedra), torso.sdf (model with mass
-and contact), pads.yaml with a face for each pad, personal.scenario.yaml and
-torso.png.
+and contact), pads.yaml with a face for each pad, torso.png, and the scenarios
+of the package with this torso's mass, inertia and width put in.
 """
+_SCENARIOS = ("brace.scenario.yaml", "bench.scenario.yaml")
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -61,7 +62,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--resolution",
         type=float,
         metavar="M",
-        help="largest facet of the solid, m (default: 0.03)",
+        help="largest facet of the solid, m (default: 0.025)",
     )
     AddScenario(parser)
     parser.set_defaults(run=Run)
@@ -70,10 +71,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Fits and writes; prints what was measured and where it is."""
     # Drake is slow to import.
-    from brace_drake.errors import TorsoError
-    from brace_drake.resources import scenario_path
-    from brace_drake.scenario.bench import DEVICE
-    from brace_drake.scenario.load import LoadScenario
     from brace_drake.torso.fitted import RESOLUTION
     from brace_drake.torso.personalize import (
         LoadSurfaceOf,
@@ -82,21 +79,34 @@ def Run(args: argparse.Namespace) -> int:
     )
     from brace_drake.torso.scan import ScanFrame
 
-    path = args.scenario or scenario_path("bench.scenario.yaml")
-    scenario = LoadScenario(path)
-    if scenario.device != DEVICE:
-        raise TorsoError(
-            f"{path}: device is {scenario.device!r}; allowed: {DEVICE}"
-        )
+    scenarios = _load_scenarios(args.scenario)
     frame = ScanFrame(args.unit, tuple(args.origin), args.axes)
     loft = LoadSurfaceOf(args.source, frame)
     resolution = RESOLUTION if args.resolution is None else args.resolution
-    personal = personalize(loft, scenario, resolution)
+    personal = personalize(loft, scenarios, resolution)
     WritePersonal(Path(args.out), personal)
     for line in describe(personal):
         print(line)
     print(f"torso, pads, scenario, picture: {args.out}")
     return 0
+
+
+def _load_scenarios(path: str | None) -> dict:
+    """The one that was given, else those of the package, by file name."""
+    from brace_drake.errors import TorsoError
+    from brace_drake.resources import scenario_path
+    from brace_drake.scenario.load import LoadScenario
+
+    if path is None:
+        paths = [scenario_path(name) for name in _SCENARIOS]
+        return {p.name: LoadScenario(p) for p in paths if p.is_file()}
+    scenario = LoadScenario(path)
+    if not hasattr(scenario, "torso"):
+        raise TorsoError(
+            f"{path}: device is {scenario.device!r}, which has no torso;"
+            " allowed: a bench or a brace"
+        )
+    return {Path(path).name: scenario}
 
 
 def describe(personal) -> list[str]:

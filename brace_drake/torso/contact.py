@@ -12,8 +12,8 @@ A_n the effective area of a pad (brace_drake.torso.pads), here its mean.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.common import MemoryFile
@@ -153,6 +153,38 @@ def AddTorsoContact(
         filters.ExcludeBetween(GeometrySet(out_of_reach), solid)
     scene_graph.collision_filter_manager().Apply(filters)
     return found
+
+
+def MakeTorsoGeometry(
+    torso: FittedTorso,
+) -> Callable[[MultibodyPlant, SceneGraph, object], None]:
+    """The contact of a torso as a function for a brace's `add_geometry`.
+
+    It takes a plant with bodies "torso" and "ring1" ..., the scene graph and a
+    scenario with `rings`, their names, and `contacts`. Rings whose contact is
+    hydroelastic get their pads. The torso has one foundation modulus: that of
+    the rings' mean stiffness; the other numbers are those of the lowest.
+    """
+
+    def add_geometry(plant, scene_graph, scenario) -> None:
+        named = zip(scenario.rings, scenario.contacts, strict=True)
+        own = {n: c for n, c in named if c.model == "hydroelastic"}
+        mean = float(np.mean([c.stiffness for c in own.values()]))
+        first = replace(next(iter(own.values())), stiffness=mean)
+        bodies = {
+            int(name.removeprefix("ring")): plant.GetBodyByName(name)
+            for name in own
+        }
+        AddTorsoContact(
+            plant,
+            scene_graph,
+            plant.GetBodyByName("torso"),
+            bodies,
+            torso,
+            map_linear_contact(first, torso.mean_effective_area),
+        )
+
+    return add_geometry
 
 
 def AddCompliantSolid(

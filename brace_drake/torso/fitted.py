@@ -24,7 +24,7 @@ from brace_drake.torso.solid import (
 DENSITY = 1000.0  # kg/m^3, of the torso: section 2.3 of the paper
 # Widest facet, m: forces within 2 % and the fastest such grid, measured by
 # tools/torso_contact.py.
-RESOLUTION = 0.03
+RESOLUTION = 0.025
 # Depth of the shell, m: deeper than pads sink, and far from the axis.
 SHELL = 0.02
 # How far the solid's volume may be from the surface's.

@@ -25,9 +25,9 @@ MODEL, PADS = "torso.sdf", "pads.yaml"
 
 _SDF = """\
 <?xml version="1.0"?>
-<!-- A personal torso about To, at the centre of ring 2 at rest: x front, y left,
-     z up. Homogeneous, {density:g} kg/m^3. The solid is what pads meet, the
-     surface what is drawn. -->
+<!-- A personal torso about To, at the centre of ring 2 at rest: x front, y
+     left, z up. Homogeneous, {density:g} kg/m^3. The solid is what pads meet,
+     the surface what is drawn. -->
 <sdf version="1.9">
   <model name="torso">
     <link name="torso">

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -46,7 +47,7 @@ def make_grid(
     corners.append(left_front + turn)
     radius = np.sqrt(np.mean(loft.radii**2))
     blocks = []
-    for a, b in zip(corners[:-1], corners[1:], strict=True):
+    for a, b in pairwise(corners):
         count = max(1, int(np.ceil(np.mean(b - a) * radius / resolution)))
         share = np.arange(count) / count
         blocks.append(a[:, None] + (b - a)[:, None] * share)
@@ -68,7 +69,7 @@ def _heights(loft, places, resolution: float) -> np.ndarray:
             knots.append(z)
     knots[-1] = loft.heights[-1]
     parts = []
-    for a, b in zip(knots[:-1], knots[1:], strict=True):
+    for a, b in pairwise(knots):
         under_pad = any(low < 0.5 * (a + b) < high for low, high in spans)
         spacing = resolution * (_TALLER if under_pad else 1.0)
         count = max(1, int(np.ceil((b - a) / spacing - 1e-9)))

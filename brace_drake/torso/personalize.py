@@ -1,8 +1,9 @@
-"""From a scan or measures to a torso, its pads, and a scenario with them."""
+"""From a scan or measures to a torso, its pads, and scenarios with them."""
 
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,8 +11,8 @@ import numpy as np
 
 from brace_drake.errors import TorsoError
 from brace_drake.output import MakeFolder, WriteBytes
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.load import SaveScenario
+from brace_drake.scenario.bench import Contact
+from brace_drake.scenario.load import SaveScenario, Scenario
 from brace_drake.torso.contact import TorsoContact, map_linear_contact
 from brace_drake.torso.fitted import (
     DENSITY,
@@ -31,7 +32,7 @@ from brace_drake.torso.sections import cut_sections
 # z in T of the moving rings at rest, at T11, T7 and T4 [A: vertebral levels of
 # a girl of 1.56 m; the data sheet's ring heights less that of ring 2].
 RING_HEIGHTS = (-0.09, 0.0, 0.06)
-PICTURE, SCENARIO = "torso.png", "personal.scenario.yaml"
+PICTURE = "torso.png"
 _MEASURES = (".yaml", ".yml")
 
 
@@ -43,13 +44,13 @@ class Personal:
         loft: Its surface, as sections.
         torso: Its solid, mass and pads.
         contact: Numbers of the hydroelastic contact.
-        scenario: With the torso's numbers put in.
+        scenarios: By file name, with the torso's numbers put in.
     """
 
     loft: Loft
     torso: FittedTorso
     contact: TorsoContact
-    scenario: BenchScenario
+    scenarios: dict[str, Scenario]
 
 
 def LoadSurfaceOf(path: str | Path, frame: ScanFrame = ScanFrame()) -> Loft:
@@ -70,39 +71,70 @@ def LoadSurfaceOf(path: str | Path, frame: ScanFrame = ScanFrame()) -> Loft:
 
 
 def personalize(
-    loft: Loft, scenario: BenchScenario, resolution: float = RESOLUTION
+    loft: Loft,
+    scenarios: Mapping[str, Scenario],
+    resolution: float = RESOLUTION,
 ) -> Personal:
-    """Fits solid, pads and scenario to a torso's surface.
+    """Fits solid, pads and scenarios to a torso's surface.
 
     Args:
-        scenario: Of the nominal bench; it stays as it is.
+        loft: The surface in T.
+        scenarios: By file name; they stay as they are. The first one's contact
+            at ring 2 gives the size of the pads and the contact's numbers, and
+            its rings' heights, where it has three, where the pads sit.
         resolution: Largest width of a facet, m.
 
     Raises:
         TorsoError: The pads have no place on it, or the mesh is too coarse.
     """
-    size = (
-        float(scenario.contact.pad_size[0]),
-        float(scenario.contact.pad_size[2]),
+    if not 0.001 <= resolution <= 0.1:
+        raise TorsoError(
+            f"resolution is {resolution:g} m; allowed: 0.001 to 0.1"
+        )
+    first = next(iter(scenarios.values()))
+    linear = ring_contacts(first)[2]
+    heights = ring_heights(first)
+    size = float(linear.pad_size[0]), float(linear.pad_size[2])
+    torso = fit_torso(loft, heights, size, resolution)
+    contact = map_linear_contact(linear, torso.mean_effective_area)
+    return Personal(
+        loft,
+        torso,
+        contact,
+        {name: put_torso(s, torso) for name, s in scenarios.items()},
     )
-    torso = fit_torso(loft, RING_HEIGHTS, size, resolution)
-    contact = map_linear_contact(scenario.contact, torso.mean_effective_area)
-    return Personal(loft, torso, contact, put_torso(scenario, torso))
 
 
-def put_torso(scenario: BenchScenario, torso: FittedTorso) -> BenchScenario:
-    """A copy of the bench with the torso's mass, inertia and width.
+def ring_contacts(scenario: Scenario) -> dict[int, Contact]:
+    """Contacts of a scenario by the number of their ring; the bench has 2."""
+    contact = scenario.contact
+    if isinstance(contact, Contact):
+        return {2: contact}
+    return {i: getattr(contact, f"ring{i}") for i in (1, 2, 3)}
 
-    The bench's torso has its centre of mass at To and principal axes along T:
+
+def ring_heights(scenario: Scenario) -> np.ndarray:
+    """z in T of the moving rings at rest (3,), m."""
+    heights = getattr(scenario, "ring_heights", None)
+    if heights is None:
+        return np.array(RING_HEIGHTS)
+    return np.asarray(heights)[1:] - heights[2]
+
+
+def put_torso(scenario: Scenario, torso: FittedTorso) -> Scenario:
+    """A copy of a scenario with the torso's mass, inertia and widths.
+
+    A scenario's torso has its centre of mass at To and principal axes along T:
     it takes the moments about the centre of mass and leaves out the products.
-    Its pads are symmetric: they take the mean of left and right at ring 2.
+    A ring's pads are symmetric there: they take the mean of left and right.
     """
     scenario = copy.deepcopy(scenario)
     scenario.torso.mass = _rounded(torso.inertia.get_mass())
     moments = np.diag(central_inertia(torso))
     scenario.torso.inertia = np.array([_rounded(i) for i in moments])
-    widths = [abs(p.place.p_TP[1]) for p in torso.pads if p.place.ring == 2]
-    scenario.contact.pad_offset = _rounded(np.mean(widths))
+    for ring, contact in ring_contacts(scenario).items():
+        own = [p.place.p_TP[1] for p in torso.pads if p.place.ring == ring]
+        contact.pad_offset = _rounded(np.mean(np.abs(own)))
     return scenario
 
 
@@ -111,7 +143,7 @@ def _rounded(value: float) -> float:
     return float(f"{value:.6g}")
 
 
-def WritePersonal(out: Path, personal: Personal) -> list[Path]:
+def WritePersonal(out: Path, personal: Personal) -> None:
     """Writes all files of a personal torso into a folder, and only there.
 
     Raises:
@@ -119,16 +151,11 @@ def WritePersonal(out: Path, personal: Personal) -> list[Path]:
     """
     picture = draw_torso(personal.torso)
     out = MakeFolder(Path(out))
-    WriteTorso(
-        out,
-        personal.torso,
-        loft_surface(thinned(personal.loft)),
-        personal.contact,
-        DENSITY,
-    )
-    SaveScenario(personal.scenario, out / SCENARIO)
+    surface = loft_surface(thinned(personal.loft))
+    WriteTorso(out, personal.torso, surface, personal.contact, DENSITY)
+    for name, scenario in personal.scenarios.items():
+        SaveScenario(scenario, out / name)
     WriteBytes(out / PICTURE, picture)
-    return sorted(out / name for name in (PICTURE, SCENARIO))
 
 
 def thinned(loft: Loft) -> Loft:

@@ -36,7 +36,7 @@ _TURNS = np.array(
 _FLAT = 1e-3
 # As a part of its depth, how much nearer to one facet than to another a node
 # may be.
-_MISSED = 0.03
+_MISSED = 0.003
 # To make a folded shell thinner; the last is 1e-3 of its depth.
 _ATTEMPTS = 10
 
@@ -83,7 +83,7 @@ def fill_outlines(
         stack = [outlines, *(outlines + part * move for move in moves)]
         stack.append(axis[:, None])
         vertices = np.concatenate(stack, axis=1).reshape(-1, 3)
-        bad = signed_volumes(vertices, tetrahedra) <= 0.0
+        bad = ~(signed_volumes(vertices, tetrahedra) > 0.0)
         if not bad.any():
             break
         # Where the shell folds (necks, shoulders), it becomes thinner.
@@ -100,7 +100,8 @@ def make_solid(vertices: np.ndarray, tetrahedra: np.ndarray) -> Solid:
         TorsoError: One is empty or inside out; it names the first place.
     """
     volumes = signed_volumes(vertices, tetrahedra)
-    bad = np.flatnonzero(volumes <= 0.0)
+    # Written so that NaN is bad.
+    bad = np.flatnonzero(~(volumes > 0.0))
     if len(bad):
         z = vertices[tetrahedra[bad[0]], 2].mean()
         raise TorsoError(
@@ -132,7 +133,7 @@ def _inward(outlines: np.ndarray, axis: np.ndarray, depth: float) -> np.ndarray:
     o = np.where(missed[..., None] > _MISSED, _solve_mitre(n), o)
     move = depth * o
     room = 0.5 * np.linalg.norm(outlines - axis[:, None], axis=-1)
-    across = np.linalg.norm(move[..., :2], axis=-1)
+    across = np.maximum(np.linalg.norm(move[..., :2], axis=-1), 1e-12)
     gap = np.diff(axis[:, 2])
     gap = 0.4 * np.minimum(np.append(gap, gap[-1]), np.insert(gap, 0, gap[0]))
     up = np.maximum(np.abs(move[..., 2]), 1e-12)
@@ -152,7 +153,8 @@ def _facet_normals(outlines: np.ndarray) -> np.ndarray:
     normals = np.cross(
         after[1:] - outlines[:-1], outlines[1:] - after[:-1], axis=-1
     )
-    return normals / np.linalg.norm(normals, axis=-1, keepdims=True)
+    length = np.linalg.norm(normals, axis=-1, keepdims=True)
+    return normals / np.maximum(length, np.finfo(float).tiny)
 
 
 def _section_triangles(m: int, rings: int) -> np.ndarray:
