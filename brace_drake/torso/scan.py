@@ -77,12 +77,13 @@ def LoadScan(
         TorsoError: One line: the file, what was measured, what is allowed.
     """
     path = Path(path)
-    mesh = _read(path)
     if frame.unit not in UNITS:
         words = ", ".join(UNITS)
         raise TorsoError(f"unit is {frame.unit!r}; allowed: {words}")
+    rotation = frame.rotation()
+    mesh = _read(path)
     moved = np.asarray(mesh.vertices) - np.asarray(frame.origin, dtype=float)
-    vertices = UNITS[frame.unit] * moved @ frame.rotation().T
+    vertices = UNITS[frame.unit] * moved @ rotation.T
     triangles = np.asarray(mesh.faces)
     check_size(vertices, frame.unit, str(path))
     check_closed(vertices, triangles, str(path))

@@ -43,11 +43,16 @@ def cut_sections(
     heights = np.linspace(low + margin, high - margin, sections)
     angles = np.arange(around) * (2.0 * np.pi / around)
     centres, radii = np.empty((sections, 2)), np.empty((sections, around))
+    refused = {}
     for k, z in enumerate(heights):
         starts, ends = cut_plane(vertices, triangles, z)
         centres[k] = _centre(starts, ends)
         starts, ends = starts - centres[k], ends - centres[k]
-        radii[k] = _radii(starts, ends, angles, z, source)
+        radii[k], times = _radii(starts, ends, angles)
+        if times != 1:
+            refused[float(z)] = times, starts, ends
+    if refused:
+        raise TorsoError(_refusal(refused, source))
     loft = Loft(heights, centres, angles, radii)
     _check_volume(loft, vertices, triangles, source)
     return loft
@@ -89,44 +94,51 @@ def _centre(starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
     return shift + (twice @ (a + b)) / (3.0 * twice.sum())
 
 
-def _radii(a, b, angles, z, source) -> np.ndarray:
+def _radii(a, b, angles) -> tuple[np.ndarray, int]:
     """Where rays from the centre meet the outline, m.
 
-    Raises:
-        TorsoError: A ray meets it other than once, outward.
+    Returns:
+        Radii, and how often the worst ray meets the outline: 1 is good.
     """
-    start = np.arctan2(a[:, 1], a[:, 0])
-    turn = np.arctan2(
-        a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.sum(a * b, axis=1)
-    )
-    # Half-open pieces: a ray through a joint meets one of its two.
-    first = np.where(turn >= 0.0, start, start + turn)
-    past = np.mod(angles[:, None] - first, 2.0 * np.pi)
-    met = past < np.abs(turn)
-    times = met.sum(axis=1)
-    signed = (met * np.sign(turn)).sum(axis=1)
-    bad = np.flatnonzero((times != 1) | (signed != 1))
-    if len(bad):
-        raise TorsoError(_refusal(a, b, int(times[bad].max()), z, source))
-    piece = np.argmax(met, axis=1)
-    p, d = a[piece], b[piece] - a[piece]
     ray = np.column_stack([np.cos(angles), np.sin(angles)])
-    cross = p[:, 0] * d[:, 1] - p[:, 1] * d[:, 0]
-    return cross / (ray[:, 0] * d[:, 1] - ray[:, 1] * d[:, 0])
+
+    # Which side of the ray's line a joint is on is decided once for both of
+    # its pieces: a ray through a joint meets exactly one of them.
+    def left_of(p):
+        return np.outer(ray[:, 0], p[:, 1]) >= np.outer(ray[:, 1], p[:, 0])
+
+    from_left, to_left = left_of(a), left_of(b)
+    d = b - a
+    whole = a[:, 0] * d[:, 1] - a[:, 1] * d[:, 0]
+    slope = np.outer(ray[:, 0], d[:, 1]) - np.outer(ray[:, 1], d[:, 0])
+    passes = from_left != to_left
+    with np.errstate(divide="ignore", invalid="ignore"):
+        radii = np.where(passes, whole / slope, 0.0)
+    met = radii > 0.0
+    signed = np.sum(met & to_left, axis=1) - np.sum(met & from_left, axis=1)
+    times = met.sum(axis=1)
+    bad = (times != 1) | (signed != 1)
+    if bad.any():
+        # A single piece that runs backwards does not count.
+        worst = int(times[bad].max())
+        return np.zeros(len(angles)), worst if worst > 1 else 0
+    return radii[np.arange(len(angles)), np.argmax(met, axis=1)], 1
 
 
-def _refusal(a, b, times: int, z: float, source: str) -> str:
-    """Why an outline is not star-shaped."""
-    at = f"{source}: at z = {z:.3f} m"
-    pairs = _count_crossings(a, b)
-    if pairs:
-        return (
-            f"{at} the surface passes through itself, {pairs} pairs of pieces"
-            " of its outline cross; allowed: 0"
-        )
+def _refusal(refused: dict, source: str) -> str:
+    """Why outlines are not star-shaped, by height: the gravest reason."""
+    for z, (_, a, b) in refused.items():
+        pairs = _count_crossings(a, b)
+        if pairs:
+            return (
+                f"{source}: at z = {z:.3f} m the surface passes through itself,"
+                f" {pairs} pairs of pieces of its outline cross; allowed: 0"
+            )
+    z, (times, _, _) = next(iter(refused.items()))
     return (
-        f"{at} a ray from the section's centre meets the surface {times} times;"
-        " allowed: once, so cut off arms and head, and open folds"
+        f"{source}: at z = {z:.3f} m a ray from the section's centre meets the"
+        f" surface {times} times; allowed: once, so cut off arms"
+        " and head, and open folds"
     )
 
 
