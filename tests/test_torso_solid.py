@@ -289,7 +289,10 @@ class TestPads(unittest.TestCase):
         loft = cylinder(0.12, 0.15)
         angles = loft.angles + turn
         moved = Loft(
-            loft.heights, loft.centres + [0.0, shift], angles, loft.radii
+            loft.heights,
+            loft.centres + np.array([0.0, shift]),
+            angles,
+            loft.radii,
         )
         into = np.array(
             [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]

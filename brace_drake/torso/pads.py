@@ -183,7 +183,7 @@ def _make_pad(solid: Solid, place: PadPlace) -> Pad:
 
 
 def _clip(polygon: np.ndarray, axis: int, sign: float, bound: float):
-    """The part of a polygon with sign x[axis] <= bound (Sutherland, Hodgman)."""
+    """A polygon's part with sign x[axis] <= bound (Sutherland, Hodgman)."""
     kept, bound = [], bound + _ON_EDGE
     for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         da, db = sign * a[axis] - bound, sign * b[axis] - bound

@@ -34,6 +34,7 @@ from brace_drake.torso.sections import cut_sections
 RING_HEIGHTS = (-0.09, 0.0, 0.06)
 PICTURE = "torso.png"
 _MEASURES = (".yaml", ".yml")
+_AS_IS = ScanFrame()
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Personal:
     scenarios: dict[str, Scenario]
 
 
-def LoadSurfaceOf(path: str | Path, frame: ScanFrame = ScanFrame()) -> Loft:
+def LoadSurfaceOf(path: str | Path, frame: ScanFrame = _AS_IS) -> Loft:
     """The surface of a scan or of measures.
 
     Raises:
@@ -61,7 +62,7 @@ def LoadSurfaceOf(path: str | Path, frame: ScanFrame = ScanFrame()) -> Loft:
     """
     path = Path(path)
     if path.suffix.lower() in _MEASURES:
-        if frame != ScanFrame():
+        if frame != _AS_IS:
             raise TorsoError(
                 f"{path}: measures are in m and in T; allowed: no unit, origin"
                 " or axes"

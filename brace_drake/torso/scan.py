@@ -65,8 +65,11 @@ class ScanFrame:
         return rows
 
 
+_AS_IS = ScanFrame()
+
+
 def LoadScan(
-    path: str | Path, frame: ScanFrame = ScanFrame()
+    path: str | Path, frame: ScanFrame = _AS_IS
 ) -> tuple[np.ndarray, np.ndarray]:
     """Reads a scan and checks it.
 
