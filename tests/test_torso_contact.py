@@ -290,6 +290,10 @@ class TestPlant(unittest.TestCase):
             Contact(model=m) for m in ("hydroelastic", "none", "linear")
         ]
         contacts[2].model = "hydroelastic"
+        nothing = SimpleNamespace(rings=("ring1",), contacts=(Contact(),))
+        MakeTorsoGeometry(self.torso)(plant, scene_graph, nothing)
+        body = plant.GetBodyByName("torso")
+        self.assertEqual(plant.GetCollisionGeometriesForBody(body), [])
         scenario = SimpleNamespace(
             rings=("ring1", "ring2", "ring3"), contacts=tuple(contacts)
         )

@@ -169,6 +169,8 @@ def MakeTorsoGeometry(
     def add_geometry(plant, scene_graph, scenario) -> None:
         named = zip(scenario.rings, scenario.contacts, strict=True)
         own = {n: c for n, c in named if c.model == "hydroelastic"}
+        if not own:
+            return
         mean = float(np.mean([c.stiffness for c in own.values()]))
         first = replace(next(iter(own.values())), stiffness=mean)
         bodies = {
