@@ -283,6 +283,7 @@ class TestCommand(unittest.TestCase):
             self.assertEqual([p.name for p in Path(name).iterdir()], ["out"])
             torso = LoadTorso(out)
             scenario = LoadScenario(out / "bench.scenario.yaml")
+            brace = LoadScenario(out / "brace.scenario.yaml")
             surface = LoadSurface(out / "torso.obj")
             picture = (out / "torso.png").read_bytes()
         self.assertTrue(picture.startswith(b"\x89PNG"))
@@ -300,6 +301,14 @@ class TestCommand(unittest.TestCase):
             np.mean(half_widths(girl, 0.0)),
             delta=0.004,
         )
+        self.assertEqual(brace.torso.mass, scenario.torso.mass)
+        for pads, contact in zip(
+            np.reshape(torso.pads, (3, 2)), brace.contacts, strict=True
+        ):
+            widths = [abs(pad.place.p_TP[1]) for pad in pads]
+            self.assertAlmostEqual(
+                contact.pad_offset, np.mean(widths), places=6
+            )
         self.assertIn("bend of the trunk's centre line 2", text.getvalue())
 
 

@@ -96,12 +96,12 @@ def _load_scenarios(path: str | None) -> dict:
     from brace_drake.errors import TorsoError
     from brace_drake.resources import scenario_path
     from brace_drake.scenario.load import LoadScenario
+    from brace_drake.torso.personalize import WithTorso
 
     if path is None:
-        paths = [scenario_path(name) for name in _SCENARIOS]
-        return {p.name: LoadScenario(p) for p in paths if p.is_file()}
+        return {name: LoadScenario(scenario_path(name)) for name in _SCENARIOS}
     scenario = LoadScenario(path)
-    if not hasattr(scenario, "torso"):
+    if not isinstance(scenario, WithTorso):
         raise TorsoError(
             f"{path}: device is {scenario.device!r}, which has no torso;"
             " allowed: a bench or a brace"

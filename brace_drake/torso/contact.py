@@ -40,6 +40,7 @@ from pydrake.multibody.tree import RigidBody
 
 from brace_drake.errors import TorsoError
 from brace_drake.scenario.bench import Contact
+from brace_drake.scenario.brace import BraceScenario
 from brace_drake.torso.files import obj_text, vtk_text
 from brace_drake.torso.fitted import FittedTorso
 from brace_drake.torso.pads import Pad
@@ -157,13 +158,12 @@ def AddTorsoContact(
 
 def MakeTorsoGeometry(
     torso: FittedTorso,
-) -> Callable[[MultibodyPlant, SceneGraph, object], None]:
+) -> Callable[[MultibodyPlant, SceneGraph, BraceScenario], None]:
     """The contact of a torso as a function for a brace's `add_geometry`.
 
-    It takes a plant with bodies "torso" and "ring1" ..., the scene graph and a
-    scenario with `rings`, their names, and `contacts`. Rings whose contact is
-    hydroelastic get their pads. The torso has one foundation modulus: that of
-    the rings' mean stiffness; the other numbers are those of the lowest.
+    Rings whose contact in the scenario is hydroelastic get their pads. The
+    torso has one foundation modulus: that of the rings' mean stiffness; the
+    other numbers are those of the lowest.
     """
 
     def add_geometry(plant, scene_graph, scenario) -> None:

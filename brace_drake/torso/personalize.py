@@ -11,8 +11,9 @@ import numpy as np
 
 from brace_drake.errors import TorsoError
 from brace_drake.output import MakeFolder, WriteBytes
-from brace_drake.scenario.bench import Contact
-from brace_drake.scenario.load import SaveScenario, Scenario
+from brace_drake.scenario.bench import BenchScenario, Contact
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.load import SaveScenario
 from brace_drake.torso.contact import TorsoContact, map_linear_contact
 from brace_drake.torso.fitted import (
     DENSITY,
@@ -29,12 +30,14 @@ from brace_drake.torso.picture import draw_torso
 from brace_drake.torso.scan import LoadScan, ScanFrame
 from brace_drake.torso.sections import cut_sections
 
-# z in T of the moving rings at rest, at T11, T7 and T4 [A: vertebral levels of
-# a girl of 1.56 m; the data sheet's ring heights less that of ring 2].
+# z in T of the moving rings at rest, at T11, T7 and T4, for a bench, which has
+# one ring only [A: vertebral levels of a girl of 1.56 m; those of the brace].
 RING_HEIGHTS = (-0.09, 0.0, 0.06)
 PICTURE = "torso.png"
 _MEASURES = (".yaml", ".yml")
 _AS_IS = ScanFrame()
+
+WithTorso = BenchScenario | BraceScenario
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ class Personal:
     loft: Loft
     torso: FittedTorso
     contact: TorsoContact
-    scenarios: dict[str, Scenario]
+    scenarios: dict[str, WithTorso]
 
 
 def LoadSurfaceOf(path: str | Path, frame: ScanFrame = _AS_IS) -> Loft:
@@ -73,7 +76,7 @@ def LoadSurfaceOf(path: str | Path, frame: ScanFrame = _AS_IS) -> Loft:
 
 def personalize(
     loft: Loft,
-    scenarios: Mapping[str, Scenario],
+    scenarios: Mapping[str, WithTorso],
     resolution: float = RESOLUTION,
 ) -> Personal:
     """Fits solid, pads and scenarios to a torso's surface.
@@ -106,23 +109,21 @@ def personalize(
     )
 
 
-def ring_contacts(scenario: Scenario) -> dict[int, Contact]:
+def ring_contacts(scenario: WithTorso) -> dict[int, Contact]:
     """Contacts of a scenario by the number of their ring; the bench has 2."""
-    contact = scenario.contact
-    if isinstance(contact, Contact):
-        return {2: contact}
-    return {i: getattr(contact, f"ring{i}") for i in (1, 2, 3)}
+    if isinstance(scenario, BenchScenario):
+        return {2: scenario.contact}
+    return {i: getattr(scenario.contact, f"ring{i}") for i in (1, 2, 3)}
 
 
-def ring_heights(scenario: Scenario) -> np.ndarray:
+def ring_heights(scenario: WithTorso) -> np.ndarray:
     """z in T of the moving rings at rest (3,), m."""
-    heights = getattr(scenario, "ring_heights", None)
-    if heights is None:
+    if isinstance(scenario, BenchScenario):
         return np.array(RING_HEIGHTS)
-    return np.asarray(heights)[1:] - heights[2]
+    return scenario.ring_heights[1:] - scenario.ring_heights[2]
 
 
-def put_torso(scenario: Scenario, torso: FittedTorso) -> Scenario:
+def put_torso(scenario: WithTorso, torso: FittedTorso) -> WithTorso:
     """A copy of a scenario with the torso's mass, inertia and widths.
 
     A scenario's torso has its centre of mass at To and principal axes along T:
