@@ -72,11 +72,11 @@ class TestBadInput(unittest.TestCase):
         path.write_text(text.replace("leg1_length_m", "leg1_length_mm", 1))
         self.assert_refused("push.csv", "leg1_length_m")
 
-    def test_a_nan(self):
+    def test_an_infinite_value(self):
         path = self.campaign / "push.csv"
         lines = path.read_text().splitlines()
         fields = lines[12].split(",")
-        fields[3] = "nan"
+        fields[3] = "inf"
         lines[12] = ",".join(fields)
         path.write_text("\n".join(lines) + "\n")
         self.assert_refused("push.csv", "row 12", "leg3_force_command_N")
