@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from brace_drake.gap.evaluation import HIGHEST_HZ, PreparedRun
 from brace_drake.gap.phases import PHASES
 from brace_drake.gap.shrink import RunComparison, channel_gaps
 
@@ -73,13 +74,14 @@ def _masked_row(name, comparisons, masks):
 def band_budget(comparisons: list[RunComparison], rate: float) -> list[dict]:
     """Rows of the budget by frequency band, against the floor's spectrum."""
     rows, excess = [], {}
+    highest = min(HIGHEST_HZ, rate / 2.0)
     for low, high in BANDS:
-        if low >= rate / 2.0:
+        if low >= highest:
             continue
         before, count = _band_power(comparisons, "before", low, high, rate)
         row = {
             "from_Hz": low,
-            "to_Hz": min(high, rate / 2.0),
+            "to_Hz": min(high, highest),
             "before": float(np.sqrt(before / max(count, 1))),
             "after": None,
         }
@@ -97,9 +99,9 @@ def _band_power(comparisons, which, low, high, rate):
     for c in comparisons:
         residual = c.prepared.measured - getattr(c, which)
         frequency = np.fft.rfftfreq(len(residual), 1.0 / rate)
-        inside = (frequency >= low) & (frequency < high)
+        inside = (frequency >= low) & (frequency < min(high, HIGHEST_HZ))
         used = c.prepared.used
-        weights = c.prepared.floor.weights(len(residual), rate)
+        weights = full_weights(c.prepared, len(residual))
         transform = np.fft.rfft(residual, axis=0) * weights
         bins = transform[inside][:, used]
         values = 2 * bins.size
@@ -115,3 +117,10 @@ def _shares(excess: dict) -> dict:
     positive = {k: max(0.0, v) for k, v in excess.items()}
     total = sum(positive.values())
     return {k: v / total if total > 0.0 else 0.0 for k, v in positive.items()}
+
+
+def full_weights(prepared: PreparedRun, samples: int) -> np.ndarray:
+    """Weights of a whole transform, 0 where frequencies do not count."""
+    out = np.zeros((samples // 2 + 1, prepared.weights.shape[1]))
+    out[: len(prepared.weights)] = prepared.weights
+    return out

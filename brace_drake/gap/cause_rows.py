@@ -27,6 +27,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                     0.0,
                     verdict.closed_amplitude(d.evaluator, d.nominal, fit),
                 ),
+                "searched": fit.solution.jacobian is not None,
                 "converged": fit.refined,
                 "identifiable": not _is_tied(d, fit),
                 "decision": _decision(d, fit, is_winner),

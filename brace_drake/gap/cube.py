@@ -12,7 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.gap.budget import BANDS
+from brace_drake.gap.budget import BANDS, full_weights
+from brace_drake.gap.evaluation import HIGHEST_HZ
 from brace_drake.gap.shrink import RunComparison
 
 # Cells with less than this share of the gap are left out.
@@ -43,7 +44,8 @@ def gap_cube(
         Rows with share of all power above noise, normalised RMS (1 is noise),
         and the 95 % interval of the share; cells without content left out.
     """
-    bands = [b for b in BANDS if b[0] < rate / 2.0]
+    highest = min(HIGHEST_HZ, rate / 2.0)
+    bands = [b for b in BANDS if b[0] < highest]
     power, count = _pieces(comparisons, phases, len(phase_names), bands, rate)
     shares = _shares(power.sum(axis=0), count.sum(axis=0))
     low, high = _interval(power, count, seed)
@@ -58,7 +60,7 @@ def gap_cube(
                 "channel": channels[c],
                 "phase": phase_names[p],
                 "from_Hz": bands[b][0],
-                "to_Hz": min(bands[b][1], rate / 2.0),
+                "to_Hz": min(bands[b][1], highest),
                 "share": float(shares[c, p, b]),
                 "normalised_rms": float(np.sqrt(mean)),
                 "lower95": float(min(low[c, p, b], shares[c, p, b])),
@@ -84,7 +86,7 @@ def band_series(
     """
     samples = len(residual)
     frequency = np.fft.rfftfreq(samples, 1.0 / rate)
-    inside = (frequency >= low) & (frequency < high)
+    inside = (frequency >= low) & (frequency < min(high, HIGHEST_HZ))
     transform = np.fft.rfft(residual, axis=0) * weights
     transform[~inside] = 0.0
     # Weights count both sides of the spectrum, the transform back does too.
@@ -105,7 +107,7 @@ def _pieces(comparisons, phases, num_phases, bands, rate):
         prepared = comparison.prepared
         residual = prepared.measured - comparison.before
         samples, channels = residual.shape
-        weights = prepared.floor.weights(samples, rate) * prepared.used
+        weights = full_weights(prepared, samples)
         length = max(1, round(_PIECE_S * rate))
         starts = np.arange(0, samples, length)
         shape = (len(starts), channels, num_phases, len(bands))

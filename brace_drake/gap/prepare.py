@@ -8,7 +8,7 @@ import numpy as np
 
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.effects.stack import Use
-from brace_drake.gap.evaluation import PreparedRun, is_dithered
+from brace_drake.gap.evaluation import HIGHEST_HZ, PreparedRun, is_dithered
 from brace_drake.gap.floor import (
     NoiseFloor,
     estimate_floor,
@@ -20,8 +20,6 @@ _REPLICATES = 24
 # Deviations of a repeat's noise from the twin's that count as real, in
 # standard errors of the estimate.
 _SIGNIFICANT = 5.0
-# Faster than this a brace and a torso do not move; noise alone is above.
-_HIGHEST_HZ = 50.0
 
 
 def noise_replicates(
@@ -149,7 +147,7 @@ def prepare_run(
     floor = floors[run.contact]
     frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
     weights = floor.weights(len(measured), rate) * twin.active(run)
-    weights = weights[frequency <= _HIGHEST_HZ]
+    weights = weights[frequency <= HIGHEST_HZ]
     motion = twin.motion(run)
     return PreparedRun(
         run, motion, measured, weights, floor, seed + index, index

@@ -71,6 +71,11 @@ def cause_row(cause: dict, verdict: dict) -> dict:
     }
 
 
+def is_searched(cause: dict) -> bool:
+    """Whether a candidate was searched, not only replayed once."""
+    return cause.get("searched") is not False
+
+
 def is_chosen(effect: str, verdict: dict) -> bool:
     """Whether a candidate, of one or more effects, is the verdict itself."""
     chosen = set(names(verdict, "effects"))

@@ -30,6 +30,7 @@ from brace_drake.report.tables import (
     cause_row,
     channel_row,
     gap_row,
+    is_searched,
     parameter_row,
     receipt_rows,
     shrink_rows,
@@ -145,10 +146,12 @@ def _or_zero(value: object) -> float:
 
 
 def _make_which(diagnosis: dict, verdict: dict) -> dict:
+    causes = rows(diagnosis, "causes")
     return {
         "gap": verdict.get("gap"),
         "outside": bool(verdict.get("outside_library")),
-        "causes": [cause_row(c, verdict) for c in rows(diagnosis, "causes")],
+        "causes": [cause_row(c, verdict) for c in causes if is_searched(c)],
+        "unsearched": [text(c, "effect") for c in causes if not is_searched(c)],
         "cards": make_cards(diagnosis, verdict),
     }
 
@@ -221,7 +224,9 @@ def _make_notes(diagnosis: dict, verdict: dict) -> dict:
             text(c, "effect") for c in causes if c.get("identifiable") is False
         ],
         "unconverged": [
-            text(c, "effect") for c in causes if c.get("converged") is False
+            text(c, "effect")
+            for c in causes
+            if c.get("converged") is False and is_searched(c)
         ],
         "why": text(experiment, "why"),
         "motion": text(experiment, "motion"),
