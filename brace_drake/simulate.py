@@ -36,7 +36,7 @@ def SimulateBench(station: BenchStation, duration: float) -> np.ndarray:
         system.GetMyContextFromRoot(context)
         for system in station.diagram.GetSystems()
     ]
-    with _no_garbage_collection():
+    with without_garbage_collection():
         # A little further, so that the last sample is among the events.
         simulator.AdvanceTo(duration + 1e-6)
     del contexts
@@ -45,7 +45,7 @@ def SimulateBench(station: BenchStation, duration: float) -> np.ndarray:
 
 
 @contextmanager
-def _no_garbage_collection():
+def without_garbage_collection():
     """A run leaves no cycles behind, and looking for them takes time."""
     was_enabled = gc.isenabled()
     gc.disable()
@@ -95,10 +95,13 @@ def RecordBench(
 
 
 def MakeHeldNoise(
-    generator: np.random.Generator, duration: float, rate: float
+    generator: np.random.Generator,
+    duration: float,
+    rate: float,
+    rows: int = 12,
 ) -> PiecewisePolynomial:
-    """Standard normal draws (12 rows), each held around its control tick."""
+    """Standard normal draws (rows), each held around its control tick."""
     ticks = round(duration * rate) + 3
     edges = (np.arange(ticks) - 0.5) / rate
-    draws = generator.standard_normal((ticks, 12))
+    draws = generator.standard_normal((ticks, rows))
     return PiecewisePolynomial.ZeroOrderHold(edges, draws.T)

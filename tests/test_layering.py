@@ -20,10 +20,12 @@ LAYERS = (
         "pad_station",
         "brace_station",
         "simulate",
+        "simulate_brace",
         "contact_mapping",
     ),
     ("gap", "fit"),
     ("report",),
+    ("experiments",),
     ("withheld",),
     ("cli",),
 )

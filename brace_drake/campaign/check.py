@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.campaign.columns import (
-    DEVICES,
     LEG_BENCH,
     Channel,
     near_miss,
@@ -110,7 +109,7 @@ def _ReadRun(
     except (OSError, ValueError) as e:
         reason = getattr(e, "strerror", None) or str(e)
         return {}, [error(file, f"cannot be read: {reason}")]
-    channels = DEVICES.get(manifest.device, {})
+    channels = manifest.channels
     columns, problems = parse_table(data, file, {"time_s", *channels})
     if columns:
         problems += _check_missing(columns, channels, manifest.device, file)
@@ -157,7 +156,7 @@ def _check_samples(
 ) -> list[Problem]:
     """Everything wrong with the values of one run."""
     file = entry.file
-    channels = DEVICES.get(manifest.device, {})
+    channels = manifest.channels
     problems = []
     rows = len(next(iter(columns.values())))
     if rows < 2:
@@ -194,7 +193,7 @@ def _check_directions(
     columns: Columns, entry: RunEntry, manifest: Manifest
 ) -> list[Problem]:
     """Force signs, on the rows where every known channel has a number."""
-    channels = DEVICES.get(manifest.device, {})
+    channels = manifest.channels
     if any(not c.is_optional and n not in columns for n, c in channels.items()):
         return []
     known = {name: columns[name] for name in channels if name in columns}
@@ -227,7 +226,7 @@ def _check_repeats(
             problems += _compare_repeat(
                 tables[entry.file],
                 tables[original],
-                DEVICES.get(manifest.device, {}),
+                manifest.channels,
                 entry,
             )
     return problems
@@ -281,7 +280,7 @@ def _assemble(
             repeat_of=entry.repeat_of,
             split=entry.split,
             channels=fill_dropouts(
-                tables[entry.file], {"time_s", *DEVICES[manifest.device]}
+                tables[entry.file], {"time_s", *manifest.channels}
             ),
         )
         for entry in manifest.entries
@@ -294,5 +293,6 @@ def _assemble(
         runs=runs,
         nominal=manifest.nominal,
         control=manifest.control,
+        stages=manifest.stages,
         warnings=tuple(problems),
     )

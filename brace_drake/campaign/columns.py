@@ -158,3 +158,19 @@ DEVICES: dict[str, dict[str, Channel]] = {
     LEG_BENCH: _by_name(_leg_bench()),
     PAD_BENCH: _by_name(_pad_bench()),
 }
+BRACE_STAGES = (1, 2, 3)
+
+
+def device_channels(
+    device: str | None, stages: Iterable[int] = ()
+) -> dict[str, Channel]:
+    """Channels of a device; those of some stages, where a brace has them.
+
+    Args:
+        device: A key of DEVICES; anything else has no channels.
+        stages: Of a brace, the stages that were recorded; none: all.
+    """
+    if device != BRACE or not stages:
+        return DEVICES.get(device, {})
+    legs = [6 * (i - 1) + k for i in stages for k in range(1, 7)]
+    return _by_name(_stages(legs, stages))

@@ -8,7 +8,15 @@ from dataclasses import dataclass, field
 
 import yaml
 
-from brace_drake.campaign.columns import DEVICES, LEG_BENCH, PAD_BENCH
+from brace_drake.campaign.columns import (
+    BRACE,
+    BRACE_STAGES,
+    DEVICES,
+    LEG_BENCH,
+    PAD_BENCH,
+    Channel,
+    device_channels,
+)
 from brace_drake.campaign.findings import error, quoted, warning
 from brace_drake.campaign.recording import Problem
 
@@ -46,6 +54,7 @@ class Manifest:
         entries: The runs, in the file's order.
         nominal: Nominal parameters of the device, SI units in the names.
         control: Parameters of the drive's controller, likewise.
+        stages: Of a brace, those recorded; empty: all.
     """
 
     device: str | None = None
@@ -54,6 +63,12 @@ class Manifest:
     entries: tuple[RunEntry, ...] = ()
     nominal: dict[str, float] = field(default_factory=dict)
     control: dict[str, float] = field(default_factory=dict)
+    stages: tuple[int, ...] = ()
+
+    @property
+    def channels(self) -> dict[str, Channel]:
+        """What a recording of the device holds."""
+        return device_channels(self.device, self.stages)
 
 
 def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
@@ -92,6 +107,7 @@ def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
         nominal=_parse_nominal(content, device, problems),
         control=_parse_control(content, device, problems),
         entries=_parse_runs(content, problems),
+        stages=_parse_stages(content, device, problems),
     )
     return manifest, problems
 
@@ -166,6 +182,21 @@ def _parse_nominal(
     if device == LEG_BENCH:
         return _parse_numbers(content, "nominal", keys, (), problems)
     return _parse_numbers(content, "nominal", (), keys, problems)
+
+
+def _parse_stages(
+    content: dict, device: str | None, problems: list[Problem]
+) -> tuple[int, ...]:
+    stages = content.get("stages")
+    if device != BRACE or stages is None:
+        return ()
+    if stages and isinstance(stages, list) and type(stages[0]) is int:
+        first = stages[0] - 1
+        if first >= 0 and stages == [*BRACE_STAGES[first:]][: len(stages)]:
+            return tuple(stages)
+    wanted = "neighbours of 1, 2, 3, from the lowest up"
+    problems.append(_error(_wanted("stages", wanted, stages)))
+    return ()
 
 
 def _parse_control(

@@ -77,6 +77,7 @@ class Campaign:
     runs: tuple[Run, ...]
     nominal: dict[str, float] = field(default_factory=dict)
     control: dict[str, float] = field(default_factory=dict)
+    stages: tuple[int, ...] = ()  # of a brace; empty: all
     warnings: tuple[Problem, ...] = ()
 
     @property

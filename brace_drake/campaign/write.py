@@ -73,6 +73,8 @@ def describe(campaign: Campaign) -> dict:
         values = getattr(campaign, name)
         if values:
             head[name] = {key: float(v) for key, v in values.items()}
+    if campaign.stages:
+        head["stages"] = list(campaign.stages)
     head["runs"] = [
         {
             "file": run.file,

@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import os
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 from tqdm import tqdm
 
@@ -67,6 +68,43 @@ def share_bar() -> Iterator[Callable[[str, float], None]]:
             bar.update(round(100 * share) - bar.n)
 
         yield progress
+
+
+def AddMotion(parser: argparse.ArgumentParser, **options) -> None:
+    """Adds --motion."""
+    parser.add_argument(
+        "--motion",
+        metavar="FILE|NAME",
+        **{"help": "reference (*.csv), or a motion of the library", **options},
+    )
+
+
+def load_motion(text: str, rings: tuple[int, ...] = (2,)):
+    """The reference of --motion, as a run that is not recorded yet."""
+    from brace_drake.twin.motion_library import MakeMotion
+    from brace_drake.twin.reference_file import LoadReference
+
+    if text.endswith(".csv") or Path(text).exists():
+        return LoadReference(text, rings)
+    return MakeMotion(text).run
+
+
+@contextlib.contextmanager
+def MakeBar(run, label: str = "") -> Iterator[Callable[[float], None]]:
+    """A bar of a run's simulated time; yields what is told the time, s."""
+    end = float(run.time_s[-1] - run.time_s[0])
+    with share_bar() as progress:
+        yield lambda time: progress(label or run.name, time / end)
+
+
+def AddNoiseSeed(parser: argparse.ArgumentParser) -> None:
+    """Adds --noise-seed."""
+    parser.add_argument(
+        "--noise-seed",
+        type=not_negative,
+        metavar="N",
+        help="of the instruments' noise (default: exact readings)",
+    )
 
 
 def positive(text: str) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from brace_drake.cli.options import AddMotion, AddNoiseSeed, MakeBar, load_motion
 from brace_drake.errors import ScenarioError
 
 _EPILOG = """\
@@ -13,9 +14,11 @@ example:
       --motion results/monday/next_run.csv --out simulated/monday
 
 The motion is a file with the columns time_s, ring2_y_desired_m,
-ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library. Where
-a file's name begins with "free", or its column `contact` is 0, the torso is
-absent. What is written is a campaign with that one run.
+ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library; rings 1
+and 3 of a brace may have such columns too, those without stay where they start.
+Where a file's name begins with "free", or its column `contact` is 0, the torso
+is absent. What is written is a campaign with that one run, of the stages that
+the scenario picks; stage 2 alone records as the bench does.
 """
 
 
@@ -31,62 +34,59 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "scenario",
         metavar="SCENARIO",
-        help="file of the bench, *.scenario.yaml",
+        help="file of the bench or of the brace, *.scenario.yaml",
     )
-    parser.add_argument(
-        "--motion",
-        required=True,
-        metavar="FILE|NAME",
-        help="reference (*.csv), or a motion of the library",
-    )
+    AddMotion(parser, required=True)
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="campaign folder to make"
     )
-    parser.add_argument(
-        "--noise-seed",
-        type=_not_negative,
-        metavar="N",
-        help="of the instruments' noise (default: exact readings)",
-    )
+    AddNoiseSeed(parser)
     parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
     """Simulates and writes a campaign; prints where."""
     from brace_drake.scenario.bench import DEVICE
+    from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
     from brace_drake.scenario.load import LoadScenario
 
     scenario = LoadScenario(args.scenario)
-    if scenario.device != DEVICE:
+    record = {DEVICE: _record_bench, BRACE_DEVICE: _record_brace}
+    if scenario.device not in record:
+        names = " or ".join(repr(name) for name in record)
         raise ScenarioError(
-            f"{args.scenario}: simulated is {DEVICE!r}, this is a"
+            f"{args.scenario}: simulated is {names}, this is a"
             f" {scenario.device!r}"
         )
-    run = _load_motion(args.motion)
     from brace_drake.campaign import Campaign, WriteCampaign
-    from brace_drake.simulate import RecordBench
 
     out = Path(args.out)
-    recorded = RecordBench(scenario, run, args.noise_seed)
+    recorded, device, stages = record[scenario.device](scenario, args)
     rate = 1.0 / scenario.sensors.log_period
     subject = f"twin of {Path(args.scenario).name}"
-    WriteCampaign(Campaign(out, DEVICE, rate, subject, (recorded,)), out)
+    WriteCampaign(
+        Campaign(out, device, rate, subject, (recorded,), stages=stages), out
+    )
     seconds = recorded.time_s[-1]
     print(f"campaign: {out}, {recorded.file}, {seconds:.3f} s")
     return 0
 
 
-def _load_motion(text: str):
-    from brace_drake.twin.motion_library import MakeMotion
-    from brace_drake.twin.reference_file import LoadReference
+def _record_bench(scenario, args):
+    from brace_drake.simulate import RecordBench
 
-    if text.endswith(".csv") or Path(text).exists():
-        return LoadReference(text)
-    return MakeMotion(text).run
+    run = load_motion(args.motion)
+    return RecordBench(scenario, run, args.noise_seed), scenario.device, ()
 
 
-def _not_negative(text: str) -> int:
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError("must not be negative")
-    return value
+def _record_brace(scenario, args):
+    from brace_drake.simulate_brace import (
+        RecordBrace,
+        recorded_device,
+        recorded_stages,
+    )
+
+    run = load_motion(args.motion, rings=(1, 2, 3))
+    with MakeBar(run) as on_progress:
+        recorded = RecordBrace(scenario, run, args.noise_seed, on_progress)
+    return recorded, recorded_device(scenario), recorded_stages(scenario)

@@ -7,11 +7,17 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.campaign.recording import Run
 
-COLUMNS = (
-    "ring2_y_desired_m",
-    "ring2_vy_desired_m_s",
-    "ring2_ay_desired_m_s2",
-)
+
+def reference_columns(ring: int) -> tuple[str, str, str]:
+    """Channels of a ring's reference: y, m; y', m/s; y'', m/s^2."""
+    return (
+        f"ring{ring}_y_desired_m",
+        f"ring{ring}_vy_desired_m_s",
+        f"ring{ring}_ay_desired_m_s2",
+    )
+
+
+COLUMNS = reference_columns(2)
 
 
 def MakeReference(time: np.ndarray, samples: np.ndarray) -> PiecewisePolynomial:

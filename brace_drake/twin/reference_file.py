@@ -13,9 +13,8 @@ from brace_drake.campaign.recording import Run
 from brace_drake.campaign.table import parse_table
 from brace_drake.campaign.write import format_table
 from brace_drake.errors import CampaignError
-from brace_drake.twin.reference import COLUMNS
+from brace_drake.twin.reference import COLUMNS, reference_columns
 
-_NEEDED = ("time_s", *COLUMNS)
 # Deviation of a step from the mean one, relative.
 _EVEN = 1e-3
 # Files with this at the start of their names are run without the torso.
@@ -24,7 +23,7 @@ _FREE = "free"
 _CONTACT = "contact"
 
 
-def LoadReference(path: str | Path) -> Run:
+def LoadReference(path: str | Path, rings: tuple[int, ...] = (2,)) -> Run:
     """Reads a reference; its run is free where the name begins with "free".
 
     A column `contact` (1 with the torso, 0 without) tells it otherwise.
@@ -32,7 +31,8 @@ def LoadReference(path: str | Path) -> Run:
     Args:
         path: CSV with time_s, ring2_y_desired_m, ring2_vy_desired_m_s and
             ring2_ay_desired_m_s2, evenly sampled; further columns are left
-            out.
+            out. Where other rings are asked for, theirs likewise.
+        rings: Those whose references are taken, at least one of them.
 
     Raises:
         CampaignError: One line: file, row or column, and what is wrong.
@@ -44,14 +44,18 @@ def LoadReference(path: str | Path) -> Run:
         raise CampaignError(
             f"{path}: cannot be read: {error.strerror}"
         ) from error
-    columns, problems = parse_table(data, str(path), _NEEDED)
+    known = ("time_s", *(c for i in rings for c in reference_columns(i)))
+    columns, problems = parse_table(data, str(path), known)
     errors = [p for p in problems if p.severity == "error"]
     if errors:
         raise CampaignError(str(errors[0]).removeprefix("error: "))
-    missing = [name for name in _NEEDED if name not in columns]
+    moved = [i for i in rings if {*reference_columns(i)} & {*columns}]
+    moved = moved or [2 if 2 in rings else rings[0]]
+    needed = ("time_s", *(c for i in moved for c in reference_columns(i)))
+    missing = [name for name in needed if name not in columns]
     if missing:
         raise CampaignError(f"{path}: no column {missing[0]}")
-    channels = {name: np.asarray(columns[name], float) for name in _NEEDED}
+    channels = {name: np.asarray(columns[name], float) for name in needed}
     _check_time(path, channels["time_s"])
     contact = not path.name.startswith(_FREE)
     if _CONTACT in columns:
@@ -61,7 +65,7 @@ def LoadReference(path: str | Path) -> Run:
 
 def format_reference(run: Run) -> str:
     """A run's reference as CSV text, as `LoadReference` reads it."""
-    channels = {name: run.channels[name] for name in _NEEDED}
+    channels = {name: run.channels[name] for name in ("time_s", *COLUMNS)}
     channels[_CONTACT] = np.full(len(run.time_s), int(run.contact))
     return format_table(replace(run, channels=channels))
 
