@@ -19,6 +19,7 @@ _COMMANDS = (
     "fit",
     "diagnose",
     "simulate",
+    "compare",
     "plan",
     "personalize",
     "withheld",

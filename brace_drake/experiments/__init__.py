@@ -1,0 +1,1 @@
+"""The paper's experiments: controllers compared, the twin validated."""

@@ -1,0 +1,146 @@
+"""The comparison of controllers as CSV, Markdown and figure."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.experiments.compare import TABLE_1_PIC, ControllerRun
+from brace_drake.experiments.measures import DRIFT_LIMIT_M, FORCE_LIMIT_N
+from brace_drake.output import WriteBytes, WriteText
+from brace_drake.report.canvas import WIDTH, figure_style, make_figure
+
+# Measure, column, unit as printed, factor from SI.
+COLUMNS = (
+    ("y_rms", "y_rmse_mm", "y, mm", 1e3),
+    ("vy_rms", "vy_rmse_mm_s", "y', mm/s", 1e3),
+    ("x_rms", "x_rmse_mm", "x, mm", 1e3),
+    ("z_rms", "z_rmse_mm", "z, mm", 1e3),
+    ("force_rms", "force_rmse_N", "F_y, N", 1.0),
+    ("peak_force", "peak_force_N", "peak F_y, N", 1.0),
+    ("force_end", "final_force_N", "final F_y, N", 1.0),
+    ("peak_drift", "peak_drift_mm", "peak x, z, mm", 1e3),
+    ("peak_leg", "peak_leg_force_N", "peak leg, N", 1.0),
+)
+# Okabe and Ito's, told apart by any reader.
+_COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
+
+
+def format_csv(runs: list[ControllerRun], with_paper: bool) -> str:
+    """The table as CSV; what the paper does not state is empty."""
+    names = [column for _, column, _, _ in COLUMNS]
+    lines = [",".join(["controller", "setting", *names, "within_limits"])]
+    for label, setting, cells, within in _rows(runs, with_paper, "{:.5g}"):
+        setting = f'"{setting}"' if "," in setting else setting
+        lines.append(",".join([label, setting, *cells, within]))
+    return "\n".join(lines) + "\n"
+
+
+def format_markdown(
+    runs: list[ControllerRun], reasons: list[str], with_paper: bool
+) -> str:
+    """The table with what its columns mean, and the reasons below."""
+    titles = ["controller", "setting", *(t for _, _, t, _ in COLUMNS)]
+    titles.append("within limits")
+    lines = [
+        "# Controllers on the same push",
+        "",
+        "Root mean square errors of position and velocity, and of the force"
+        " about its final value, as the paper's Table 1 has it; then extremes."
+        f" Limits: {FORCE_LIMIT_N:g} N on y, {1e3 * DRIFT_LIMIT_M:g} mm on x"
+        " and z.",
+        "",
+        "| " + " | ".join(titles) + " |",
+        "|---|---|" + "---:|" * len(COLUMNS) + "---|",
+    ]
+    for label, setting, cells, within in _rows(runs, with_paper, "{:.4f}"):
+        lines.append("| " + " | ".join([label, setting, *cells, within]) + " |")
+    if reasons:
+        lines += ["", "## PIC beside the paper's Table 1", ""]
+        lines += [f"- {reason}" for reason in reasons]
+    return "\n".join(lines) + "\n"
+
+
+def _rows(runs: list[ControllerRun], with_paper: bool, form: str):
+    for run in runs:
+        cells = [
+            form.format(factor * getattr(run.tracking, name))
+            for name, _, _, factor in COLUMNS
+        ]
+        within = "yes" if run.tracking.within_limits else "no"
+        yield run.tag, run.setting, cells, within
+    if with_paper:
+        cells = []
+        for name, _, _, factor in COLUMNS:
+            value = getattr(TABLE_1_PIC, name, None)
+            cells.append("" if value is None else form.format(factor * value))
+        yield "pic", "the paper's Table 1", cells, ""
+
+
+def draw_comparison(runs: list[ControllerRun]) -> bytes:
+    """Errors and forces over time, and the measures as bars, as PNG."""
+    with figure_style():
+        figure = make_figure(WIDTH, 5.6)
+        axes = figure.subplot_mosaic(
+            [["y", "y", "F", "F"], ["b0", "b1", "b2", "b3"]],
+            height_ratios=[1.5, 1.0],
+        )
+        colours = [_COLOURS[i % len(_COLOURS)] for i in range(len(runs))]
+        for colour, run in zip(colours, runs, strict=True):
+            log, i = run.log, run.ring
+            y = log.desired[:, 0, i, 1] - log.X[:, i, 1]
+            axes["y"].plot(log.time, 1e3 * y, color=colour, label=run.tag)
+            axes["F"].plot(log.time, log.force[:, i, 1], color=colour)
+        axes["y"].set_title("y desired minus y, mm")
+        axes["F"].set_title("force on the torso along y, N")
+        for name in ("y", "F"):
+            axes[name].set_xlabel("time, s")
+            axes[name].grid(True)
+        axes["y"].legend(ncols=3)
+        _draw_bars(axes, runs, colours)
+        return to_png(figure)
+
+
+def _draw_bars(axes, runs: list[ControllerRun], colours) -> None:
+    tags = [run.tag for run in runs]
+    at = np.arange(len(runs))[::-1]
+    for panel, j in enumerate((0, 1, 4, 5)):
+        name, _, title, factor = COLUMNS[j]
+        values = [factor * getattr(r.tracking, name) for r in runs]
+        bars = axes[f"b{panel}"]
+        drawn = bars.barh(at, values, color=colours, height=0.7)
+        bars.bar_label(drawn, fmt="%.3g", padding=2, fontsize=7.5)
+        bars.set_yticks(at, tags if panel == 0 else [""] * len(tags))
+        bars.set_title(title if j == 5 else f"RMSE {title}")
+        bars.margins(x=0.25)
+        bars.tick_params(left=False)
+
+
+def to_png(figure) -> bytes:
+    """A figure as the bytes of a PNG file."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=160, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def WriteComparison(
+    folder: Path,
+    runs: list[ControllerRun],
+    paper_runs: list[ControllerRun],
+    reasons: list[str],
+) -> None:
+    """Writes comparison.csv, comparison.md and comparison.png.
+
+    Args:
+        folder: It exists.
+        runs: Of the controllers, drawn and listed.
+        paper_runs: Of the paper's scenarios, listed below; may be none.
+        reasons: What `explain_table_1` says.
+    """
+    listed, with_paper = [*runs, *paper_runs], bool(paper_runs)
+    WriteText(folder / "comparison.csv", format_csv(listed, with_paper))
+    text = format_markdown(listed, reasons, with_paper)
+    WriteText(folder / "comparison.md", text)
+    WriteBytes(folder / "comparison.png", draw_comparison(runs))
