@@ -15,6 +15,11 @@ def sdf_path(name: str) -> Path:
     return _data_root("sdf") / name
 
 
+def example_campaign_path() -> Path:
+    """Path of the recorded example; it comes with the source tree alone."""
+    return _PACKAGE.parent / "tests" / "data" / "example"
+
+
 def scenario_path(name: str) -> Path:
     """Path of a scenario in `diagrams/`, source tree or wheel."""
     return _data_root("diagrams") / name

@@ -53,9 +53,21 @@ def Run(args: argparse.Namespace) -> int:
     """Fits, prints a table, and writes fit.json where asked."""
     campaign = LoadCampaign(args.campaign)
     out = MakeFolder(Path(args.out)) if args.out else None
+    scenario = load_scenario_option(args.scenario)
+    found = fit_with_bar(campaign, scenario, args.jobs, args.seed, args.solver)
+    _print(found)
+    if out is not None:
+        WriteJson(out / "fit.json", found)
+        print(f"fit: {out / 'fit.json'}")
+    return 0
+
+
+def fit_with_bar(
+    campaign, scenario, jobs: int, seed: int, solver: str = "snopt"
+) -> dict:
+    """`fit_campaign` under a bar of its evaluations."""
     from brace_drake.fit.campaign_fit import fit_campaign
 
-    scenario = load_scenario_option(args.scenario)
     with tqdm(total=_USUAL, unit="evaluation", leave=False) as bar:
 
         def progress(evaluation: int, mean_square: float) -> None:
@@ -63,14 +75,7 @@ def Run(args: argparse.Namespace) -> int:
             bar.set_postfix_str(f"mean square {mean_square:.4g} floors")
             bar.update(evaluation - bar.n)
 
-        found = fit_campaign(
-            campaign, args.jobs, args.seed, scenario, args.solver, progress
-        )
-    _print(found)
-    if out is not None:
-        WriteJson(out / "fit.json", found)
-        print(f"fit: {out / 'fit.json'}")
-    return 0
+        return fit_campaign(campaign, jobs, seed, scenario, solver, progress)
 
 
 def _print(found: dict) -> None:

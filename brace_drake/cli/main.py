@@ -17,6 +17,7 @@ from brace_drake.errors import BraceError
 _COMMANDS = (
     "check",
     "fit",
+    "validate",
     "diagnose",
     "simulate",
     "compare",

@@ -5,7 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from brace_drake.cli.options import AddMotion, AddNoiseSeed, MakeBar, load_motion
+from brace_drake.cli.options import (
+    AddMotion,
+    AddNoiseSeed,
+    MakeBar,
+    load_motion,
+)
 from brace_drake.errors import ScenarioError
 
 _EPILOG = """\
@@ -14,9 +19,9 @@ example:
       --motion results/monday/next_run.csv --out simulated/monday
 
 The motion is a file with the columns time_s, ring2_y_desired_m,
-ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library; rings 1
-and 3 of a brace may have such columns too, those without stay where they start.
-Where a file's name begins with "free", or its column `contact` is 0, the torso
+ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library;
+rings 1 and 3 of a brace may have such columns too, and stay where they start
+without. Where a file's name begins with "free", or its column `contact` is 0, the torso
 is absent. What is written is a campaign with that one run, of the stages that
 the scenario picks; stage 2 alone records as the bench does.
 """

@@ -1,4 +1,4 @@
-"""How well a run of the brace tracks, in the measures of the paper's Table 1."""
+"""How well a run of the brace tracks, in the measures of Table 1."""
 
 from __future__ import annotations
 

@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.campaign.recording import Campaign
+from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.errors import BraceError
-from brace_drake.fit.nn_contact_motion import contact_motion_from_run
+from brace_drake.fit.nn_contact_motion import (
+    ContactMotion,
+    contact_motion_from_run,
+)
 from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
 from brace_drake.gap.bench_ladder import ring_poses
 from brace_drake.twin.bench_twin import BenchTwin
@@ -26,22 +29,29 @@ class ContactStart:
     printed: NnContactEstimate
 
 
+def contact_motion(twin: BenchTwin, run: Run) -> ContactMotion:
+    """What the network learns of a run: compression of the pads, and force.
+
+    Raises:
+        CampaignError: The run has no contact, or lacks a channel.
+    """
+    poses, _ = ring_poses(twin, twin.measured(run)[:, 6:12])
+    return contact_motion_from_run(
+        run,
+        poses[:, 1],
+        preload_m=twin.numbers.contact[5],
+        resample_s=_RESAMPLE_S,
+    )
+
+
 def contact_starts(twin: BenchTwin, campaign: Campaign) -> list[ContactStart]:
     """The network's stiffness and damping from every moving fit run."""
     starts = []
     for run in campaign.split("fit"):
         if not run.contact:
             continue
-        lengths = twin.measured(run)[:, 6:12]
-        poses, _ = ring_poses(twin, lengths)
-        preload = twin.numbers.contact[5]
         try:
-            motion = contact_motion_from_run(
-                run,
-                poses[:, 1],
-                preload_m=preload,
-                resample_s=_RESAMPLE_S,
-            )
+            motion = contact_motion(twin, run)
             found = [
                 fit_contact_nn(
                     motion.time_s,

@@ -1,0 +1,241 @@
+"""The paper's section 4.1 on a recorded campaign: replay, network, forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.campaign.columns import BENCH
+from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.errors import CampaignError
+from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
+from brace_drake.fit.start import contact_motion, contact_starts, start_values
+from brace_drake.gap.bench_ladder import ring_poses
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.twin.bench_twin import BenchTwin
+
+FORMAT = "brace-validation/1"
+_FORCE_Y, _TORSO_Y = 13, 16
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Along y, each (N,): ring's and torso's displacement, m; force, N."""
+
+    ring: np.ndarray
+    torso: np.ndarray
+    force: np.ndarray
+
+
+@dataclass(frozen=True)
+class ReplayedRun:
+    """A recorded run, and the same reference in the twin.
+
+    Attributes:
+        run: The recording.
+        time: (N,), s, from 0.
+        desired: y_d (N,), m.
+        measured: What was recorded.
+        before: The twin with the network's stiffness and damping.
+        after: The twin with the fitted subject.
+    """
+
+    run: Run
+    time: np.ndarray
+    desired: np.ndarray
+    measured: Trace
+    before: Trace
+    after: Trace
+
+
+@dataclass(frozen=True)
+class Regression:
+    """The paper's network on a run, equations (2) and (3), massless contact.
+
+    Attributes:
+        time: Middle of each block (B,), s.
+        force: Means of the measured force (B,), N.
+        predicted: a u(j) + b u(j-1) of the compression u (B,), N.
+        estimate: What the network found.
+    """
+
+    time: np.ndarray
+    force: np.ndarray
+    predicted: np.ndarray
+    estimate: NnContactEstimate
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square of the prediction's error, N."""
+        return _rms(self.predicted - self.force)
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What the figures show.
+
+    Attributes:
+        campaign: Its name.
+        fit: The fit run that is shown.
+        held_back: The validation run; None where the campaign has none.
+        regression: Of the fit run.
+        start: Subject with the network's values.
+        fitted: Subject after the optimisation, in the order of `names`.
+        names: Of the subject's parameters.
+    """
+
+    campaign: str
+    fit: ReplayedRun
+    held_back: ReplayedRun | None
+    regression: Regression
+    start: np.ndarray
+    fitted: np.ndarray
+    names: tuple[str, ...]
+
+
+def validate_twin(
+    campaign: Campaign, found: dict, scenario=None, run_name: str | None = None
+) -> Validation:
+    """Replays a campaign before and after its fit.
+
+    The paper drives its model with the recorded displacement, open loop. Here
+    the recorded reference drives the twin's closed loop, as it drove the
+    bench's, and ring, torso and force are all outcomes.
+
+    Args:
+        campaign: Of the bench.
+        found: What `fit_campaign` returns for it.
+        scenario: Of the nominal bench; None: the package's.
+        run_name: Of the fit run to show; None: the first in contact.
+
+    Raises:
+        CampaignError: Not of the bench, no such run, or a fit of another.
+    """
+    if campaign.device != BENCH:
+        raise CampaignError(
+            f"{campaign.path}: validated is {BENCH!r}, this is a"
+            f" {campaign.device!r}"
+        )
+    twin = BenchTwin(scenario or BenchScenario())
+    fitted = _fitted_values(twin, campaign, found)
+    start = start_values(twin, contact_starts(twin, campaign))
+    run = _choose(campaign, "fit", run_name)
+    held_back = [r for r in campaign.split("validation") if r.contact]
+    replays = [_replay(twin, r, start, fitted) for r in (run, *held_back[:1])]
+    return Validation(
+        campaign=campaign.name,
+        fit=replays[0],
+        held_back=replays[1] if held_back else None,
+        regression=regress_force(twin, run),
+        start=start,
+        fitted=fitted,
+        names=tuple(p.name for p in twin.subject),
+    )
+
+
+def regress_force(twin: BenchTwin, run: Run) -> Regression:
+    """The network's prediction of a run's force from the compression."""
+    motion = contact_motion(twin, run)
+    estimate = fit_contact_nn(
+        motion.time_s,
+        motion.compression_m,
+        motion.force_N,
+        0.0,
+        discretisation="consistent",
+    )
+    u = motion.compression_m
+    # Without mass (2) needs one sample before; the fit leaves out two.
+    predicted = estimate.a * u[2:] + estimate.b * u[1:-1]
+    return Regression(
+        motion.time_s[2:] - run.time_s[0],
+        motion.force_N[2:],
+        predicted,
+        estimate,
+    )
+
+
+def describe(validation: Validation) -> dict:
+    """The figures' numbers as a document of plain types."""
+    estimate = validation.regression.estimate
+    shown = {"fit": validation.fit, "validation": validation.held_back}
+    return {
+        "format": FORMAT,
+        "campaign": validation.campaign,
+        "regression": {
+            "run": validation.fit.run.file,
+            "stiffness_N_m": estimate.stiffness,
+            "damping_N_s_m": estimate.damping,
+            "rmse_N": validation.regression.rmse,
+        },
+        "subject": {
+            name: {"before": float(b), "after": float(a)}
+            for name, b, a in zip(
+                validation.names,
+                validation.start,
+                validation.fitted,
+                strict=True,
+            )
+        },
+        "runs": {
+            split: {"file": r.run.file, **errors(r)}
+            for split, r in shown.items()
+            if r is not None
+        },
+    }
+
+
+def errors(replayed: ReplayedRun) -> dict[str, float]:
+    """RMSE of force, N, ring and torso, m, before and after the fit."""
+    return {
+        f"{name}_rmse_{unit}_{when}": _rms(
+            getattr(getattr(replayed, when), name)
+            - getattr(replayed.measured, name)
+        )
+        for name, unit in (("force", "N"), ("ring", "m"), ("torso", "m"))
+        for when in ("before", "after")
+    }
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def _choose(campaign: Campaign, split: str, name: str | None) -> Run:
+    runs = [r for r in campaign.split(split) if r.contact]
+    chosen = [r for r in runs if name in (None, r.name, r.file)]
+    if not chosen:
+        names = ", ".join(r.name for r in runs) or "none"
+        raise CampaignError(
+            f"{campaign.path}: no {split} run {name or ''} in contact; there"
+            f" are: {names}"
+        )
+    return chosen[0]
+
+
+def _fitted_values(twin, campaign: Campaign, found: dict) -> np.ndarray:
+    names = [p.name for p in twin.subject]
+    values = {p["name"]: p["value"] for p in found["parameters"]}
+    if found["campaign"] != campaign.name or set(values) != set(names):
+        raise CampaignError(
+            f"{campaign.path}: the fit is of {found['campaign']!r} and its"
+            f" parameters are {', '.join(values)}"
+        )
+    return np.array([values[name] for name in names])
+
+
+def _replay(twin, run: Run, start, fitted) -> ReplayedRun:
+    motion, measured = twin.motion(run), twin.measured(run)
+    before, after = (twin.simulate(motion, s) for s in (start, fitted))
+    n = len(measured)
+    return ReplayedRun(
+        run,
+        run.time_s - run.time_s[0],
+        run.channels["ring2_y_desired_m"],
+        *(_trace(twin, log[:n]) for log in (measured, before, after)),
+    )
+
+
+def _trace(twin, log: np.ndarray) -> Trace:
+    poses, _ = ring_poses(twin, log[:, 6:12])
+    return Trace(poses[:, 1], log[:, _TORSO_Y], log[:, _FORCE_Y])
