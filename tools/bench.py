@@ -25,16 +25,16 @@ from brace_drake.gap.diagnose import diagnose
 from brace_drake.kinematics import static_leg_forces
 from brace_drake.plant import AddBenchBodies
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace_numbers import pack_brace
+from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
 from brace_drake.simulate import SimulateBench
 from brace_drake.station import MakeBenchStation
+from brace_drake.systems.brace_controllers import MakeController
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.reference import (
     MakeReference,
     reference_of_run,
 )
 from tests.brace_runs import brace, way_to
-from tests.brace_servo import BraceServo
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
 DURATION = 12.0
@@ -94,9 +94,9 @@ def run_brace(mechanism, contact, step):
     scenario = brace(mechanism, contact, time_step=step)
     X = np.zeros(18)
     X[1::6] = -0.004, -0.008, -0.006
-    servo = BraceServo(pack_brace(scenario))
+    controller = MakeController(scenario.control, pack_rings(scenario))
     desired = way_to(X, BRACE_DURATION)
-    station = MakeBraceStation(scenario, servo, desired).diagram
+    station = MakeBraceStation(scenario, controller, desired).diagram
     builder = DiagramBuilder()
     plant = AddBracePlant(builder, scenario)
     bare = builder.Build()

@@ -21,9 +21,9 @@ example:
 The motion is a file with the columns time_s, ring2_y_desired_m,
 ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library;
 rings 1 and 3 of a brace may have such columns too, and stay where they start
-without. Where a file's name begins with "free", or its column `contact` is 0, the torso
-is absent. What is written is a campaign with that one run, of the stages that
-the scenario picks; stage 2 alone records as the bench does.
+without. Where a file's name begins with "free", or its column `contact` is 0,
+the torso is absent. What is written is a campaign with that one run,
+of the stages that the scenario picks; stage 2 alone records as the bench does.
 """
 
 

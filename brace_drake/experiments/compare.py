@@ -147,8 +147,8 @@ def explain_table_1(pic: Tracking, scenario: BraceScenario) -> list[str]:
         f" {1e3 * pic.y_rms:.3f} mm, the rest is the lag of the inner loop)."
         " No stiffness of the posture meets both entries; a torso that leans on"
         f" the pad with {force:.2f} N throughout would.",
-        f"Velocity: the paper's {1e3 * paper.vy_rms:.3f} mm/s include the jump of"
-        " 2.8 mm/s with which its run starts (its Figure 9). Here ring and"
+        f"Velocity: the paper's {1e3 * paper.vy_rms:.3f} mm/s include the jump"
+        " of 2.8 mm/s with which its run starts (its Figure 9). Here ring and"
         " torso start at rest, the pads just touching:"
         f" {1e3 * pic.vy_rms:.3f} mm/s.",
         f"x and z: with K_P M = {gain:.0f} N/m the paper's"

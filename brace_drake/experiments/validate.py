@@ -80,7 +80,7 @@ class Validation:
         fit: The fit run that is shown.
         held_back: The validation run; None where the campaign has none.
         regression: Of the fit run.
-        start: Subject with the network's values.
+        start: Subject with the network's values, within their limits.
         fitted: Subject after the optimisation, in the order of `names`.
         names: Of the subject's parameters.
     """

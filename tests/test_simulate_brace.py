@@ -1,0 +1,161 @@
+"""Recordings of the whole brace, or of the stages that a scenario picks."""
+
+import tempfile
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.campaign import LoadCampaign
+from brace_drake.campaign.manifest import parse_manifest
+from brace_drake.campaign.recording import Run
+from brace_drake.errors import BraceError, CampaignError
+from brace_drake.kinematics import leg_lengths
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace_numbers import pack_geometry
+from brace_drake.scenario.load import SaveScenario
+from brace_drake.simulate import RecordBench
+from brace_drake.simulate_brace import RecordBrace, SimulateBrace
+from brace_drake.twin.reference import reference_columns
+from tests.test_simulate_command import run
+from tests.test_station import smooth_push
+
+
+def reference(distances, seconds=0.5, contact=True):
+    """Smooth pushes of some rings, m, keyed by ring."""
+    channels = {}
+    for ring, distance in distances.items():
+        time, samples = smooth_push(seconds, distance)
+        columns = reference_columns(ring)
+        channels |= dict(zip(columns, samples.T, strict=True))
+    return Run(
+        "p.csv", contact, "push", None, "fit", {"time_s": time, **channels}
+    )
+
+
+class TestRecordBrace(unittest.TestCase):
+    def test_stage_2_alone_records_what_the_bench_does(self):
+        # Another diagram, with a controller of its own.
+        bench = BenchScenario(time_step=5e-4)
+        push = reference({2: -0.005})
+        expected = RecordBench(bench, push, noise_seed=None).channels
+        found = RecordBrace(BraceScenario(stages=[2]), push).channels
+        self.assertEqual(set(found), set(expected))
+        for name, values in expected.items():
+            with self.subTest(channel=name):
+                np.testing.assert_allclose(found[name], values, atol=1e-7)
+        self.assertGreater(np.abs(found["ring2_force_y_N"]).max(), 3.0)
+
+    def test_leg_lengths_are_those_of_the_rings_poses(self):
+        scenario = BraceScenario()
+        log = SimulateBrace(scenario, reference({1: 1e-3, 3: -2e-3}))
+        geometry = pack_geometry(scenario)
+        for k in (0, 50, 100):
+            expected = leg_lengths(geometry, log.X[k].ravel())
+            np.testing.assert_allclose(
+                log.leg_length[k], np.ravel(expected), atol=1e-12
+            )
+        # A tick reads, then the plant steps: v is the rate of X.
+        rate = np.gradient(log.X[:, :, :3], log.time, axis=0)
+        np.testing.assert_allclose(log.v[2:-2], rate[2:-2], atol=5e-4)
+        y = log.X[-1, :, 1]
+        np.testing.assert_allclose(y, [1e-3, 0.0, -2e-3], atol=1.5e-3)
+        self.assertGreater(y[0] - y[1], 0.0)
+        self.assertLess(y[2] - y[1], -5e-4)
+
+    def test_without_the_torso_no_ring_feels_a_force(self):
+        free = reference({2: -0.005}, 0.2, contact=False)
+        channels = RecordBrace(BraceScenario(), free).channels
+        for ring in (1, 2, 3):
+            force = channels[f"ring{ring}_force_y_N"]
+            np.testing.assert_array_equal(force, 0.0)
+
+    def test_what_no_brace_can_do_is_refused(self):
+        scenario = BraceScenario(stages=[2])
+        with self.assertRaisesRegex(CampaignError, "ring3_y.* ring 3; .*: 2"):
+            SimulateBrace(scenario, reference({3: 1e-3}))
+        with self.assertRaisesRegex(BraceError, r"leg \d+ is .* stroke allows"):
+            short = replace(scenario.leg, stroke=0.004)
+            SimulateBrace(replace(scenario, leg=short), reference({2: -0.01}))
+
+
+class TestCommand(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+
+    def record(self, name, stages, *more):
+        file = self.folder / f"{name}.scenario.yaml"
+        SaveScenario(BraceScenario(stages=stages), file)
+        motion = self.folder / "push.csv"
+        channels = reference({2: -0.005}).channels
+        head = ",".join(channels)
+        rows = np.column_stack(list(channels.values()))
+        np.savetxt(motion, rows, "%.9f", ",", header=head, comments="")
+        out = self.folder / name
+        words = ("simulate", file, "--motion", motion, "--out", out, *more)
+        code, _, error = run(*words)
+        self.assertEqual(code, 0, error)
+        return out
+
+    def test_check_accepts_all_stages_and_some(self):
+        for stages, device, legs in (
+            ([1, 2, 3], "brace", range(1, 19)),
+            ([1, 2], "brace", range(1, 13)),
+            ([2, 3], "brace", range(7, 19)),
+            ([2], "bench stage 2", range(1, 7)),
+        ):
+            name = "".join(map(str, stages))
+            out = self.record(name, stages, "--noise-seed", 1)
+            code, text, _ = run("check", out)
+            campaign = LoadCampaign(out)
+            columns = campaign.runs[0].channels
+            found = [c for c in columns if c.endswith("_length_m")]
+            with self.subTest(stages=stages):
+                self.assertEqual(code, 0, text)
+                self.assertIn("0 errors", text)
+                self.assertEqual(campaign.device, device)
+                self.assertEqual(found, [f"leg{k}_length_m" for k in legs])
+
+    def test_the_seed_decides_the_noise(self):
+        first, again, other = (
+            LoadCampaign(self.record(f"n{i}", [1, 2, 3], "--noise-seed", seed))
+            for i, seed in enumerate((1, 1, 2))
+        )
+        lengths = [
+            c.runs[0].channels["leg18_length_m"] for c in (first, again, other)
+        ]
+        np.testing.assert_array_equal(lengths[0], lengths[1])
+        # Noise of 5 um, and rounding to 10 um.
+        spread = (lengths[0] - lengths[2]).std() / np.sqrt(2.0)
+        expected = np.hypot(5e-6, 1e-5 / 12**0.5)
+        self.assertAlmostEqual(spread / expected, 1.0, delta=0.25)
+
+
+class TestStagesOfACampaign(unittest.TestCase):
+    def problems(self, stages):
+        text = (
+            "format: brace-campaign/1\ndevice: brace\nrate_hz: 200\n"
+            f"stages: {stages}\nruns:\n- {{file: a.csv, contact: true,"
+            " motion: push, split: fit}\n"
+        )
+        manifest, found = parse_manifest(text.encode())
+        errors = [str(p) for p in found if p.severity == "error"]
+        return manifest, errors
+
+    def test_only_neighbours_from_below_pass(self):
+        for stages in ("[1]", "[1, 2]", "[2, 3]", "[1, 2, 3]"):
+            manifest, errors = self.problems(stages)
+            self.assertEqual(errors, [])
+            self.assertEqual(list(manifest.stages), eval(stages))
+        for stages in ("[]", "[1, 3]", "[2, 1]", "[0]", "[4]", "2", "[true]"):
+            with self.subTest(stages=stages):
+                (error,) = self.problems(stages)[1]
+                self.assertIn("stages must be neighbours of 1, 2, 3", error)
+
+
+if __name__ == "__main__":
+    unittest.main()
