@@ -21,8 +21,8 @@ example:
 Without SCENARIO: the paper's push of 10 mm in 12 s on the whole brace whose
 second ring is in contact (diagrams/paper_brace.scenario.yaml), then the paper's
 own two scenarios of stage 2, beside its Table 1. Writes comparison.csv,
-comparison.md and comparison.png; status 2 where a controller leaves 50 N along y
-or 20 mm along x and z.
+comparison.md and comparison.png; status 2 where a controller leaves 50 N along
+y or 20 mm along x and z.
 """
 
 
