@@ -11,6 +11,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput
 
+from brace_drake.brace_plant import AddGeometry
 from brace_drake.brace_station import BraceStation, MakeBraceStation
 from brace_drake.campaign.columns import BENCH, BRACE, BRACE_STAGES
 from brace_drake.campaign.recording import Run
@@ -61,6 +62,7 @@ def SimulateBrace(
     run: Run,
     noise_seed: int | None = None,
     on_progress: OnProgress | None = None,
+    add_geometry: AddGeometry | None = None,
 ) -> BraceLog:
     """Runs a scenario's brace, with its controller, over a reference.
 
@@ -69,6 +71,7 @@ def SimulateBrace(
         run: With a reference; its `contact` says whether the torso is there.
         noise_seed: Of the instruments' noise; None: exact readings.
         on_progress: Called every 0.1 s of simulated time.
+        add_geometry: See `AddBracePlant`, as `torso.contact` makes it.
 
     Raises:
         BraceError: The reference is of other rings, the run broke down, or a
@@ -84,7 +87,11 @@ def SimulateBrace(
         draws = np.random.default_rng(noise_seed)
         noise = MakeHeldNoise(draws, end, scenario.control.rate, 9 * n + 3)
     controller = MakeController(scenario.control, rings)
-    station = MakeBraceStation(scenario, controller, desired, noise)
+    if not run.contact:
+        add_geometry = None
+    station = MakeBraceStation(
+        scenario, controller, desired, noise, add_geometry
+    )
     logged = _Advance(station, scenario, end, on_progress or _ignore)
     if not all(np.isfinite(values).all() for values in logged.values()):
         raise BraceError("the simulated run broke down")
@@ -112,13 +119,14 @@ def RecordBrace(
     run: Run,
     noise_seed: int | None = None,
     on_progress: OnProgress | None = None,
+    add_geometry: AddGeometry | None = None,
 ) -> Run:
     """A recording of a reference: `SimulateBrace` as channels.
 
     Legs and rings have the numbers of the whole brace; stage 2 alone records
     as the bench does, legs 1 to 6.
     """
-    log = SimulateBrace(scenario, run, noise_seed, on_progress)
+    log = SimulateBrace(scenario, run, noise_seed, on_progress, add_geometry)
     lowest = 1 if recorded_device(scenario) == BENCH else scenario.stages[0]
     channels = {"time_s": log.time}
     for k in range(log.leg_length.shape[1]):

@@ -11,11 +11,12 @@ from brace_drake.campaign import LoadCampaign
 from brace_drake.campaign.manifest import parse_manifest
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import BraceError, CampaignError
-from brace_drake.kinematics import leg_lengths
+from brace_drake.kinematics import find_task_coordinates, leg_lengths
+from brace_drake.resources import scenario_path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_geometry
-from brace_drake.scenario.load import SaveScenario
+from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.simulate import RecordBench
 from brace_drake.simulate_brace import RecordBrace, SimulateBrace
 from brace_drake.twin.reference import reference_columns
@@ -119,6 +120,38 @@ class TestCommand(unittest.TestCase):
                 self.assertIn("0 errors", text)
                 self.assertEqual(campaign.device, device)
                 self.assertEqual(found, [f"leg{k}_length_m" for k in legs])
+
+    def test_a_patients_torso_presses_as_its_linear_pads_say(self):
+        torso, file = self.folder / "torso", self.folder / "soft.scenario.yaml"
+        words = ("personalize", scenario_path("torso_nominal.measures.yaml"))
+        code, _, error = run(*words, "--resolution", 0.03, "--out", torso)
+        self.assertEqual(code, 0, error)
+        scenario = LoadScenario(torso / "brace.scenario.yaml")
+        for pads in vars(scenario.contact).values():
+            pads.model = "hydroelastic"
+        SaveScenario(scenario, file)
+        motion = self.folder / "push.csv"
+        channels = reference({2: -0.001}, 0.25).channels
+        rows = np.column_stack(list(channels.values()))
+        head = ",".join(channels)
+        np.savetxt(motion, rows, "%.9f", ",", header=head, comments="")
+        out = self.folder / "out"
+        words = ("--motion", motion, "--out", out, "--torso", torso)
+        code, _, error = run("simulate", file, *words)
+        self.assertEqual(code, 0, error)
+        (recorded,) = LoadCampaign(out).runs
+        lengths = recorded.stack([f"leg{k}_length_m" for k in range(1, 19)])
+        X = find_task_coordinates(pack_geometry(scenario), lengths[-1])
+        # Both pads touch, 2 k; the damper, at the end, has come to rest.
+        off = X[7] - recorded.channels["torso_y_m"][-1]
+        force = recorded.channels["ring2_force_y_N"][-1]
+        k = scenario.contact.ring2.stiffness
+        self.assertLess(force, -1.0)
+        self.assertAlmostEqual(force / (2.0 * k * off), 1.0, delta=0.1)
+        bench = scenario_path("bench.scenario.yaml")
+        code, _, error = run("simulate", bench, *words)
+        self.assertEqual(code, 2)
+        self.assertIn("--torso is for a brace", error)
 
     def test_the_seed_decides_the_noise(self):
         first, again, other = (

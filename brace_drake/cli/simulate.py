@@ -45,6 +45,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="campaign folder to make"
     )
+    parser.add_argument(
+        "--torso",
+        metavar="FOLDER",
+        help="of personalize: what the hydroelastic rings of a brace meet"
+        " (default: half spaces)",
+    )
     AddNoiseSeed(parser)
     parser.set_defaults(run=Run)
 
@@ -80,6 +86,8 @@ def Run(args: argparse.Namespace) -> int:
 def _record_bench(scenario, args):
     from brace_drake.simulate import RecordBench
 
+    if args.torso:
+        raise ScenarioError(f"{args.scenario}: --torso is for a brace")
     run = load_motion(args.motion)
     return RecordBench(scenario, run, args.noise_seed), scenario.device, ()
 
@@ -91,7 +99,14 @@ def _record_brace(scenario, args):
         recorded_stages,
     )
 
-    run = load_motion(args.motion, rings=(1, 2, 3))
+    run, add_geometry = load_motion(args.motion, rings=(1, 2, 3)), None
+    if args.torso:
+        from brace_drake.torso.contact import MakeTorsoGeometry
+        from brace_drake.torso.folder import LoadTorso
+
+        add_geometry = MakeTorsoGeometry(LoadTorso(args.torso))
     with MakeBar(run) as on_progress:
-        recorded = RecordBrace(scenario, run, args.noise_seed, on_progress)
+        recorded = RecordBrace(
+            scenario, run, args.noise_seed, on_progress, add_geometry
+        )
     return recorded, recorded_device(scenario), recorded_stages(scenario)
