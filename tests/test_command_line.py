@@ -121,7 +121,7 @@ class TestManyCampaigns(unittest.TestCase):
             shutil.copytree(EXAMPLE, campaign)
 
     def diagnose(self, *campaigns):
-        def fake(campaign, out, args):
+        def fake(campaign, scenario, out, args):
             (out / "report.html").write_text("")
             return {
                 "verdict": {
