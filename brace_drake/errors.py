@@ -31,3 +31,15 @@ class OutputError(BraceError, RuntimeError):
 
 class TorsoError(BraceError, ValueError):
     """A scan or its measures cannot be made into a torso."""
+
+
+class LimitsError(BraceError, ValueError):
+    """Limits are malformed, or wider than a device allows."""
+
+
+class LinkError(BraceError, RuntimeError):
+    """A device cannot be reached, is not ours, or has gone."""
+
+
+class StoppedError(BraceError, RuntimeError):
+    """A motion was stopped; the message names the cause."""

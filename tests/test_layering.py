@@ -10,6 +10,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "brace_drake"
 LAYERS = (
     ("errors", "resources"),
     ("output", "laws", "campaign"),
+    ("hardware", "importing"),
     ("kinematics",),
     ("effects",),
     ("scenario",),
@@ -23,6 +24,7 @@ LAYERS = (
         "simulate_brace",
         "contact_mapping",
     ),
+    ("emulator", "operation"),
     ("gap", "fit"),
     ("report",),
     ("experiments",),

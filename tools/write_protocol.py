@@ -1,0 +1,19 @@
+"""Writes the tables of PROTOCOL.md and brace_protocol.h from the definition.
+
+python tools/write_protocol.py
+"""
+
+from brace_drake.hardware.c_header import FILE, format_header
+from brace_drake.hardware.document import DOCUMENT, fill_tables
+from brace_drake.output import WriteText
+
+
+def main() -> None:
+    text = DOCUMENT.read_text(encoding="utf-8")
+    WriteText(DOCUMENT, fill_tables(text))
+    WriteText(FILE, format_header())
+    print(f"{DOCUMENT}\n{FILE}")
+
+
+if __name__ == "__main__":
+    main()
