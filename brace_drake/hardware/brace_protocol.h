@@ -146,7 +146,7 @@ struct brace_geometry {
 /* The widest limits that the device accepts; follows GEOMETRY. */
 struct brace_device_limits {
   float leg_force; /* command of a leg, N */
-  float leg_force_rate; /* its change, N/s */
+  float leg_force_rate; /* change of the command, N/s */
   float leg_shortest; /* length of a leg, m */
   float leg_longest; /* length of a leg, m */
   float leg_speed; /* rate of a leg, m/s */
@@ -161,7 +161,7 @@ struct brace_device_limits {
 /* The limits that shall hold; sealed with the session 0. */
 struct brace_limits {
   float leg_force; /* command of a leg, N */
-  float leg_force_rate; /* its change, N/s */
+  float leg_force_rate; /* change of the command, N/s */
   float leg_shortest; /* length of a leg, m */
   float leg_longest; /* length of a leg, m */
   float leg_speed; /* rate of a leg, m/s */
@@ -180,7 +180,7 @@ struct brace_limits_echo {
   uint8_t index; /* of the refused limit, from 0 */
   uint32_t session; /* new and not 0; 0 where refused */
   float leg_force; /* command of a leg, N */
-  float leg_force_rate; /* its change, N/s */
+  float leg_force_rate; /* change of the command, N/s */
   float leg_shortest; /* length of a leg, m */
   float leg_longest; /* length of a leg, m */
   float leg_speed; /* rate of a leg, m/s */

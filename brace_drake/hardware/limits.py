@@ -25,11 +25,13 @@ class Limit(NamedTuple):
 
 
 LIMITS = (
-    Limit("leg_force", "N", "most", True, 60.0, "command of a leg"),
-    Limit("leg_force_rate", "N/s", "most", True, 20000.0, "its change"),
+    Limit("leg_force", "N", "most", True, 40.0, "command of a leg"),
+    Limit(
+        "leg_force_rate", "N/s", "most", True, 5000.0, "change of the command"
+    ),
     Limit("leg_shortest", "m", "least", True, 0.116, "length of a leg"),
     Limit("leg_longest", "m", "most", True, 0.166, "length of a leg"),
-    Limit("leg_speed", "m/s", "most", True, 0.15, "rate of a leg"),
+    Limit("leg_speed", "m/s", "most", True, 0.1, "rate of a leg"),
     Limit("pad_force", "N", "most", True, 50.0, "of the pad that presses more"),
     Limit(
         "pad_preload",
@@ -43,8 +45,8 @@ LIMITS = (
     Limit("watchdog", "s", "most", True, 0.05, "longest wait for a command"),
     Limit("release_time", "s", "most", True, 0.5, "from a stop to no force"),
     Limit("release_damping", "N s/m", "least", True, 20.0, "of a released leg"),
-    Limit("ring_position", "m", "most", False, 0.02, "displacement of a ring"),
-    Limit("ring_rotation", "rad", "most", False, 0.15, "rotation of a ring"),
+    Limit("ring_position", "m", "most", False, 0.016, "displacement of a ring"),
+    Limit("ring_rotation", "rad", "most", False, 0.1, "rotation of a ring"),
     Limit("tracking_position", "m", "most", False, 0.004, "from virtual pose"),
     Limit("tracking_rotation", "rad", "most", False, 0.04, "from virtual pose"),
     Limit("stiffness", "N/m", "most", False, 12000.0, "desired, translation"),
@@ -53,8 +55,8 @@ LIMITS = (
     Limit("turn_stiffness_rate", "N m/rad/s", "most", False, 400.0, "change"),
     Limit("stale", "s", "most", False, 0.03, "age of the newest reading"),
     Limit("lost_messages", "", "most", False, 20.0, "in a row"),
-    Limit("length_jump", "m", "most", False, 0.001, "change within a tick"),
-    Limit("force_jump", "N", "most", False, 10.0, "change within a tick"),
+    Limit("length_jump", "m", "most", False, 0.0005, "change within a tick"),
+    Limit("force_jump", "N", "most", False, 5.0, "change within a tick"),
     Limit("disagreement", "N", "most", False, 15.0, "reading - legs' force"),
     Limit("disagreement_time", "s", "most", False, 0.2, "how long at most"),
     Limit("stuck_travel", "m", "most", False, 0.003, "of others, one still"),

@@ -1,0 +1,1 @@
+"""An emulated brace on a pseudo-terminal, with the bench's own laws."""

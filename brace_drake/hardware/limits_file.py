@@ -1,0 +1,47 @@
+"""The file of limits, the same for simulation and hardware."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+
+from brace_drake.errors import LimitsError
+from brace_drake.hardware.limits import DEFAULT, NAMES, Limits, check_limits
+from brace_drake.resources import scenario_path
+
+FILE = "limits.yaml"
+
+
+def LoadLimits(path: str | Path | None = None) -> Limits:
+    """Reads and checks limits.
+
+    Args:
+        path: YAML with a value for each limit by name, SI units; the
+            package's own `diagrams/limits.yaml` by default. What it leaves
+            out has the default.
+
+    Raises:
+        LimitsError: One line: file, name, value, what is allowed.
+    """
+    import yaml
+
+    path = scenario_path(FILE) if path is None else Path(path)
+    try:
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise LimitsError(f"{path}: cannot be read: {error}") from error
+    except yaml.YAMLError as error:
+        line = " ".join(str(error).split())
+        raise LimitsError(f"{path}: not YAML: {line}") from error
+    if content is None:
+        content = {}
+    if not isinstance(content, dict):
+        raise LimitsError(f"{path}: must hold names of limits with values")
+    for name in content:
+        if name not in NAMES:
+            close = difflib.get_close_matches(str(name), NAMES, n=1)
+            hint = f", did you mean {close[0]}?" if close else ""
+            raise LimitsError(f"{path}: no limit {name}{hint}")
+    limits = DEFAULT._replace(**content)
+    check_limits(limits, str(path))
+    return limits

@@ -1,0 +1,1 @@
+"""Working with a device: recording, deploying, a twin beside it."""
