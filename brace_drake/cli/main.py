@@ -24,6 +24,8 @@ _COMMANDS = (
     "plan",
     "personalize",
     "withheld",
+    "withheld",
+    "emulate",
 )
 
 

@@ -125,3 +125,11 @@ def cause_name(number: int) -> str:
         return Cause(number).name.lower().replace("_", " ")
     except ValueError:
         return f"cause {number}"
+
+
+def reason_text(number: int) -> str:
+    """Why a request was refused, in words; unknown reasons by number."""
+    try:
+        return MEANINGS[Reason(number)]
+    except ValueError:
+        return f"reason {number}"

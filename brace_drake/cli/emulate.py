@@ -1,0 +1,231 @@
+"""The command `brace-drake emulate`: a brace that is not there."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import signal
+import sys
+import threading
+
+from brace_drake.errors import BraceError, LinkError
+
+_EPILOG = """\
+example:
+  brace-drake emulate --link /tmp/brace --effect relaxation
+  brace-drake record --port /tmp/brace --motion push --out recordings/monday
+
+Lines on standard input change it while it runs:
+  torso on|off               the subject comes or goes
+  estop on|off               the emergency stop
+  drive on|off               a drive's own fault
+  stuck 3 | frozen 3 | free  leg 3 jams | its reading stands still | neither
+  to-host drop 0.01          drop, corrupt, truncate, duplicate, reorder: share
+  to-device delay 0.005      of frames; delay: s
+  noise 500                  bytes of noise before each hello
+  unplug | plug              the line
+  stop                       ends
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `emulate`."""
+    parser = subparsers.add_parser(
+        "emulate",
+        help="serve an emulated brace on a pseudo-terminal",
+        description="A device with the bench's laws, for working without one.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--link", metavar="PATH", help="symbolic link to make to the terminal"
+    )
+    parser.add_argument(
+        "--scenario", metavar="FILE", help="of the bench (default: nominal)"
+    )
+    parser.add_argument(
+        "--limits", metavar="FILE", help="of the device (default: package's)"
+    )
+    parser.add_argument(
+        "--effect",
+        action="append",
+        default=[],
+        metavar="NAME[:P=V,...]",
+        help="of the library, at its first start; twice at most",
+    )
+    parser.add_argument(
+        "--subject",
+        metavar="N=V,...",
+        default="",
+        help="parameters, such as torso_mass_kg=35",
+    )
+    parser.add_argument("--serial", default="emulated-1", metavar="TEXT")
+    parser.add_argument("--seed", type=int, default=0, metavar="S")
+    parser.add_argument(
+        "--free", action="store_true", help="begin without the torso"
+    )
+    parser.add_argument(
+        "--host-paced",
+        action="store_true",
+        help="device time waits for an armed host's answers",
+    )
+    parser.add_argument("--duration", type=float, metavar="S")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="LINE",
+        help="as on standard input, from the start",
+    )
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Serves until it is stopped; prints the terminal's path."""
+    device = _make_device(args)
+    for line in args.fault:
+        carry_out(device, line)
+    print(f"port: {device.terminal.path}", flush=True)
+    signal.signal(signal.SIGTERM, lambda *_: device.stop())
+    threading.Thread(target=_Obey, args=(device,), daemon=True).start()
+    try:
+        device.run(args.duration)
+    finally:
+        device.terminal.disconnect()
+        print(
+            f"ticks: {device.firmware.tick_count},"
+            f" late {device.late_ticks}, unanswered {device.unanswered};"
+            f" commands {device.firmware.accepted},"
+            f" refused {device.firmware.rejected}"
+        )
+    return 0
+
+
+def _make_device(args: argparse.Namespace):
+    import numpy as np
+
+    from brace_drake.emulator.bench_plant import BenchPlant
+    from brace_drake.emulator.device import EmulatedDevice, describe_bench
+    from brace_drake.hardware.limits_file import LoadLimits
+    from brace_drake.scenario.bench import DEVICE, BenchScenario
+    from brace_drake.scenario.bench_numbers import pack_bench
+    from brace_drake.scenario.load import LoadScenario
+    from brace_drake.twin.subject import bench_subject
+
+    scenario = LoadScenario(args.scenario) if args.scenario else BenchScenario()
+    if scenario.device != DEVICE:
+        raise BraceError(
+            f"{args.scenario}: emulated is {DEVICE!r}, this is a"
+            f" {scenario.device!r}"
+        )
+    subject = bench_subject(pack_bench(scenario))
+    values = {p.name: p.nominal for p in subject}
+    for name, value in parse_numbers(args.subject).items():
+        if name not in values:
+            raise BraceError(
+                f"no parameter {name!r} of a subject; there are"
+                f" {', '.join(values)}"
+            )
+        values[name] = value
+    uses = tuple(parse_effect(text) for text in args.effect)
+    plant = BenchPlant(
+        scenario, uses, np.array(list(values.values())), args.seed
+    )
+    plant.with_torso = not args.free
+    return EmulatedDevice(
+        plant,
+        describe_bench(scenario, args.serial),
+        LoadLimits(args.limits),
+        args.link,
+        args.host_paced,
+        args.seed,
+    )
+
+
+def parse_numbers(text: str) -> dict[str, float]:
+    """Names with values from "a=1,b=2".
+
+    Raises:
+        BraceError: A part that is none.
+    """
+    numbers = {}
+    for part in filter(None, text.split(",")):
+        name, _, value = part.partition("=")
+        try:
+            numbers[name.strip()] = float(value)
+        except ValueError as error:
+            raise BraceError(f"{part!r} is not NAME=NUMBER") from error
+    return numbers
+
+
+def parse_effect(text: str):
+    """An effect of the library with its values, from "name:p=v,...".
+
+    Raises:
+        EffectError: Unknown, or values outside their limits.
+    """
+    from brace_drake.effects.registry import find_effect
+
+    name, _, numbers = text.partition(":")
+    card = find_effect(name)
+    values = dict(zip(card.parameter_names, card.starts()[0], strict=True))
+    values |= parse_numbers(numbers)
+    return card, card.in_run(card.vector(values), 0)
+
+
+def _Obey(device) -> None:
+    for line in sys.stdin:
+        try:
+            carry_out(device, line)
+        except BraceError as error:
+            print(f"brace-drake: {error}", file=sys.stderr, flush=True)
+
+
+def carry_out(device, line: str) -> None:
+    """Changes an emulated device by one line of text, see the help.
+
+    Raises:
+        LinkError: No such line.
+    """
+    words = shlex.split(line)
+    faults, plant = device.faults, device.plant
+    try:
+        match words:
+            case []:
+                pass
+            case ["torso", "on" | "off" as value]:
+                device.plan_torso(value == "on")
+            case ["estop", "on" | "off" as value]:
+                faults.estop = value == "on"
+            case ["drive", "on" | "off" as value]:
+                faults.drive_fault = value == "off"
+            case ["stuck", leg]:
+                faults.stuck_legs = (_leg(leg, plant),)
+            case ["frozen", leg]:
+                faults.frozen_legs = (_leg(leg, plant),)
+            case ["free"]:
+                faults.stuck_legs = faults.frozen_legs = ()
+            case ["to-host", name, value]:
+                faults.to_host.set(name, float(value))
+            case ["to-device", name, value]:
+                faults.to_device.set(name, float(value))
+            case ["noise", number]:
+                faults.noise_before_hello = int(number)
+            case ["unplug"]:
+                device.terminal.disconnect()
+            case ["plug"]:
+                device.terminal.connect()
+                print(f"port: {device.terminal.path}", flush=True)
+            case ["stop"]:
+                device.stop()
+            case _:
+                raise LinkError(f"{line.strip()!r}: no such line; see --help")
+    except ValueError as error:
+        raise LinkError(f"{line.strip()!r}: {error}") from error
+
+
+def _leg(text: str, plant) -> int:
+    number = int(text)
+    if not 1 <= number <= len(plant.hold):
+        raise LinkError(f"leg {number}: there are 1 to {len(plant.hold)}")
+    return number - 1

@@ -1,0 +1,334 @@
+"""The host's side of the link: hello, limits, clocks, states, commands."""
+
+from __future__ import annotations
+
+import random
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import serial
+
+from brace_drake.errors import LimitsError, LinkError
+from brace_drake.hardware.clock import ClockSync
+from brace_drake.hardware.codec import Decoder, Packet, make_codec
+from brace_drake.hardware.limits import (
+    SHARED,
+    Limits,
+    as_sent,
+    refuse_wider,
+    shared_values,
+)
+from brace_drake.hardware.messages import BY_NAME, VERSION
+from brace_drake.hardware.ports import BAUD, OpenPort
+from brace_drake.hardware.words import Cause, Mode, Reason, reason_text
+
+_AGAIN, _HEARTBEAT = 0.2, 0.1
+
+
+class Counts(NamedTuple):
+    """What has come in so far.
+
+    Attributes:
+        messages: Good ones, once each and in order.
+        states: Of these, states.
+        bad: Chunks of bytes that were no message.
+        lost: Missing in their place, by their sequence; late ones too.
+        repeated: Those that came again.
+        late: Those that another had overtaken; not used.
+        bytes_read: Altogether.
+    """
+
+    messages: int
+    states: int
+    bad: int
+    lost: int
+    repeated: int
+    late: int
+    bytes_read: int
+
+
+class Link:
+    """A connection to one device.
+
+    States are handed to `on_state` in the thread that reads, so that an answer
+    leaves without waiting for another thread. Every other method may be called
+    from any thread.
+
+    Attributes:
+        path: The port.
+        hello, geometry, device_limits: What the device said of itself.
+        session: Number of the session, 0 before `agree`.
+        clock: The device's clock.
+        error: What ended the reading, None while it goes on.
+    """
+
+    def __init__(self, path: str, baud: int = BAUD):
+        self.path = path
+        self.hello = self.geometry = self.device_limits = None
+        self.session, self.clock = 0, ClockSync()
+        self.error: Exception | None = None
+        self.on_state: Callable[[Packet, int], None] | None = None
+        self._port = OpenPort(path, baud)
+        self._codec = make_codec(1)
+        self._decoder = Decoder(self._codec)
+        self._sequence = random.randrange(2**16)
+        self._last: int | None = None
+        self._messages = self._states = 0
+        self._lost = self._repeated = self._late = 0
+        self._sending, self._news = threading.Lock(), threading.Condition()
+        self._answers: dict[str, Packet] = {}
+        self._faults: list[Packet] = []
+        self._closed, self._beat = threading.Event(), 0.0
+        self._reader = threading.Thread(
+            target=self._Read, name=f"link {path}", daemon=True
+        )
+        self._reader.start()
+
+    # Conversation
+
+    def Connect(self, timeout: float = 3.0) -> None:
+        """Asks who is there until the device has said all of itself.
+
+        Raises:
+            LinkError: Nobody, a stranger, or a device of another protocol.
+        """
+        ends, nonce = time.monotonic() + timeout, random.randrange(2**32)
+        names = ("HELLO", "GEOMETRY", "DEVICE_LIMITS")
+        self._Forget(*names)
+        while time.monotonic() < ends:
+            self.Send("HELLO_REQUEST", {"nonce": nonce})
+            if self._WaitFor(names, _AGAIN):
+                hello, geometry, limits = (self._answers[n] for n in names)
+                if hello.values.nonce == nonce:
+                    self.hello, self.geometry = hello.values, geometry.values
+                    self.device_limits = tuple(limits.values)
+                    self._codec = make_codec(self.hello.stages)
+                    return
+            self._CheckAlive()
+        raise LinkError(f"{self.path}: {self._DescribeStranger()}")
+
+    def Agree(self, limits: Limits) -> None:
+        """Tells the limits and begins a session.
+
+        Raises:
+            LimitsError: They are wider than the device's own, or what it
+                echoes is not what it was told.
+            LinkError: No answer.
+        """
+        refuse_wider(limits, self.device_limits)
+        asked = shared_values(limits)
+        named = {s.name: v for s, v in zip(SHARED, asked, strict=True)}
+        echo = self._Ask("LIMITS", named, "LIMITS_ECHO").values
+        if echo.reason != Reason.ACCEPTED:
+            name = SHARED[min(echo.index, len(SHARED) - 1)].name
+            raise LimitsError(
+                f"{self.path}: the device refuses the limits at {name}:"
+                f" {reason_text(echo.reason)}"
+            )
+        held = tuple(getattr(echo, s.name) for s in SHARED)
+        for shared, told, holds in zip(SHARED, asked, held, strict=True):
+            if as_sent(told) != holds:
+                raise LimitsError(
+                    f"{self.path}: limit {shared.name} was told as {told:g},"
+                    f" the device holds {holds:g}"
+                )
+        self.session = echo.session
+
+    def Arm(self) -> None:
+        """Lets the drives follow commands.
+
+        Raises:
+            LinkError: The device refuses; the message says why.
+        """
+        self._Request("ARM", {"nonce": random.randrange(2**32)})
+
+    def Disarm(self) -> None:
+        """Releases the drives without a latched stop."""
+        self._Request("DISARM", {"nonce": random.randrange(2**32)})
+
+    def Stop(self, cause: Cause = Cause.HOST_STOP) -> None:
+        """Releases the drives and latches; asks again until it is answered."""
+        self._Request("STOP", {"cause": int(cause)})
+
+    def Clear(self, cause: Cause) -> None:
+        """Ends a latched stop."""
+        self._Request("CLEAR", {"cause": int(cause)})
+
+    def Command(self, values: Sequence[float], tick: int) -> int:
+        """Sends leg forces (6 S,), N, in answer to the state of a tick.
+
+        Returns:
+            The sequence that the device will show as in use.
+        """
+        fields = {"mode": Mode.FORCE, "tick": tick, "values": values}
+        return self.Send("COMMAND", fields)
+
+    def Send(self, name: str, values: dict) -> int:
+        """Sends a message; returns its sequence.
+
+        Raises:
+            LinkError: The port is gone.
+        """
+        session = 0 if name == "LIMITS" else self.session
+        with self._sending:
+            sequence = self._sequence = (self._sequence + 1) & 0xFFFF
+            stamp = time.perf_counter_ns() // 1000
+            frame = self._codec.encode(name, values, sequence, stamp, session)
+            try:
+                self._port.write(frame)
+            except (OSError, TypeError) as error:
+                raise self._Gone(error) from error
+        return sequence
+
+    @property
+    def counts(self) -> Counts:
+        """What has come in so far."""
+        return Counts(
+            self._messages,
+            self._states,
+            self._decoder.num_bad,
+            self._lost,
+            self._repeated,
+            self._late,
+            self._decoder.bytes_read,
+        )
+
+    @property
+    def fault(self) -> Packet | None:
+        """The last fault that the device has told."""
+        return self._faults[-1] if self._faults else None
+
+    def Close(self) -> None:
+        """Ends the reading and closes the port."""
+        self._closed.set()
+        if threading.current_thread() is not self._reader:
+            self._reader.join(1.0)
+        self._port.close()
+
+    def __enter__(self) -> Link:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.Close()
+
+    # Answers
+
+    def _Ask(self, name: str, values: dict, answer: str, tries: int = 5):
+        self._Forget(answer)
+        for _ in range(tries):
+            sequence = self.Send(name, values)
+            if self._WaitFor((answer,), _AGAIN, sequence):
+                return self._answers[answer]
+            self._CheckAlive()
+        raise LinkError(f"{self.path}: no answer to {name.lower()}")
+
+    def _Request(self, name: str, values: dict) -> None:
+        answer = self._Ask(name, values, "ANSWER").values
+        if answer.reason != Reason.ACCEPTED:
+            raise LinkError(
+                f"{self.path}: the device refuses to {name.lower()}:"
+                f" {reason_text(answer.reason)}"
+            )
+
+    def _Forget(self, *names: str) -> None:
+        with self._news:
+            for name in names:
+                self._answers.pop(name, None)
+
+    def _WaitFor(self, names, timeout: float, sequence=None) -> bool:
+        def here() -> bool:
+            if self.error is not None:
+                return True
+            if any(name not in self._answers for name in names):
+                return False
+            values = self._answers[names[0]].values
+            told = getattr(values, "sequence_answered", None)
+            return told is None or sequence is None or told == sequence
+
+        with self._news:
+            return self._news.wait_for(here, timeout) and self.error is None
+
+    def _CheckAlive(self) -> None:
+        if self.error is not None:
+            raise self._Gone(self.error)
+
+    def _Gone(self, error: Exception) -> LinkError:
+        if isinstance(error, LinkError):
+            return error
+        return LinkError(
+            f"{self.path}: the device is gone (unplugged, or switched off)"
+        )
+
+    def _DescribeStranger(self) -> str:
+        decoder = self._decoder
+        if decoder.bytes_read == 0:
+            return "no answer to hello; is the device switched on?"
+        if decoder.bad["version"]:
+            return f"a device of another protocol version; ours is {VERSION}"
+        if decoder.good == 0:
+            return (
+                f"{decoder.bytes_read} bytes and no message among them: not a"
+                " brace, or another baud rate"
+            )
+        return "messages, but no answer to hello"
+
+    # Reading
+
+    def _Read(self) -> None:
+        try:
+            while not self._closed.is_set():
+                data = self._port.read(max(1, self._port.in_waiting))
+                now = time.perf_counter_ns()
+                for packet in self._decoder.feed(data) if data else ():
+                    lost = self._Order(packet)
+                    if lost is not None:
+                        self._Take(packet, lost, now)
+                if self.session and now - self._beat > _HEARTBEAT * 1e9:
+                    self._beat = now
+                    self.Send("HEARTBEAT", {"echo_us": 0})
+        except (OSError, TypeError, serial.SerialException, LinkError) as error:
+            if not self._closed.is_set():
+                self._End(self._Gone(error))
+        except Exception as error:  # A handler's own: told where it is waited.
+            self._End(error)
+
+    def _End(self, error: Exception) -> None:
+        with self._news:
+            self.error = error
+            self._news.notify_all()
+
+    def _Order(self, packet: Packet) -> int | None:
+        """How many messages are missing before it; None: not to be used."""
+        last, self._last = self._last, packet.sequence
+        if last is None or packet.name == "HELLO":
+            return 0
+        ahead = (packet.sequence - last) & 0xFFFF
+        if 0 < ahead < 0x8000:
+            self._lost += ahead - 1
+            return ahead - 1
+        self._last = last
+        if ahead == 0:
+            self._repeated += 1
+        else:
+            self._late += 1
+        return None
+
+    def _Take(self, packet: Packet, lost: int, now: int) -> None:
+        if BY_NAME[packet.name].sender == "host":
+            return
+        self._messages += 1
+        if packet.name == "STATE":
+            self._states += 1
+            if self.on_state is not None:
+                self.on_state(packet, lost)
+        elif packet.name == "HEARTBEAT":
+            sent = 1e-6 * packet.values.echo_us
+            self.clock.add(sent, 1e-6 * packet.time_us, 1e-9 * now)
+        else:
+            with self._news:
+                if packet.name == "FAULT":
+                    self._faults = [*self._faults[-99:], packet]
+                self._answers[packet.name] = packet
+                self._news.notify_all()
