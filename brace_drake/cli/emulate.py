@@ -198,7 +198,7 @@ def carry_out(device, line: str) -> None:
             case ["estop", "on" | "off" as value]:
                 faults.estop = value == "on"
             case ["drive", "on" | "off" as value]:
-                faults.drive_fault = value == "off"
+                faults.drive_fault = value == "on"
             case ["stuck", leg]:
                 faults.stuck_legs = (_leg(leg, plant),)
             case ["frozen", leg]:

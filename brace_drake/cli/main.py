@@ -26,6 +26,8 @@ _COMMANDS = (
     "withheld",
     "withheld",
     "emulate",
+    "record",
+    "campaign",
 )
 
 

@@ -9,7 +9,7 @@ from brace_drake.errors import BraceError
 from brace_drake.laws.bench_step import run_ticks
 from brace_drake.laws.hooks import PLUG_POINTS
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
+from brace_drake.scenario.bench_numbers import hold_forces, pack_bench
 from brace_drake.scenario.effects import scenario_uses
 from brace_drake.twin.bench_rollout import rest_state
 from brace_drake.twin.subject import with_subject
@@ -17,16 +17,6 @@ from brace_drake.twin.subject import with_subject
 # A jammed drive moves this stiffly, N s/m: a tenth of what the plant's step
 # could still resolve with the ring's mass.
 _JAMMED = 800.0
-
-
-def hold_forces(numbers: BenchNumbers) -> tuple[float, ...]:
-    """Leg forces that carry the ring's weight at rest (6,), N."""
-    T_W = numbers.p_RT + numbers.rest
-    along = T_W - numbers.p_WB
-    n = along / np.linalg.norm(along, axis=1)[:, None]
-    J = np.hstack([n, np.cross(numbers.p_RT, n)])
-    weight = np.array([0.0, 0.0, numbers.ring[4], 0.0, 0.0, 0.0])
-    return tuple(np.linalg.solve(J.T, weight).tolist())
 
 
 class BenchPlant:

@@ -22,6 +22,7 @@ from brace_drake.hardware.limits import (
 )
 from brace_drake.hardware.messages import BY_NAME, VERSION
 from brace_drake.hardware.ports import BAUD, OpenPort
+from brace_drake.hardware.sequence import SequenceWatch
 from brace_drake.hardware.words import Cause, Mode, Reason, reason_text
 
 _AGAIN, _HEARTBEAT = 0.2, 0.1
@@ -74,9 +75,7 @@ class Link:
         self._codec = make_codec(1)
         self._decoder = Decoder(self._codec)
         self._sequence = random.randrange(2**16)
-        self._last: int | None = None
-        self._messages = self._states = 0
-        self._lost = self._repeated = self._late = 0
+        self._order, self._messages, self._states = SequenceWatch(), 0, 0
         self._sending, self._news = threading.Lock(), threading.Condition()
         self._answers: dict[str, Packet] = {}
         self._faults: list[Packet] = []
@@ -156,6 +155,18 @@ class Link:
         """Ends a latched stop."""
         self._Request("CLEAR", {"cause": int(cause)})
 
+    def WaitForState(self, timeout: float = 1.0):
+        """Fields of the next state.
+
+        Raises:
+            LinkError: None comes.
+        """
+        self._Forget("STATE")
+        if not self._WaitFor(("STATE",), timeout):
+            self._CheckAlive()
+            raise LinkError(f"{self.path}: the device sends no states")
+        return self._answers["STATE"].values
+
     def Command(self, values: Sequence[float], tick: int) -> int:
         """Sends leg forces (6 S,), N, in answer to the state of a tick.
 
@@ -189,9 +200,9 @@ class Link:
             self._messages,
             self._states,
             self._decoder.num_bad,
-            self._lost,
-            self._repeated,
-            self._late,
+            self._order.lost,
+            self._order.repeated,
+            self._order.late,
             self._decoder.bytes_read,
         )
 
@@ -282,7 +293,9 @@ class Link:
                 data = self._port.read(max(1, self._port.in_waiting))
                 now = time.perf_counter_ns()
                 for packet in self._decoder.feed(data) if data else ():
-                    lost = self._Order(packet)
+                    lost = self._order.take(
+                        packet.sequence, packet.name == "HELLO"
+                    )
                     if lost is not None:
                         self._Take(packet, lost, now)
                 if self.session and now - self._beat > _HEARTBEAT * 1e9:
@@ -299,22 +312,6 @@ class Link:
             self.error = error
             self._news.notify_all()
 
-    def _Order(self, packet: Packet) -> int | None:
-        """How many messages are missing before it; None: not to be used."""
-        last, self._last = self._last, packet.sequence
-        if last is None or packet.name == "HELLO":
-            return 0
-        ahead = (packet.sequence - last) & 0xFFFF
-        if 0 < ahead < 0x8000:
-            self._lost += ahead - 1
-            return ahead - 1
-        self._last = last
-        if ahead == 0:
-            self._repeated += 1
-        else:
-            self._late += 1
-        return None
-
     def _Take(self, packet: Packet, lost: int, now: int) -> None:
         if BY_NAME[packet.name].sender == "host":
             return
@@ -323,6 +320,10 @@ class Link:
             self._states += 1
             if self.on_state is not None:
                 self.on_state(packet, lost)
+            else:
+                with self._news:
+                    self._answers["STATE"] = packet
+                    self._news.notify_all()
         elif packet.name == "HEARTBEAT":
             sent = 1e-6 * packet.values.echo_us
             self.clock.add(sent, 1e-6 * packet.time_us, 1e-9 * now)

@@ -161,3 +161,12 @@ def pack_bench(scenario: BenchScenario) -> BenchNumbers:
         ),
         **pack_instruments(scenario.sensors, 1),
     )
+
+
+def hold_forces(numbers: BenchNumbers) -> tuple[float, ...]:
+    """Leg forces that carry the ring's weight at rest (6,), N."""
+    along = numbers.p_RT_known + numbers.rest - numbers.p_WB_known
+    n = along / np.linalg.norm(along, axis=1)[:, None]
+    J = np.hstack([n, np.cross(numbers.p_RT_known, n)])
+    weight = np.array([0.0, 0.0, numbers.ring[4], 0.0, 0.0, 0.0])
+    return tuple(np.linalg.solve(J.T, weight).tolist())

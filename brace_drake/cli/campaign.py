@@ -1,0 +1,100 @@
+"""The command `brace-drake campaign`: all runs that a diagnosis needs."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+
+from brace_drake.cli.link_options import AddDevice, load_device_options
+from brace_drake.errors import StoppedError
+
+_EPILOG = """\
+example:
+  brace-drake campaign --port /dev/ttyACM0 --subject "phantom 2" --out monday
+  brace-drake diagnose monday --out results/monday
+
+Guides through free runs, then runs with the torso, some of them for validation
+alone. Begun again on the same folder it goes on where it stopped. Another set
+of runs is a file:
+  format: brace-plan/1
+  runs:
+  - {motion: push}
+  - {motion: push, repeat: true}
+  - {motion: push_fast, split: validation}
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `campaign`."""
+    parser = subparsers.add_parser(
+        "campaign",
+        help="record all runs that a diagnosis needs",
+        description="Guides through a whole campaign on a device.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    AddDevice(parser)
+    parser.add_argument("--plan", metavar="FILE", help="default: the standard")
+    parser.add_argument("--out", required=True, metavar="DIR")
+    parser.add_argument("--subject", default="", metavar="TEXT")
+    parser.add_argument(
+        "--countdown", type=int, default=3, metavar="S", help="default: 3"
+    )
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Records what is still missing of a plan."""
+    from brace_drake.operation.campaign_plan import LoadPlan, remaining_runs
+    from brace_drake.operation.console import ReadKeys
+    from brace_drake.operation.recorder import Recorder
+    from brace_drake.twin.motion_library import MakeMotion
+
+    plan = LoadPlan(args.plan)
+    scenario, limits = load_device_options(args)
+    recorder = Recorder(
+        args.port,
+        scenario,
+        limits,
+        args.out,
+        args.subject,
+        args.baud,
+        args.clear,
+    )
+    with recorder:
+        left = remaining_runs(plan, recorder.journal.runs)
+        contact = None
+        for number, planned in left:
+            motion = MakeMotion(planned.motion)
+            if motion.contact != contact:
+                contact = motion.contact
+                _Ask("Put the torso in" if contact else "Take the torso out")
+            print(
+                f"run {number} of {len(plan)}: {planned.motion}"
+                f" ({planned.split}), {motion.time[-1]:.0f} s",
+                flush=True,
+            )
+            with ReadKeys() as keys:
+                recorder.Record(
+                    motion,
+                    planned.split,
+                    args.countdown,
+                    keys,
+                    None if planned.repeat else "",
+                )
+    out = shlex.quote(args.out)
+    print(f"campaign: {args.out}, {len(left)} runs recorded")
+    print(f"next: brace-drake diagnose {out} --out {out}-results")
+    return 0
+
+
+def _Ask(what: str) -> None:
+    """Waits for the operator.
+
+    Raises:
+        StoppedError: There is nobody: standard input has ended.
+    """
+    print(f"{what}, then press Enter: ", end="", flush=True)
+    if not sys.stdin.readline():
+        raise StoppedError("not begun: nobody pressed Enter")

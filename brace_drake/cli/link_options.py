@@ -1,0 +1,52 @@
+"""Options of the commands that work with a device."""
+
+from __future__ import annotations
+
+import argparse
+
+from brace_drake.errors import ScenarioError
+
+
+def AddDevice(parser: argparse.ArgumentParser) -> None:
+    """Adds --port, --baud, --limits and --scenario."""
+    parser.add_argument(
+        "--port", required=True, metavar="P", help="such as /dev/ttyACM0"
+    )
+    parser.add_argument(
+        "--baud", type=int, default=1_000_000, metavar="N", help="bits a second"
+    )
+    parser.add_argument(
+        "--clear",
+        action="store_true",
+        help="end a latched stop of the device first",
+    )
+    parser.add_argument(
+        "--limits",
+        metavar="FILE",
+        help="limits to agree on (default: diagrams/limits.yaml)",
+    )
+    parser.add_argument(
+        "--scenario",
+        metavar="FILE",
+        help="of the twin (default: the nominal bench)",
+    )
+
+
+def load_device_options(args: argparse.Namespace):
+    """Scenario and limits of the options.
+
+    Raises:
+        ScenarioError, LimitsError: A file is not what it should be.
+    """
+    from brace_drake.hardware.limits_file import LoadLimits
+    from brace_drake.scenario.bench import DEVICE, BenchScenario
+    from brace_drake.scenario.load import LoadScenario
+
+    limits = LoadLimits(args.limits)
+    scenario = LoadScenario(args.scenario) if args.scenario else BenchScenario()
+    if scenario.device != DEVICE:
+        raise ScenarioError(
+            f"{args.scenario}: the link is to a {DEVICE!r}, this is a"
+            f" {scenario.device!r}"
+        )
+    return scenario, limits

@@ -1,0 +1,43 @@
+"""What a sequence of numbered messages tells: lost, repeated, overtaken."""
+
+from __future__ import annotations
+
+
+class SequenceWatch:
+    """Counts of one sender's messages, by numbers modulo 2^16.
+
+    Attributes:
+        lost: Missing in their place; those that came late included.
+        repeated: Come again.
+        late: Come after one that was sent behind them.
+    """
+
+    def __init__(self):
+        self._last: int | None = None
+        self.lost = self.repeated = self.late = 0
+
+    def take(self, sequence: int, begins: bool = False) -> int | None:
+        """Takes the next number that came.
+
+        Args:
+            sequence: Of the message.
+            begins: Whether the sender may have begun anew with it.
+
+        Returns:
+            How many are missing in front of it; None where the message is old
+            and not to be used.
+        """
+        last = self._last
+        if last is None or begins:
+            self._last = sequence
+            return 0
+        ahead = (sequence - last) & 0xFFFF
+        if 0 < ahead < 0x8000:
+            self._last = sequence
+            self.lost += ahead - 1
+            return ahead - 1
+        if ahead == 0:
+            self.repeated += 1
+        else:
+            self.late += 1
+        return None

@@ -1,0 +1,74 @@
+"""The host's control of a bench: the twin's own laws, tick by tick."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brace_drake.laws import controller
+from brace_drake.laws.bench_observer import calc_force_left
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_numbers import hold_forces, pack_bench
+
+
+class PicControl:
+    """Position-based impedance control, `laws.controller.control_tick`.
+
+    Attributes:
+        command: Leg commands of the last tick (6,), N.
+        expected: What the legs left for the torso in it (3,), N.
+        good: Whether a ring pose fitted the lengths.
+    """
+
+    def __init__(self, scenario: BenchScenario):
+        numbers = pack_bench(scenario)
+        self.hold = hold_forces(numbers)
+        self.period = 1.0 / scenario.control.rate
+        self._numbers, self._law = numbers, numbers.controller_law
+        self.expected = np.zeros(3)
+        self.Reset()
+        # Laws are loaded at their first call, which no tick could wait for.
+        at_rest = np.zeros(12)
+        at_rest[0:6] = np.linalg.norm(
+            numbers.p_RT_known + numbers.rest - numbers.p_WB_known, axis=1
+        )
+        self.Tick(at_rest, np.zeros(3))
+        self.Reset()
+
+    def Reset(self) -> None:
+        """Filters at 0, ring at rest: as before any motion."""
+        memory = np.zeros(controller.NUM_MEMORY)
+        memory[0:3], memory[3] = self._numbers.rest, 1.0
+        self._memory, self._estimate = memory, np.zeros(19)
+        self.command, self.good = np.array(self.hold), True
+
+    def Tick(self, readings: np.ndarray, desired: np.ndarray) -> np.ndarray:
+        """Takes a tick's readings (12,) and y_d, y_d', y_d''; returns (6,)."""
+        numbers, held = self._numbers, self.command.copy()
+        self.good = controller.control_tick(
+            readings, desired, self._law, self._memory, self._estimate,
+            self.command,
+        )  # fmt: skip
+        calc_force_left(
+            self._estimate, held, numbers.viscous, numbers.ring[4],
+            numbers.p_WB_known, numbers.p_RT_known, self.expected,
+        )  # fmt: skip
+        return self.command
+
+    def Pass(self, command) -> None:
+        """Tells what the legs were given in place of the last command."""
+        self.command[:] = command
+
+    @property
+    def pose(self) -> list[float]:
+        """X of the ring (6,)."""
+        return self._estimate[0:6].tolist()
+
+    @property
+    def virtual(self) -> list[float]:
+        """X_v of the ring (6,)."""
+        return [0.0, self.y_virtual, 0.0, 0.0, 0.0, 0.0]
+
+    @property
+    def y_virtual(self) -> float:
+        """Virtual position along y, m."""
+        return float(self._memory[controller.NUM_POSE_MEMORY + 1])

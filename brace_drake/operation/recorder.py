@@ -1,0 +1,119 @@
+"""A device and a campaign's folder, for one recording after another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from brace_drake.errors import LimitsError, StoppedError
+from brace_drake.hardware.limits import Limits
+from brace_drake.hardware.ports import BAUD
+from brace_drake.operation.console import (
+    CountDown,
+    Keys,
+    Say,
+    describe_status,
+)
+from brace_drake.operation.journal import Journal, RunFile
+from brace_drake.operation.record import RecordMotion, describe_device
+from brace_drake.operation.session import Session
+from brace_drake.operation.station import MakeControl, OpenDevice
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.twin.motion_library import SafeMotion
+from brace_drake.twin.motion_limits import EXCURSION
+
+
+class Recorder:
+    """Records motions of one device into one campaign.
+
+    Attributes:
+        link: To the device, agreed.
+        journal: Of the campaign.
+    """
+
+    def __init__(
+        self,
+        port: str,
+        scenario: BenchScenario,
+        limits: Limits,
+        out: str | Path,
+        subject: str = "",
+        baud: int = BAUD,
+        clear: bool = False,
+    ):
+        self._scenario, self._limits = scenario, limits
+        self.link = OpenDevice(port, scenario, limits, baud, clear)
+        try:
+            rate = 1.0 / scenario.sensors.log_period
+            self.journal = Journal(
+                out, scenario.device, rate, subject, describe_device(self.link)
+            )
+        except BaseException:
+            self.link.Close()
+            raise
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.link.Close()
+
+    def Record(
+        self,
+        motion: SafeMotion,
+        split: str,
+        countdown: int,
+        keys: Keys,
+        repeat_of: str | None = None,
+    ) -> RunFile:
+        """Counts down, then records.
+
+        Args:
+            motion: What to do.
+            split: What for.
+            countdown: s.
+            keys: One of them stops.
+            repeat_of: File that it repeats, "" for none; None: that of the
+                same motion and split, where there is one.
+
+        Raises:
+            LimitsError: The motion reaches further than any may.
+            StoppedError: The operator, the supervisor or the device stopped.
+        """
+        reach = float(abs(motion.samples[:, 0]).max())
+        if reach > EXCURSION:
+            raise LimitsError(
+                f"motion {motion.name} reaches {1e3 * reach:.1f} mm, allowed"
+                f" {1e3 * EXCURSION:.0f} mm"
+            )
+        if repeat_of is None:
+            repeat_of = self._Original(motion, split)
+        control = MakeControl("pic", self._scenario)
+        session = Session(self.link, control, self._limits)
+        where = "with the torso" if motion.contact else "WITHOUT the torso"
+        what = f"{motion.name} ({motion.meaning}), {where}, moves"
+        if not CountDown(countdown, what, keys):
+            raise StoppedError(f"{motion.name}: not begun")
+
+        def tell(share, session):
+            Say(describe_status(share, session))
+
+        try:
+            run = RecordMotion(
+                self.link, session, self.journal, motion, split,
+                repeat_of or None, keys.pressed, tell,
+            )  # fmt: skip
+        except StoppedError:
+            Say("stopped, the ring is released", end=True)
+            raise
+        finally:
+            self.link.on_state = None
+        Say(describe_status(1.0, session), end=True)
+        return run
+
+    def _Original(self, motion: SafeMotion, split: str) -> str | None:
+        """The whole recording of a motion that another one repeats."""
+        for item in self.journal.runs:
+            same = item["file"] == f"{motion.name}.csv"
+            if same and item["split"] == split and item.get("complete", True):
+                return item["file"]
+        return None

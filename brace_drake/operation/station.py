@@ -1,0 +1,117 @@
+"""A device taken into use: hello, what it must be, limits, control."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brace_drake.errors import LinkError
+from brace_drake.hardware.limits import Limits
+from brace_drake.hardware.link import Link
+from brace_drake.hardware.ports import BAUD
+from brace_drake.hardware.words import Cause, DeviceState, cause_name
+from brace_drake.operation.control import PicControl
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_numbers import pack_bench
+
+# How far an anchor of device and twin may lie apart, m.
+_SAME_PLACE = 5e-5
+_LEGS = 6
+
+
+def OpenDevice(
+    path: str,
+    scenario: BenchScenario,
+    limits: Limits,
+    baud: int = BAUD,
+    clear: bool = False,
+) -> Link:
+    """Connects, compares the device with the twin, agrees on limits.
+
+    Args:
+        path, baud: Of the port.
+        scenario: What the device must be.
+        limits: To agree on.
+        clear: Whether a latched stop is to be ended, which is for an operator
+            to decide.
+
+    Raises:
+        LinkError: Not reachable, or not the device of the scenario.
+        LimitsError: The limits are wider than the device's.
+    """
+    link = Link(path, baud)
+    try:
+        link.Connect()
+        CheckDevice(link, scenario)
+        link.Agree(limits)
+        _TreatStop(link, clear)
+    except BaseException:
+        link.Close()
+        raise
+    return link
+
+
+def _TreatStop(link: Link, clear: bool) -> None:
+    """Clears a latched stop, or says that there is one."""
+    if link.hello.state not in (DeviceState.STOPPED, DeviceState.FAULT):
+        return
+    state = link.WaitForState()
+    if state.state not in (DeviceState.STOPPED, DeviceState.FAULT):
+        return
+    if not clear:
+        raise LinkError(
+            f"{link.path}: the device holds a stop:"
+            f" {cause_name(state.cause)}; when it is safe, add --clear"
+        )
+    link.Clear(Cause(state.cause))
+
+
+def CheckDevice(link: Link, scenario: BenchScenario) -> None:
+    """Refuses a device that is not the scenario's: kind, rate, geometry.
+
+    Raises:
+        LinkError: One line: what differs, and both values.
+    """
+    hello = link.hello
+    who = f"{link.path}: device {hello.model!r} ({hello.identity})"
+    if hello.model != scenario.device or hello.stages != 1:
+        raise LinkError(
+            f"{who} with {_LEGS * hello.stages} legs is not a"
+            f" {scenario.device!r} with {_LEGS}"
+        )
+    if hello.units != "m N s rad":
+        raise LinkError(f"{who} has units {hello.units!r}, not 'm N s rad'")
+    if abs(hello.rate_hz / scenario.control.rate - 1.0) > 1e-6:
+        raise LinkError(
+            f"{who} ticks at {hello.rate_hz:g} Hz, the scenario at"
+            f" {scenario.control.rate:g}"
+        )
+    for name, mine in describe_geometry(scenario).items():
+        there = np.array(getattr(link.geometry, name))
+        away = np.abs(there - mine.ravel())
+        worst = int(np.argmax(away))
+        if not away[worst] <= _SAME_PLACE:
+            raise LinkError(
+                f"{who}: geometry differs: {name}[{worst // 3}]"
+                f".{'xyz'[worst % 3]} is {there[worst]:.5f} m, in the scenario"
+                f" {mine.ravel()[worst]:.5f} m"
+            )
+
+
+def describe_geometry(scenario: BenchScenario) -> dict[str, np.ndarray]:
+    """Rest (1, 3), lower and upper anchors (6, 3) in their rings, m."""
+    numbers = pack_bench(scenario)
+    lower = numbers.p_WB_known.copy()
+    lower[:, 2] -= scenario.stage.lower_height
+    rest = numbers.rest[None, :]
+    return {"rest": rest, "lower": lower, "upper": numbers.p_RT_known}
+
+
+def MakeControl(name: str, scenario: BenchScenario):
+    """A controller of the host by name.
+
+    Raises:
+        LinkError: No such controller.
+    """
+    if name != "pic":
+        raise LinkError(f"no controller {name!r}; there is pic")
+    return PicControl(scenario)
