@@ -14,9 +14,9 @@ from brace_drake.scenario.effects import scenario_uses
 from brace_drake.twin.bench_rollout import rest_state
 from brace_drake.twin.subject import with_subject
 
-# A jammed drive moves this stiffly, N s/m: a tenth of what the plant's step
-# could still resolve with the ring's mass.
-_JAMMED = 800.0
+# A jammed drive gives way so little, N/m and N s/m: as stiff as a tick can
+# resolve with the ring's mass.
+_JAM_STIFFNESS, _JAM_DAMPING = 5e4, 800.0
 
 
 class BenchPlant:
@@ -72,6 +72,7 @@ class BenchPlant:
         self.bodies = rest_state(numbers.rest)
         self.u, self._readings = np.array(self.hold), np.zeros(12)
         self._last_lengths = np.zeros(6)
+        self._jams: dict[int, float] = {}
         self._draw_noise = np.full(12, np.nan)
         self._viscous = numbers.viscous.copy()
         plugs = [self._plugs[point] for point in PLUG_POINTS]
@@ -111,8 +112,12 @@ class BenchPlant:
         self._draw()
         self.u[:] = u
         self._viscous[:] = self.numbers.viscous
-        for k in self.jammed:
-            self._viscous[k] = _JAMMED
+        self._jams = {
+            k: self._jams.get(k, self._last_lengths[k]) for k in self.jammed
+        }
+        for k, length in self._jams.items():
+            self._viscous[k] = _JAM_DAMPING
+            self.u[k] = _JAM_STIFFNESS * (length - self._last_lengths[k])
         next(self._ticks)
         if not abs(self.bodies[5]) + abs(self.bodies[12]) < 1.0:
             raise BraceError("the emulated bench broke down")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from brace_drake.hardware.release import remaining
 from brace_drake.laws import controller
 from brace_drake.laws.bench_observer import calc_force_left
 from brace_drake.scenario.bench import BenchScenario
@@ -39,20 +40,56 @@ class PicControl:
         memory = np.zeros(controller.NUM_MEMORY)
         memory[0:3], memory[3] = self._numbers.rest, 1.0
         self._memory, self._estimate = memory, np.zeros(19)
+        self._away, self._homing = np.zeros(6), (0, 0)
         self.command, self.good = np.array(self.hold), True
+
+    def GoHome(self, ticks: int) -> None:
+        """Lets the next ticks bring the ring to rest from where it is found.
+
+        X is held at X_0 r(t / T), r as in a release, so that a ring that was
+        pushed away comes back softly.
+        """
+        self._away, self._homing = None, (0, ticks)
 
     def Tick(self, readings: np.ndarray, desired: np.ndarray) -> np.ndarray:
         """Takes a tick's readings (12,) and y_d, y_d', y_d''; returns (6,)."""
         numbers, held = self._numbers, self.command.copy()
-        self.good = controller.control_tick(
-            readings, desired, self._law, self._memory, self._estimate,
-            self.command,
-        )  # fmt: skip
+        done, ticks = self._homing
+        if done < ticks:
+            self._TickHome(readings, desired)
+        else:
+            self.good = controller.control_tick(
+                readings, desired, self._law, self._memory, self._estimate,
+                self.command,
+            )  # fmt: skip
         calc_force_left(
             self._estimate, held, numbers.viscous, numbers.ring[4],
             numbers.p_WB_known, numbers.p_RT_known, self.expected,
         )  # fmt: skip
         return self.command
+
+    def _TickHome(self, readings: np.ndarray, desired: np.ndarray) -> None:
+        numbers, estimate = self._numbers, self._estimate
+        anchors = numbers.p_WB_known, numbers.p_RT_known
+        pose = self._memory[: controller.NUM_POSE_MEMORY]
+        virtual = self._memory[controller.NUM_POSE_MEMORY :]
+        self.good = controller.estimate_pose(
+            readings[0:6], numbers.estimator, *anchors, pose, estimate
+        )
+        controller.filter_impedance(
+            readings[7], desired, numbers.impedance, virtual
+        )
+        if self._away is None:
+            self._away = estimate[0:6].copy()
+            # A pose found at once is no velocity.
+            pose[13:19], estimate[6:12] = 0.0, 0.0
+        done, ticks = self._homing
+        self._homing = done + 1, ticks
+        shifted = estimate.copy()
+        shifted[0:6] -= remaining(done, ticks) * self._away
+        self.good = self.good and controller.calc_leg_commands(
+            shifted, virtual, numbers.inverse_dynamics, *anchors, self.command
+        )
 
     def Pass(self, command) -> None:
         """Tells what the legs were given in place of the last command."""

@@ -18,6 +18,9 @@ from brace_drake.hardware.words import Cause, DeviceState, StateFlag
 
 # More missing ticks than this are not bridged: the supervisor has stopped.
 _MOST_BRIDGED = 100
+# This long before the motion the ring must be at rest, s. A released ring may
+# have been pushed away: while it comes back it is far from its virtual pose.
+_HOME = 0.2
 
 
 @dataclass
@@ -95,13 +98,16 @@ class Session:
 
         Args:
             desired: y_d, y_d', y_d'' at each tick (ticks, 3).
-            settle: s.
+            settle: s; more than 0.2, in which the ring comes home.
 
         Raises:
             LinkError: The device refuses to arm.
         """
         self._desired = desired
         self._at = -round(settle / self._setup.period)
+        self._control.Reset()
+        home = -self._at - round(_HOME / self._setup.period)
+        self._control.GoHome(max(0, home))
         self.done, self._moving = False, True
         if not self._dry:
             self._link.Arm()
@@ -169,14 +175,22 @@ class Session:
         stopped = values.state in (DeviceState.STOPPED, DeviceState.FAULT)
         if stopped and not self._dry:
             self._told = True
-            cause = values.cause
-            known = cause in set(map(int, Cause))
-            self._Trip(Trip(Cause(cause) if known else Cause.DRIVE_FAULT))
+            self._Trip(self._Told(values.cause))
         elif armed:
             self._memory = safety.arm(self._memory)
             self._Bridge(readings, min(missing, _MOST_BRIDGED))
             self._Control(arrived, values, readings, missing)
         self._last_tick, self._last_readings = values.tick, readings
+
+    def _Told(self, cause: int) -> Trip:
+        """The device's own trip, with its numbers where they have come."""
+        if cause not in set(map(int, Cause)):
+            cause = Cause.DRIVE_FAULT
+        fault = self._link.fault
+        if fault is None or fault.values.cause != cause:
+            return Trip(Cause(cause))
+        told = fault.values
+        return Trip(Cause(cause), told.index, told.value, told.limit)
 
     def _Missing(self, tick: int) -> int:
         if self._last_tick is None:
@@ -198,13 +212,18 @@ class Session:
             readings[6:9].tolist(),
             missing,
             pose=control.pose if controlled else None,
-            virtual=control.virtual if controlled else None,
+            virtual=control.virtual if controlled and self._is_home else None,
             expected=control.expected.tolist() if controlled else None,
             has_pose=control.good,
         )
         self._memory = safety.advance(
             self._setup, self._memory, now, reading, command
         )
+
+    @property
+    def _is_home(self) -> bool:
+        """Whether the ring has had the time to come to its rest pose."""
+        return self._at > -round(_HOME / self._setup.period)
 
     def _Bridge(self, readings: np.ndarray, missing: int) -> None:
         """Controls the ticks of lost states on interpolated readings."""

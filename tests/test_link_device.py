@@ -1,0 +1,333 @@
+"""Every fault of an emulated device ends where PROTOCOL.md says, in time."""
+
+import math
+import unittest
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.emulator.bench_plant import BenchPlant
+from brace_drake.hardware.firmware import Firmware
+from brace_drake.hardware.limits import DEFAULT, shared_values
+from brace_drake.hardware.words import Cause, DeviceState, Mode, Reason
+from brace_drake.laws import controller
+from brace_drake.operation.control import PicControl
+from brace_drake.operation.session import Session
+from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.motion_library import MakeMotion
+from tests.link_bench import SCENARIO, Lockstep, start
+
+PERIOD_MS = 1
+
+
+def ticks_until(bench, state, most=1000):
+    """Ticks until the device is in a state; fails where it never is."""
+    for i in range(most):
+        if bench.firmware.state == state:
+            return i
+        bench.run(1)
+    raise AssertionError(f"{bench.firmware.state!r} after {most} ticks")
+
+
+class TestPlant(unittest.TestCase):
+    def test_tick_by_tick_it_is_the_rollout_bit_by_bit(self):
+        twin = BenchTwin(SCENARIO)
+        nominal = np.array([p.nominal for p in twin.subject])
+        motion = replace(
+            twin.motion(MakeMotion("push_fast").run), ticks_per_sample=1
+        )
+        motion = replace(motion, desired=motion.desired[:2000])
+        log = twin.simulate(motion, nominal)
+        plant = BenchPlant(SCENARIO, seed=None)
+        numbers = pack_bench(SCENARIO)
+        memory = np.zeros(controller.NUM_MEMORY)
+        memory[:3], memory[3] = numbers.rest, 1.0
+        plant.u[:], u, estimate = 0.0, np.zeros(6), np.zeros(19)
+        for row, desired in zip(log, motion.desired, strict=True):
+            readings = plant.advance(u)
+            controller.control_tick(
+                readings, desired, numbers.controller_law, memory, estimate, u
+            )
+            np.testing.assert_array_equal(readings, row[6:18])
+            np.testing.assert_array_equal(u, row[:6])
+
+    def test_the_weight_is_carried_at_rest(self):
+        plant = BenchPlant(SCENARIO, seed=None)
+        plant.with_torso = False
+        for _ in range(500):
+            readings = plant.advance(plant.hold).copy()
+        first = BenchPlant(SCENARIO, seed=None).advance(plant.hold)
+        np.testing.assert_allclose(readings[:6], first[:6], atol=1e-9)
+
+
+class TestStates(unittest.TestCase):
+    def test_hello_limits_arm_command_disarm_in_this_order(self):
+        bench = Lockstep()
+        self.assertEqual(bench.firmware.state, DeviceState.BOOT)
+        bench.run(1)
+        self.assertEqual(bench.firmware.state, DeviceState.HELLO)
+        bench.Arm()
+        self.assertEqual(bench.firmware.state, DeviceState.HELLO)
+        echo = bench.agree()
+        self.assertEqual(echo.reason, Reason.ACCEPTED)
+        self.assertNotEqual(echo.session, 0)
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+        bench.Arm()
+        self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+        bench.Disarm()
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+
+    def test_nothing_but_a_sealed_arm_of_this_session_arms(self):
+        bench = Lockstep()
+        bench.agree()
+        session, bench.session = bench.session, bench.session ^ 1
+        bench.Arm()
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+        bench.session = session
+        bench.Send("CLEAR", {"cause": 0})
+        bench.Send("COMMAND", {"mode": 0, "tick": 1, "values": (1.0,) * 6})
+        bench.Send("HEARTBEAT", {"echo_us": 0})
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+        self.assertEqual(bench.firmware.accepted, 0)
+
+    def test_limits_wider_than_the_devices_are_refused_with_their_index(self):
+        bench = Lockstep()
+        echo = bench.agree(DEFAULT._replace(leg_speed=0.2))
+        self.assertEqual(echo.reason, Reason.LIMIT_TOO_WIDE)
+        self.assertEqual(echo.index, 4)
+        self.assertEqual(bench.firmware.state, DeviceState.HELLO)
+        self.assertEqual(bench.firmware.session, 0)
+
+    def test_without_messages_the_session_ends_after_two_seconds(self):
+        bench = Lockstep()
+        bench.agree()
+        n = ticks_until(bench, DeviceState.HELLO, 3000)
+        self.assertAlmostEqual(n, 2000, delta=5)
+
+    def test_a_stop_latches_until_it_is_cleared_by_its_cause(self):
+        bench, session = start()
+        bench.run(300)
+        session.Stop(Cause.STOP_KEY)
+        self.assertEqual(bench.firmware.state, DeviceState.STOPPED)
+        for cause in (Cause.WATCHDOG, Cause.NONE):
+            bench.Send("CLEAR", {"cause": cause})
+        bench.Arm()
+        self.assertEqual(bench.firmware.state, DeviceState.STOPPED)
+        bench.Send("CLEAR", {"cause": Cause.STOP_KEY})
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+        bench.Arm()
+        self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+
+
+class TestCommands(unittest.TestCase):
+    def setUp(self):
+        self.bench = Lockstep()
+        self.bench.agree()
+        self.bench.Arm()
+        self.bench.run(3)
+
+    def send(self, values=(2.5,) * 6, tick=None, mode=Mode.FORCE):
+        tick = self.bench.firmware.tick_count if tick is None else tick
+        before = self.bench.firmware.accepted
+        fields = {"mode": mode, "tick": tick, "values": values}
+        self.bench.Send("COMMAND", fields)
+        return self.bench.firmware.accepted - before
+
+    def test_old_future_and_foreign_commands_are_refused(self):
+        now = self.bench.firmware.tick_count
+        self.assertEqual(self.send(), 1)
+        self.assertEqual(self.send(tick=now + 1), 0)
+        self.bench.run(20)
+        self.assertEqual(self.send(), 1)
+        for _ in range(3):
+            self.bench.run(20)
+            self.send()
+        self.assertEqual(self.send(tick=now), 0)
+        self.assertEqual(self.send(mode=Mode.LENGTH), 0)
+        self.bench.session ^= 1
+        self.assertEqual(self.send(), 0)
+
+    def test_a_repeated_or_overtaken_command_is_refused(self):
+        bench = self.bench
+        for back in (1, 2, 1000):
+            self.assertEqual(self.send(), 1)
+            bench._sequence["h"] -= back
+            self.assertEqual(self.send(), 0)
+            bench._sequence["h"] += back
+
+    def test_no_number_stops_and_too_much_is_cut(self):
+        for _ in range(100):
+            self.send((100.0, -100.0, 2.0, 2.0, 2.0, 2.0))
+            u = self.bench.firmware.leg_force(self.bench.now)
+        self.assertEqual(u[:2], (40.0, -40.0))
+        self.assertEqual(self.send((math.nan,) * 6), 0)
+        self.assertEqual(self.bench.firmware.state, DeviceState.STOPPED)
+        self.assertEqual(self.bench.firmware.trip.cause, Cause.BAD_COMMAND)
+
+
+class TestFaults(unittest.TestCase):
+    """The documented state, the documented time, after each fault."""
+
+    def moving(self, **more):
+        bench, session = start(**more)
+        bench.run(900)
+        self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+        self.assertIsNone(session.trip)
+        return bench, session
+
+    def assert_ends(self, bench, state, cause, ticks):
+        took = ticks_until(bench, state, ticks + 5)
+        self.assertLessEqual(took, ticks)
+        self.assertEqual(bench.firmware.trip.cause, cause)
+        return took
+
+    def test_a_dead_host_within_the_watchdogs_period(self):
+        for kill in range(5):
+            bench, _ = self.moving(seed=kill)
+            bench.run(kill)
+            bench.host_is_dead = True
+            took = self.assert_ends(
+                bench, DeviceState.STOPPED, Cause.WATCHDOG, 51
+            )
+            self.assertGreaterEqual(took, 48)
+
+    def test_heartbeats_alone_do_not_keep_it_armed(self):
+        bench, _ = self.moving()
+        bench.host_is_dead = True
+        for i in range(60):
+            bench.run(1)
+            if i % 5 == 0:
+                bench.Send("HEARTBEAT", {"echo_us": 0})
+        self.assertEqual(bench.firmware.state, DeviceState.STOPPED)
+        self.assertEqual(bench.firmware.trip.cause, Cause.WATCHDOG)
+
+    def test_a_cut_line_either_way(self):
+        for way in ("to_host", "to_device"):
+            bench, _ = self.moving()
+            getattr(bench, way).drop = 1.0
+            self.assert_ends(bench, DeviceState.STOPPED, Cause.WATCHDOG, 51)
+
+    def test_the_emergency_stop_within_a_tick_and_without_power(self):
+        bench, session = self.moving()
+        bench.estop = True
+        self.assert_ends(bench, DeviceState.FAULT, Cause.ESTOP, 1)
+        self.assertEqual(bench.firmware.leg_force(bench.now), (0.0,) * 6)
+        bench.run(3)
+        self.assertEqual(session.trip.cause, Cause.ESTOP)
+        bench.Send("CLEAR", {"cause": Cause.ESTOP})
+        self.assertEqual(bench.firmware.state, DeviceState.FAULT)
+        bench.estop = False
+        bench.run(2)
+        bench.Send("CLEAR", {"cause": Cause.ESTOP})
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+
+    def test_a_drives_fault_within_a_tick(self):
+        bench, _ = self.moving()
+        bench.drive_fault = True
+        self.assert_ends(bench, DeviceState.FAULT, Cause.DRIVE_FAULT, 1)
+
+    def test_a_frozen_reading_while_the_ring_travels(self):
+        bench, session = self.moving(seconds=4.0)
+        bench.plant.frozen = {0}
+        for _ in range(1500):
+            bench.run(1)
+            if session.trip:
+                break
+        # What the controller makes of a wrong pose shows first or last.
+        self.assertIn(
+            session.trip.cause,
+            (Cause.STUCK_LEG, Cause.TRACKING, Cause.DISAGREEMENT),
+        )
+        bench.run(2)
+        self.assertEqual(bench.firmware.state, DeviceState.STOPPED)
+
+    def test_a_jammed_leg(self):
+        # Two jammed legs leave the ring 3 mm behind its virtual pose.
+        tight = DEFAULT._replace(tracking_position=0.002)
+        bench, session = self.moving(seconds=4.0, depth=0.01, limits=tight)
+        bench.plant.jammed = {0, 3}
+        for _ in range(2500):
+            bench.run(1)
+            if session.trip:
+                break
+        self.assertIn(
+            session.trip.cause,
+            (Cause.TRACKING, Cause.DISAGREEMENT, Cause.STUCK_LEG),
+        )
+        bench.run(2)
+        self.assertEqual(bench.firmware.state, DeviceState.STOPPED)
+
+    def test_a_ring_that_was_pushed_away_comes_home_before_it_moves(self):
+        plant = BenchPlant(SCENARIO)
+        plant.with_torso = False
+        bench = Lockstep(plant=plant)
+        bench.agree()
+        bench.plant.bodies[4:7] += (0.003, -0.005, 0.002)
+        bench.run(300)
+        control = PicControl(SCENARIO)
+        session = Session(bench, control, DEFAULT)
+        session.Start(np.zeros((500, 3)), settle=1.0)
+        bench.run(1400)
+        self.assertIsNone(session.trip)
+        away = bench.plant.bodies[4:7] - bench.plant.numbers.rest
+        self.assertLess(np.abs(away).max(), 1e-4)
+
+    def test_a_force_beyond_its_limit_within_a_tick(self):
+        tight = DEFAULT._replace(pad_force=8.0)
+        bench, _ = start(limits=tight)
+        for _ in range(2000):
+            bench.run(1)
+            if bench.firmware.state == DeviceState.STOPPED:
+                break
+        trip = bench.firmware.trip
+        self.assertEqual(trip.cause, Cause.PAD_FORCE)
+        self.assertAlmostEqual(trip.value, 8.0, delta=0.1)
+
+    def test_a_bad_line_is_survived_and_counted(self):
+        bench, session = self.moving()
+        for way in (bench.to_host, bench.to_device):
+            way.drop = way.corrupt = way.duplicate = way.reorder = 0.01
+        bench.run(2000)
+        self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+        self.assertIsNone(session.trip)
+        tally = session.tally
+        self.assertGreater(tally.bridged, 20)
+        # Every tick of the motion is there, real or marked as bridged.
+        ticks = [row.tick for row in session.rows]
+        self.assertEqual(ticks, list(range(len(ticks))))
+        marked = sum(row.bridged for row in session.rows)
+        self.assertLessEqual(marked, bench.order.lost + bench.order.late)
+
+    def test_a_slow_line_stops_nothing_but_shows(self):
+        bench, session = self.moving()
+        bench.to_device.delay = 0.003
+        bench.run(300)
+        self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+        self.assertGreater(np.median(list(session.tally.ages)[-200:]), 2)
+
+    def test_after_a_stop_the_torso_pushes_the_ring_away(self):
+        bench, session = self.moving()
+        bench.run(300)
+        pressed = bench.plant.bodies[5]
+        session.Stop()
+        limits = DEFAULT
+        bench.run(round(1e3 * limits.release_time) + 1)
+        np.testing.assert_allclose(
+            bench.firmware.leg_force(bench.now), bench.plant.hold, atol=0.6
+        )
+        bench.run(1500)
+        self.assertLess(abs(bench.plant.bodies[5]), 0.35 * abs(pressed))
+
+
+class TestWatchdogAgainstTime(unittest.TestCase):
+    def test_a_device_that_is_not_ticked_by_a_host_never_arms_itself(self):
+        bench = Lockstep()
+        bench.run(3000)
+        self.assertEqual(set(bench.states), {DeviceState.HELLO})
+        self.assertIsInstance(bench.firmware, Firmware)
+        self.assertEqual(bench.firmware.own_limits, shared_values(DEFAULT))
+
+
+if __name__ == "__main__":
+    unittest.main()
