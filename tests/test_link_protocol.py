@@ -162,6 +162,21 @@ class TestStream(unittest.TestCase):
             lost = set(range(1, 30)) - set(found)
             self.assertLessEqual(lost, {10})
 
+    def test_a_hello_changes_the_layout_on_a_host_that_connects_only(self):
+        hello = dict.fromkeys(("model", "identity", "firmware", "units"), "x")
+        names = ("nonce", "state", "capabilities", "rate_hz")
+        hello |= dict.fromkeys(
+            (*names, "length_resolution", "force_resolution", "force_range"), 1
+        )
+        data = self.codec.encode("HELLO", {**hello, "stages": 3}, 1, 1)
+        values = {"rest": (0.0,) * 9, "lower": (0.0,) * 54}
+        data += make_codec(3).encode(
+            "GEOMETRY", {**values, "upper": (0.0,) * 54}, 2, 1
+        )
+        for follows in (False, True):
+            decoder = Decoder(self.codec, follows)
+            self.assertEqual(len(decoder.feed(data)), 1 + follows)
+
     def test_what_never_ends_takes_no_room(self):
         decoder = Decoder(self.codec)
         for _ in range(2000):

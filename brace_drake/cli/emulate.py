@@ -211,11 +211,8 @@ def carry_out(device, line: str) -> None:
                 faults.to_device.set(name, float(value))
             case ["noise", number]:
                 faults.noise_before_hello = int(number)
-            case ["unplug"]:
-                device.terminal.disconnect()
-            case ["plug"]:
-                device.terminal.connect()
-                print(f"port: {device.terminal.path}", flush=True)
+            case ["unplug" | "plug" as word]:
+                device.plug(word == "plug")
             case ["stop"]:
                 device.stop()
             case _:

@@ -104,11 +104,16 @@ class EmulatedDevice:
         self._origin = self._lag = 0.0
         self._stop = threading.Event()
         self._torso: bool | None = None
+        self._plugged = True
         self._rest, self._is_patient, self._tick_time = b"", True, 0.0
 
     def stop(self) -> None:
         """Ends `run`, from another thread or a signal handler."""
         self._stop.set()
+
+    def plug(self, is_plugged: bool) -> None:
+        """Unplugs the line or plugs it in again, with the next tick."""
+        self._plugged = is_plugged
 
     def plan_torso(self, present: bool) -> None:
         """Lets the torso come or go, with the next tick that is not armed."""
@@ -124,11 +129,20 @@ class EmulatedDevice:
         while not self._stop.is_set():
             if duration is not None and tick * self._period > duration:
                 break
+            if self._plugged != self.terminal.is_connected:
+                self._Plug()
             self._Measure(u, tick * self._period)
             self._Listen((tick + 1) * self._period)
             u = self.firmware.leg_force(tick * self._period)
             tick += 1
         self.terminal.disconnect()
+
+    def _Plug(self) -> None:
+        if not self._plugged:
+            self.terminal.disconnect()
+            return
+        self.terminal.connect()
+        print(f"port: {self.terminal.path}", flush=True)
 
     @property
     def _is_idle(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import select
+import time
 from pathlib import Path
 
 from brace_drake.errors import LinkError
@@ -69,6 +70,7 @@ class Terminal:
     def read(self, timeout: float) -> bytes:
         """Bytes of the host, waiting for at most so long, s."""
         if self._fds is None:
+            time.sleep(max(0.0, timeout))
             return b""
         ready, _, _ = select.select([self._fds[0]], [], [], max(0.0, timeout))
         if not ready:

@@ -197,12 +197,14 @@ class Decoder:
         bad: How many chunks were none, by the word of `Codec.decode`, and
             "long" for more bytes without a delimiter than a frame can have.
         bytes_read: So far.
+        follows_hello: Whether a HELLO says how what follows is laid out: on a
+            host until it is connected, never on a device.
     """
 
     REASONS = ("cobs", "short", "crc", "version", "type", "length", "long")
 
-    def __init__(self, codec: Codec):
-        self._codec = codec
+    def __init__(self, codec: Codec, follows_hello: bool = False):
+        self._codec, self.follows_hello = codec, follows_hello
         self._longest = longest_frame()
         self._rest = bytearray()
         self._skipping = False
@@ -249,6 +251,6 @@ class Decoder:
             return
         self.good += 1
         out.append(found)
-        if found.name == "HELLO" and 1 <= found.values.stages <= MAX_STAGES:
-            # What follows is laid out for the device that has said hello.
-            self._codec = make_codec(found.values.stages)
+        if self.follows_hello and found.name == "HELLO":
+            if 1 <= found.values.stages <= MAX_STAGES:
+                self._codec = make_codec(found.values.stages)

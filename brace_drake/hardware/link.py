@@ -73,7 +73,7 @@ class Link:
         self.on_state: Callable[[Packet, int], None] | None = None
         self._port = OpenPort(path, baud)
         self._codec = make_codec(1)
-        self._decoder = Decoder(self._codec)
+        self._decoder = Decoder(self._codec, follows_hello=True)
         self._sequence = random.randrange(2**16)
         self._order, self._messages, self._states = SequenceWatch(), 0, 0
         self._sending, self._news = threading.Lock(), threading.Condition()
@@ -95,6 +95,7 @@ class Link:
         """
         ends, nonce = time.monotonic() + timeout, random.randrange(2**32)
         names = ("HELLO", "GEOMETRY", "DEVICE_LIMITS")
+        self._decoder.follows_hello = True
         self._Forget(*names)
         while time.monotonic() < ends:
             self.Send("HELLO_REQUEST", {"nonce": nonce})
@@ -104,6 +105,7 @@ class Link:
                     self.hello, self.geometry = hello.values, geometry.values
                     self.device_limits = tuple(limits.values)
                     self._codec = make_codec(self.hello.stages)
+                    self._decoder.follows_hello = False
                     return
             self._CheckAlive()
         raise LinkError(f"{self.path}: {self._DescribeStranger()}")

@@ -24,7 +24,7 @@ def OpenPort(path: str, baud: int = BAUD) -> serial.SerialBase:
         LinkError: One line: the port, and what is wrong with it.
     """
     try:
-        options = {"baudrate": baud, "timeout": 0.02, "write_timeout": 0.2}
+        options = {"baudrate": baud, "timeout": 0.02, "write_timeout": 1.0}
         if "://" not in path:
             options["exclusive"] = True
         port = serial.serial_for_url(path, **options)

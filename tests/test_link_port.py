@@ -1,0 +1,358 @@
+"""A device on a pseudo-terminal: strangers, disconnects, kills, recordings."""
+
+import contextlib
+import io
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import tty
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+from brace_drake.campaign import CheckCampaign, LoadCampaign
+from brace_drake.cli.main import main
+from brace_drake.emulator.bench_plant import BenchPlant
+from brace_drake.emulator.device import EmulatedDevice, describe_bench
+from brace_drake.errors import LimitsError, LinkError, StoppedError
+from brace_drake.hardware.clock import ClockSync
+from brace_drake.hardware.limits import DEFAULT
+from brace_drake.hardware.link import Link
+from brace_drake.hardware.ports import OpenPort
+from brace_drake.hardware.sequence import SequenceWatch
+from brace_drake.hardware.words import Cause, DeviceState
+from brace_drake.operation.journal import Journal
+from brace_drake.operation.record import columns_of
+from brace_drake.operation.recorder import Recorder
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.twin.motion_library import SafeMotion
+from brace_drake.twin.motion_parts import ramp
+
+ROOT = Path(__file__).resolve().parents[1]
+SCENARIO = BenchScenario(time_step=5e-4)
+# A machine that tests share is late at times.
+PATIENT = DEFAULT._replace(stale=5.0)
+
+
+class Pty:
+    """A pseudo-terminal whose other end says what it is told."""
+
+    def __enter__(self):
+        self.master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        self.path = os.ttyname(self._slave)
+        return self
+
+    def __exit__(self, *_):
+        os.close(self.master)
+        os.close(self._slave)
+
+
+@contextlib.contextmanager
+def emulated(prepare=lambda device: None, scenario=SCENARIO, limits=DEFAULT):
+    """An emulated device that runs in a thread of its own."""
+    device = EmulatedDevice(
+        BenchPlant(scenario),
+        describe_bench(scenario, "test-1"),
+        limits,
+        host_paced=True,
+    )
+    prepare(device)
+    thread = threading.Thread(target=device.run, daemon=True)
+    thread.start()
+    try:
+        yield device
+    finally:
+        device.stop()
+        thread.join(5.0)
+
+
+def short_push(seconds=1.0):
+    time_s = np.arange(round(200 * seconds)) / 200.0
+    samples = ramp(time_s, 0.1, 0.6, -0.004)
+    return SafeMotion("push", "4 mm", True, "push", time_s, samples)
+
+
+class _NoKeys:
+    is_terminal = False
+
+    def pressed(self):
+        return False
+
+
+def wait_for(condition, seconds=5.0):
+    ends = time.monotonic() + seconds
+    while time.monotonic() < ends:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return False
+
+
+class TestPorts(unittest.TestCase):
+    def assert_refused(self, words, path="/dev/null"):
+        with self.assertRaises(LinkError) as caught:
+            OpenPort(path)
+        self.assertIn(words, str(caught.exception))
+        self.assertIn(path, str(caught.exception))
+        self.assertNotIn("\n", str(caught.exception))
+
+    def test_each_way_to_fail_has_its_line(self):
+        self.assert_refused("no such port", "/dev/ttyNone7")
+        with tempfile.NamedTemporaryFile() as file:
+            self.assert_refused("not a serial port", file.name)
+        denied = OSError(13, "could not open port")
+        with mock.patch("serial.serial_for_url", side_effect=denied):
+            self.assert_refused("no permission")
+
+    def test_a_port_in_use_is_said_to_be(self):
+        with Pty() as pty:
+            first = OpenPort(pty.path)
+            self.assert_refused("in use", pty.path)
+            first.close()
+            OpenPort(pty.path).close()
+
+    def test_the_command_line_has_one_line_and_status_two(self):
+        errors = io.StringIO()
+        with contextlib.redirect_stderr(errors):
+            status = main(
+                ["record", "--port", "/dev/ttyNone7", "--motion", "push",
+                 "--out", "/nowhere"]
+            )  # fmt: skip
+        self.assertEqual(status, 2)
+        self.assertEqual(errors.getvalue().count("\n"), 1)
+        self.assertIn("no such port", errors.getvalue())
+
+
+class TestStrangers(unittest.TestCase):
+    def test_silence_and_noise_are_told_apart(self):
+        for noise, words in (
+            (b"", "no answer to hello"),
+            (b"\x17U-Boot 2024.01\r\n\0login: \0", "no message among them"),
+        ):
+            with Pty() as pty:
+                link = Link(pty.path)
+                os.write(pty.master, noise)
+                with self.assertRaisesRegex(LinkError, words):
+                    link.Connect(timeout=0.5)
+                link.Close()
+
+    def test_a_device_of_another_geometry_is_refused_by_place(self):
+        other = BenchScenario(time_step=5e-4)
+        other.stage.upper.radius = 0.182
+        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(LinkError, r"geometry.*upper\["):
+                Recorder(device.terminal.path, other, DEFAULT, folder)
+
+    def test_wider_limits_are_refused_by_name(self):
+        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+            wide = DEFAULT._replace(pad_force=60.0)
+            with self.assertRaisesRegex(LimitsError, "pad_force is 60"):
+                Recorder(device.terminal.path, SCENARIO, wide, folder)
+            self.assertEqual(device.firmware.state, DeviceState.HELLO)
+
+    def test_noise_before_hello_does_not_keep_them_apart(self):
+        def prepare(device):
+            device.faults.noise_before_hello = 600
+
+        with emulated(prepare) as device:
+            with Link(device.terminal.path) as link:
+                link.Connect()
+                self.assertEqual(link.hello.identity, "test-1")
+                link.Agree(DEFAULT)
+                self.assertTrue(wait_for(lambda: link.counts.states > 50))
+
+
+class TestDisconnect(unittest.TestCase):
+    def test_unplugging_ends_the_motion_and_keeps_what_was_recorded(self):
+        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "c"
+            with Recorder(
+                device.terminal.path, SCENARIO, PATIENT, out
+            ) as recorder:
+                recorder.Record(short_push(), "fit", 0, _NoKeys())
+                pull = threading.Timer(2.5, device.plug, (False,))
+                pull.start()
+                with self.assertRaises(StoppedError) as caught:
+                    recorder.Record(short_push(20.0), "fit", 0, _NoKeys())
+                self.assertRegex(str(caught.exception), "gone|disconnected")
+            campaign = LoadCampaign(out)
+            whole, cut = campaign.runs
+            self.assertEqual(len(whole.time_s), 200)
+            self.assertGreater(len(cut.time_s), 50)
+            self.assertTrue(
+                wait_for(lambda: device.firmware.state == DeviceState.STOPPED)
+            )
+            self.assertEqual(device.firmware.trip.cause, Cause.WATCHDOG)
+
+
+class TestRecording(unittest.TestCase):
+    def test_a_recording_shows_the_motion_and_who_made_it(self):
+        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "c"
+            with Recorder(
+                device.terminal.path, SCENARIO, PATIENT, out
+            ) as recorder:
+                recorder.Record(short_push(), "fit", 0, _NoKeys())
+                recorder.Record(short_push(), "fit", 0, _NoKeys())
+            text = (out / "campaign.yaml").read_text()
+            for words in ("identity: test-1", "firmware: emulated 1.0"):
+                self.assertIn(words, text)
+            errors = [p for p in CheckCampaign(out) if p.severity == "error"]
+            self.assertEqual(errors, [])
+            first, second = LoadCampaign(out).runs
+            self.assertEqual(second.repeat_of, "push.csv")
+            for run in (first, second):
+                force = run.channels["ring2_force_y_N"]
+                self.assertLess(force[-20:].mean(), -3.0)
+                steps = np.diff(run.time_s)
+                np.testing.assert_allclose(steps, 0.005, atol=1e-9)
+
+    def test_the_stop_key_stops_and_a_stop_must_be_cleared(self):
+        class Pressed(_NoKeys):
+            def pressed(self):
+                self.calls = getattr(self, "calls", 0) + 1
+                return self.calls > 60
+
+        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+            path = device.terminal.path
+            with Recorder(path, SCENARIO, PATIENT, folder) as recorder:
+                with self.assertRaisesRegex(StoppedError, "stop key"):
+                    recorder.Record(short_push(20.0), "fit", 0, Pressed())
+            self.assertEqual(device.firmware.trip.cause, Cause.STOP_KEY)
+            with self.assertRaisesRegex(LinkError, "stop key.*--clear"):
+                Recorder(path, SCENARIO, PATIENT, folder)
+            Recorder(path, SCENARIO, PATIENT, folder, clear=True).link.Close()
+            self.assertEqual(device.firmware.state, DeviceState.DISARMED)
+
+
+_WRITER = """
+import sys
+from brace_drake.operation.journal import Journal
+from brace_drake.operation.record import columns_of
+columns = columns_of("bench stage 2")
+run = Journal(sys.argv[1], "bench stage 2", 200.0, "x", {}).NewRun(
+    "push", columns, True, "push", "fit")
+print("ready", flush=True)
+i = 0
+while True:
+    # Forces, lengths and positions of a push, that no check finds odd.
+    row = [i / 200.0]
+    for k in range(6):
+        row += [2.0 + 0.01 * ((i * 7 + k) % 13), 0.141 + 1e-5 * ((i + k) % 3)]
+    row += [0.01 * (i % 5), 0.02 * (i % 7), 0.03 * (i % 3)]
+    row += [1e-6 * i, 2e-4 + 1e-9 * i, 1e-9 * i, 1e-6 * i]
+    row += [1e-6 * (i % 5), 1e-6 * (i % 3), 1e-6 * (i % 7), 0, 0, 100]
+    run.Append(row)
+    run.Flush(now=i % 3 == 0)
+    i += 1
+"""
+
+
+class TestKill(unittest.TestCase):
+    def test_a_journal_killed_at_any_moment_holds_whole_rows_only(self):
+        draw = np.random.default_rng(5)
+        for _ in range(5):
+            with tempfile.TemporaryDirectory() as folder:
+                child = subprocess.Popen(
+                    [sys.executable, "-c", _WRITER, folder],
+                    cwd=ROOT,
+                    stdout=subprocess.PIPE,
+                )
+                child.stdout.readline()
+                time.sleep(draw.uniform(0.05, 0.3))
+                child.kill()
+                child.wait()
+                child.stdout.close()
+                problems = CheckCampaign(folder)
+                errors = [p for p in problems if p.severity == "error"]
+                self.assertEqual(errors, [])
+                data = (Path(folder) / "push.csv").read_bytes()
+                self.assertEqual(data[-1:], b"\n")
+
+    def test_rows_never_cross_a_page(self):
+        with tempfile.TemporaryDirectory() as folder:
+            journal = Journal(folder, "bench stage 2", 200.0, "x", {})
+            columns = columns_of("bench stage 2")
+            run = journal.NewRun("push", columns, True, "push", "fit")
+            for i in range(40):
+                run.Append([0.005 * i, *[-123.4] * (len(columns) - 1)])
+            run.Close(True, {})
+            data = (Path(folder) / "push.csv").read_bytes()
+        ends = [i for i, byte in enumerate(data) if byte == 10]
+        begins = [0, *[e + 1 for e in ends[:-1]]]
+        for begin, end in list(zip(begins, ends, strict=True))[1:]:
+            self.assertEqual(begin // 4096, end // 4096)
+
+    def test_record_killed_leaves_a_campaign_valid_to_its_last_second(self):
+        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "c"
+            limits = Path(folder) / "limits.yaml"
+            limits.write_text("stale: 5.0\n")
+            record = subprocess.Popen(
+                [sys.executable, "-m", "brace_drake.cli.main", "record",
+                 "--port", device.terminal.path, "--motion", "push",
+                 "--out", str(out), "--countdown", "0",
+                 "--limits", str(limits)],
+                cwd=ROOT,
+                stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+            self.assertTrue(wait_for((out / "push.csv").exists, 60.0))
+            time.sleep(1.3)
+            os.kill(record.pid, signal.SIGKILL)
+            killed = time.time()
+            record.wait()
+            (run,) = LoadCampaign(out).runs
+            self.assertLess(killed - (out / "push.csv").stat().st_mtime, 1.0)
+            self.assertGreater(len(run.time_s), 20)
+            self.assertTrue(
+                wait_for(lambda: device.firmware.state == DeviceState.STOPPED)
+            )
+            self.assertEqual(device.firmware.trip.cause, Cause.WATCHDOG)
+
+
+class TestCounting(unittest.TestCase):
+    def test_lost_repeated_and_late_are_told_apart_over_the_wrap(self):
+        watch = SequenceWatch()
+        taken = [
+            watch.take(n & 0xFFFF)
+            for n in (65533, 65534, 65534, 65537, 65536, 65538)
+        ]
+        self.assertEqual(taken, [0, 0, None, 2, None, 0])
+        self.assertEqual((watch.lost, watch.repeated, watch.late), (2, 1, 1))
+
+    def test_the_clock_is_found_behind_uneven_delays(self):
+        draw, clock = np.random.default_rng(2), ClockSync()
+        offset, drift = -1234.5, 3e-5
+        for t in np.arange(0.0, 60.0, 0.1):
+            there, back = 1e-4 + draw.exponential(2e-3, 2)
+            device = (t + there) * (1.0 + drift) + offset
+            clock.add(t, device, t + there + back)
+        self.assertAlmostEqual(clock.drift, drift, delta=1e-5)
+        for t in (30.0, 59.0):
+            seen = clock.host_time(t * (1.0 + drift) + offset)
+            self.assertAlmostEqual(seen, t, delta=3e-4)
+        self.assertLess(clock.error_bound, 1e-3)
+
+
+class TestFuzz(unittest.TestCase):
+    def test_no_damage_is_acted_upon_and_no_whole_frame_is_lost(self):
+        done = subprocess.run(
+            [sys.executable, "tools/fuzz_link.py", "--frames", "5000"],
+            cwd=ROOT,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+        )
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertRegex(done.stdout, r"wrong +0\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
