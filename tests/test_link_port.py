@@ -61,7 +61,7 @@ def emulated(prepare=lambda device: None, scenario=SCENARIO, limits=DEFAULT):
         BenchPlant(scenario),
         describe_bench(scenario, "test-1"),
         limits,
-        host_paced=True,
+        host_paced=1.0,
     )
     prepare(device)
     thread = threading.Thread(target=device.run, daemon=True)
@@ -341,17 +341,32 @@ class TestCounting(unittest.TestCase):
         self.assertLess(clock.error_bound, 1e-3)
 
 
-class TestFuzz(unittest.TestCase):
-    def test_no_damage_is_acted_upon_and_no_whole_frame_is_lost(self):
+class TestTools(unittest.TestCase):
+    def run_tool(self, *words):
         done = subprocess.run(
-            [sys.executable, "tools/fuzz_link.py", "--frames", "5000"],
+            [sys.executable, *words],
             cwd=ROOT,
             env={**os.environ, "PYTHONPATH": str(ROOT)},
             capture_output=True,
             text=True,
         )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertRegex(done.stdout, r"wrong +0\n")
+        return done.stdout
+
+    def test_no_damage_is_acted_upon_and_no_whole_frame_is_lost(self):
+        said = self.run_tool("tools/fuzz_link.py", "--frames", "5000")
+        self.assertRegex(said, r"wrong +0\n")
+
+    def test_the_watchdog_stops_after_each_kill_of_the_host(self):
+        said = self.run_tool("tools/kill_host.py", "--kills", "3")
+        self.assertIn("3 of 3", said)
+
+    def test_nothing_is_lost_without_a_count_and_no_memory_grows(self):
+        said = self.run_tool(
+            "tools/soak_link.py", "--seconds", "3", "--host-paced",
+            "--stale", "5",
+        )  # fmt: skip
+        self.assertRegex(said, r"missing unseen +0\n")
 
 
 if __name__ == "__main__":

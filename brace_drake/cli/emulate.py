@@ -66,8 +66,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--host-paced",
-        action="store_true",
-        help="device time waits for an armed host's answers",
+        type=float,
+        nargs="?",
+        const=1.0,
+        default=0.0,
+        metavar="S",
+        help="device time waits up to S (1) for each answer of an armed host",
     )
     parser.add_argument("--duration", type=float, metavar="S")
     parser.add_argument(

@@ -18,8 +18,6 @@ from brace_drake.hardware.words import DeviceState
 from brace_drake.scenario.bench import BenchScenario
 
 MODEL = "bench stage 2"
-# A device that paces itself by its host gives up waiting after so long, s.
-_PATIENCE = 1.0
 
 
 @dataclass
@@ -72,8 +70,8 @@ class EmulatedDevice:
 
     Each tick: readings, STATE out, wait for the answer until the tick is over,
     drive the legs for one period. With `host_paced` the device's time stands
-    still until an armed host has answered: the recording is then that of a
-    machine that is never late, whatever else runs on this one.
+    still for so long, s, or until an armed host has answered: the recording is
+    then that of a machine that is never late, whatever else runs on this one.
 
     Attributes:
         plant, firmware, terminal, faults: Its parts.
@@ -87,7 +85,7 @@ class EmulatedDevice:
         identity: Identity,
         limits: Limits = DEFAULT,
         link: str | None = None,
-        host_paced: bool = False,
+        host_paced: float = 0.0,
         seed: int = 0,
     ):
         self.plant, self.host_paced = plant, host_paced
@@ -201,7 +199,7 @@ class EmulatedDevice:
         firmware = self.firmware
         while firmware.state == DeviceState.ARMED and not firmware.has_answer:
             waited = time.perf_counter() - begun
-            if not self._is_patient or waited > _PATIENCE:
+            if not self._is_patient or waited > self.host_paced:
                 break
             self._Take(self.terminal.read(0.01))
         # A host that has gone is not waited for again at each tick.
