@@ -28,6 +28,7 @@ _COMMANDS = (
     "emulate",
     "record",
     "campaign",
+    "deploy",
 )
 
 

@@ -212,7 +212,7 @@ class Session:
             readings[6:9].tolist(),
             missing,
             pose=control.pose if controlled else None,
-            virtual=control.virtual if controlled and self._is_home else None,
+            virtual=control.virtual if controlled and self._follows else None,
             expected=control.expected.tolist() if controlled else None,
             has_pose=control.good,
         )
@@ -221,9 +221,9 @@ class Session:
         )
 
     @property
-    def _is_home(self) -> bool:
-        """Whether the ring has had the time to come to its rest pose."""
-        return self._at > -round(_HOME / self._setup.period)
+    def _follows(self) -> bool:
+        """Whether the ring is driven, and has had the time to come home."""
+        return not self._dry and self._at > -round(_HOME / self._setup.period)
 
     def _Bridge(self, readings: np.ndarray, missing: int) -> None:
         """Controls the ticks of lost states on interpolated readings."""

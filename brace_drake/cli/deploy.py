@@ -1,0 +1,92 @@
+"""The command `brace-drake deploy`: a controller on a device."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+
+from brace_drake.cli.link_options import AddDevice, load_device_options
+from brace_drake.errors import StoppedError
+from brace_drake.output import MakeFolder, WriteJson, WriteText
+
+_EPILOG = """\
+example:
+  brace-drake deploy --port /dev/ttyACM0 --controller pic --dry-run
+  brace-drake deploy --port /dev/ttyACM0 --controller pic --motion push \\
+      --out runs/tuesday
+
+Before it arms: device and twin must agree on kind, rate, geometry and limits,
+and a dry run of two seconds must have kept its time. --dry-run ends there.
+"""
+_DRY_SECONDS = 2.0
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `deploy`."""
+    parser = subparsers.add_parser(
+        "deploy",
+        help="run a controller on a device",
+        description="Puts a device in the plant's place.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    AddDevice(parser)
+    parser.add_argument(
+        "--controller", default="pic", metavar="NAME", help="pic"
+    )
+    parser.add_argument(
+        "--motion", default="push", metavar="NAME|FILE", help="default: push"
+    )
+    parser.add_argument("--dry-run", action="store_true", help="never arm")
+    parser.add_argument("--out", metavar="DIR", help="for log and timing")
+    parser.add_argument(
+        "--countdown", type=int, default=3, metavar="S", help="default: 3"
+    )
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Dry run, then the motion; prints and writes the timing."""
+    import numpy as np
+
+    from brace_drake.cli.record import load_motion
+    from brace_drake.operation.console import CountDown, ReadKeys
+    from brace_drake.operation.deploy import (
+        RunController,
+        check_dry_run,
+        measure_timing,
+    )
+    from brace_drake.operation.station import MakeControl, OpenDevice
+    from brace_drake.twin.reference import reference_at_ticks
+
+    out = MakeFolder(Path(args.out)) if args.out else None
+    motion = load_motion(args.motion)
+    scenario, limits = load_device_options(args)
+    control = MakeControl(args.controller, scenario)
+    with (
+        OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,
+        ReadKeys() as keys,
+    ):
+        rate = link.hello.rate_hz
+        desired = reference_at_ticks(motion.time, motion.samples, rate)
+        still = np.zeros((round(_DRY_SECONDS * rate), 3))
+        dry, log = RunController(
+            link, control, limits, still, True, keys.pressed
+        )
+        timing = {"dry_run": asdict(measure_timing(dry))}
+        print(f"dry run: {measure_timing(dry)}", flush=True)
+        check_dry_run(measure_timing(dry))
+        if not args.dry_run:
+            if not CountDown(args.countdown, f"{motion.name} moves", keys):
+                raise StoppedError(f"{motion.name}: not begun")
+            armed, log = RunController(
+                link, control, limits, desired, False, keys.pressed
+            )
+            timing["armed"] = asdict(measure_timing(armed))
+            print(f"armed: {measure_timing(armed)}")
+    if out is not None:
+        WriteText(out / "ticks.csv", log)
+        WriteJson(out / "timing.json", timing)
+        print(f"log: {out / 'ticks.csv'}")
+    return 0

@@ -1,0 +1,167 @@
+"""A controller on a device: dry first, then armed, watched all the time."""
+
+from __future__ import annotations
+
+import csv
+import io
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from brace_drake.errors import StoppedError
+from brace_drake.hardware.limits import Limits
+from brace_drake.hardware.link import Link
+from brace_drake.hardware.words import Cause
+from brace_drake.operation.session import Session
+
+_PAUSE = 0.02
+# What a dry run must show before anything is armed.
+_LEAST_DRY, _MOST_LATE = 200, 1.0
+
+
+@dataclass
+class Timing:
+    """How well a run kept its time.
+
+    Attributes:
+        ticks: Controlled.
+        rate_hz: Of them.
+        unanswered, bridged: Ticks that went by on the last command; states
+            that never came.
+        latency_us, period_us, age_ticks: 50, 99, 99.9 %.
+    """
+
+    ticks: int
+    rate_hz: float
+    unanswered: int
+    bridged: int
+    latency_us: list[float] = field(default_factory=list)
+    period_us: list[float] = field(default_factory=list)
+    age_ticks: list[float] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        def three(values):
+            return " / ".join(f"{v:.0f}" for v in values)
+
+        return (
+            f"{self.ticks} ticks at {self.rate_hz:.0f} Hz;"
+            f" answers {three(self.latency_us)} us,"
+            f" periods {three(self.period_us)} us,"
+            f" ages {three(self.age_ticks)} ticks (50, 99, 99.9 %);"
+            f" unanswered {self.unanswered}, bridged {self.bridged}"
+        )
+
+
+def measure_timing(session: Session) -> Timing:
+    """The timing of a session so far."""
+    tally = session.tally
+
+    def at(values, scale=1.0):
+        if not values:
+            return []
+        levels = np.percentile(np.array(values) * scale, (50, 99, 99.9))
+        return [float(v) for v in levels]
+
+    mean = float(np.mean(tally.periods)) if tally.periods else float("inf")
+    return Timing(
+        tally.ticks,
+        1.0 / mean,
+        tally.unanswered,
+        tally.bridged,
+        at(tally.latencies, 1e6),
+        at(tally.periods, 1e6),
+        at(tally.ages),
+    )
+
+
+def RunController(
+    link: Link,
+    control,
+    limits: Limits,
+    desired: np.ndarray,
+    dry_run: bool,
+    asks_stop: Callable[[], bool] = lambda: False,
+    tell: Callable[[Session], None] = lambda session: None,
+) -> tuple[Session, str]:
+    """Runs a controller over a reference.
+
+    Args:
+        link: Agreed.
+        control: With `Tick(readings, desired)`, as `PicControl`.
+        limits: Of the supervisor.
+        desired: y_d, y_d', y_d'' at each tick (ticks, 3).
+        dry_run: Commands are computed and judged, but the device stays
+            disarmed.
+        asks_stop, tell: Of the operator's console.
+
+    Returns:
+        The session, and a log of all ticks as CSV text.
+
+    Raises:
+        StoppedError: It was stopped before its end.
+    """
+    session = Session(link, control, limits, dry_run)
+    session.Start(desired)
+    rows = []
+    try:
+        while not session.is_over:
+            time.sleep(_PAUSE)
+            session.CheckAlive()
+            if asks_stop():
+                session.Stop(Cause.STOP_KEY)
+            while session.rows:
+                rows.append(session.rows.popleft())
+            tell(session)
+    except BaseException:
+        session.Stop(Cause.HOST_ERROR)
+        raise
+    finally:
+        link.on_state = None
+    rows += session.rows
+    if session.trip is not None or not session.done:
+        words = str(session.trip or link.error)
+        raise StoppedError(f"stopped after {len(rows)} ticks: {words}")
+    session.Finish()
+    return session, format_log(rows)
+
+
+def check_dry_run(timing: Timing) -> None:
+    """Refuses to arm after a dry run that kept no time.
+
+    Raises:
+        StoppedError: Says what was too slow.
+    """
+    if timing.ticks < _LEAST_DRY:
+        raise StoppedError(f"the dry run had {timing.ticks} ticks only")
+    period = 1e6 / timing.rate_hz
+    late = timing.latency_us[1]
+    if late > _MOST_LATE * period:
+        raise StoppedError(
+            f"not armed: in the dry run 1 % of the answers took {late:.0f} us"
+            f" or more, a tick has {period:.0f}"
+        )
+
+
+def format_log(rows) -> str:
+    """Ticks as CSV text: tick, commands, readings, reference, timing."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    head = ["tick", *(f"leg{k}_force_command_N" for k in range(1, 7))]
+    head += [f"leg{k}_length_m" for k in range(1, 7)]
+    head += [f"ring2_force_{a}_N" for a in "xyz"]
+    head += ["ring2_y_desired_m", "ring2_y_virtual_m"]
+    writer.writerow([*head, "latency_us", "command_age_ticks", "bridged"])
+    for row in rows:
+        values = [*row.command, *row.readings[:9], row.desired[0]]
+        writer.writerow(
+            [
+                row.tick,
+                *(f"{v:.8g}" for v in (*values, row.y_virtual)),
+                round(1e6 * row.latency),
+                row.age,
+                int(row.bridged),
+            ]
+        )
+    return out.getvalue()

@@ -1,0 +1,178 @@
+"""Controllers on a device; plans of campaigns."""
+
+import contextlib
+import io
+import json
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.cli.emulate import carry_out
+from brace_drake.cli.main import main
+from brace_drake.errors import CampaignError, LinkError, StoppedError
+from brace_drake.hardware.words import DeviceState
+from brace_drake.operation.campaign_plan import (
+    STANDARD_PLAN,
+    LoadPlan,
+    remaining_runs,
+)
+from brace_drake.operation.control import PicControl
+from brace_drake.operation.deploy import (
+    RunController,
+    Timing,
+    check_dry_run,
+    measure_timing,
+)
+from brace_drake.operation.station import OpenDevice
+from brace_drake.twin.motion_library import MakeMotion
+from tests.test_link_port import PATIENT, SCENARIO, emulated
+
+
+def run(*words):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = main([str(word) for word in words])
+    return status, out.getvalue(), err.getvalue()
+
+
+class TestDeploy(unittest.TestCase):
+    def test_a_dry_run_never_arms(self):
+        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+            limits = Path(folder) / "limits.yaml"
+            limits.write_text("stale: 5.0\n")
+            status, out, error = run(
+                "deploy", "--port", device.terminal.path, "--dry-run",
+                "--limits", limits, "--out", Path(folder) / "o",
+            )  # fmt: skip
+            # On a machine that is busy the dry run may say that it is late.
+            if status == 2:
+                self.assertIn("not armed: in the dry run", error)
+            else:
+                timing = json.loads(
+                    (Path(folder) / "o" / "timing.json").read_text()
+                )
+                self.assertGreater(timing["dry_run"]["ticks"], 2000)
+                self.assertIn("dry run:", out)
+            self.assertEqual(device.firmware.accepted, 0)
+            self.assertIn(
+                device.firmware.state,
+                (DeviceState.DISARMED, DeviceState.HELLO),
+            )
+
+    def test_any_law_with_a_tick_can_be_deployed_and_is_supervised(self):
+        class Wild(PicControl):
+            """Pushes along y without end, as a bad policy would."""
+
+            def Tick(self, readings, desired):
+                super().Tick(readings, desired)
+                self.ticks = getattr(self, "ticks", 0) + 1
+                self.command += (
+                    0.004
+                    * self.ticks
+                    * np.array([1.0, -1.0, 0.1, -0.1, 1.0, -1.0])
+                )
+                return self.command
+
+        with emulated() as device:
+            path = device.terminal.path
+            with OpenDevice(path, SCENARIO, PATIENT) as link:
+                control = Wild(SCENARIO)
+                with self.assertRaises(StoppedError):
+                    RunController(
+                        link, control, PATIENT, np.zeros((5000, 3)), False
+                    )
+            self.assertNotEqual(device.firmware.state, DeviceState.ARMED)
+
+    def test_a_run_is_logged_tick_by_tick(self):
+        with emulated() as device:
+            path = device.terminal.path
+            with OpenDevice(path, SCENARIO, PATIENT) as link:
+                session, log = RunController(
+                    link, PicControl(SCENARIO), PATIENT, np.zeros((300, 3)),
+                    False,
+                )  # fmt: skip
+            rows = log.splitlines()
+            self.assertEqual(len(rows), 301)
+            timing = measure_timing(session)
+            self.assertGreater(timing.ticks, 1300)
+            self.assertEqual(len(timing.latency_us), 3)
+            self.assertIn("ticks at", str(timing))
+
+    def test_a_dry_run_that_was_late_is_refused(self):
+        good = Timing(2000, 1000.0, 0, 0, [100.0, 900.0, 2000.0])
+        check_dry_run(good)
+        with self.assertRaisesRegex(StoppedError, "not armed"):
+            check_dry_run(Timing(2000, 1000.0, 0, 0, [100.0, 1100.0, 2e3]))
+        with self.assertRaisesRegex(StoppedError, "50 ticks only"):
+            check_dry_run(Timing(50, 1000.0, 0, 0, [1.0, 1.0, 1.0]))
+
+
+class TestEmulatorsWords(unittest.TestCase):
+    def test_each_line_of_the_help_is_obeyed(self):
+        with emulated() as device:
+            for line in (
+                "torso off", "estop on", "estop off", "drive on", "drive off",
+                "stuck 3", "frozen 3", "free", "to-host drop 0.01",
+                "to-device delay 0.005", "noise 500", "",
+            ):  # fmt: skip
+                carry_out(device, line)
+            self.assertEqual(device.faults.to_host.drop, 0.01)
+            self.assertEqual(device.faults.to_device.delay, 0.005)
+            for line in ("jump", "stuck 7", "stuck x", "to-host drop 2"):
+                with self.assertRaises(LinkError) as caught:
+                    carry_out(device, line)
+                self.assertNotIn("\n", str(caught.exception))
+
+
+class TestPlan(unittest.TestCase):
+    def test_the_standard_plan_has_what_a_diagnosis_needs(self):
+        for run in STANDARD_PLAN:
+            MakeMotion(run.motion)
+        splits = [r.split for r in STANDARD_PLAN]
+        self.assertGreaterEqual(splits.count("validation"), 3)
+        self.assertTrue(any(r.repeat for r in STANDARD_PLAN))
+        contact = [MakeMotion(r.motion).contact for r in STANDARD_PLAN]
+        # The torso comes once.
+        self.assertEqual(contact, sorted(contact))
+
+    def test_a_campaign_goes_on_where_it_stopped(self):
+        done = [
+            {"file": "free_multisine.csv", "split": "fit", "complete": True},
+            {"file": "push.csv", "split": "fit", "complete": True},
+            {"file": "stairs.csv", "split": "fit", "complete": False},
+        ]
+        left = [run.motion for _, run in remaining_runs(STANDARD_PLAN, done)]
+        self.assertNotIn("free_multisine", left)
+        self.assertEqual(left.count("push"), 1)
+        self.assertIn("stairs", left)
+        done.append({"file": "push_2.csv", "split": "fit"})
+        left = [run.motion for _, run in remaining_runs(STANDARD_PLAN, done)]
+        self.assertNotIn("push", left)
+        self.assertEqual(len(left), len(STANDARD_PLAN) - 3)
+
+    def test_bad_plans_are_told_in_one_line(self):
+        head = "format: brace-plan/1\n"
+        cases = (
+            ("runs: []", "format must be"),
+            (head, "runs must be a list"),
+            (head + "runs: [{}]", "run 1 has no motion"),
+            (head + "runs: [{motion: pusch}]", "did you mean push"),
+            (head + "runs: [{motion: push, spilt: fit}]", "did you mean split"),
+            (head + "runs: [{motion: push, split: test}]", "split is 'test'"),
+            (head + "runs: [{motion: push, repeat: 2}]", "repeat is 2"),
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "plan.yaml"
+            for text, words in cases:
+                path.write_text(text)
+                with self.assertRaises(CampaignError) as caught:
+                    LoadPlan(path)
+                self.assertIn(words, str(caught.exception))
+            path.write_text(head + "runs: [{motion: push, repeat: true}]")
+            self.assertTrue(LoadPlan(path)[0].repeat)
+
+
+if __name__ == "__main__":
+    unittest.main()
