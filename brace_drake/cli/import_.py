@@ -1,0 +1,51 @@
+"""The command `brace-drake import`: a campaign from a lab's own files."""
+
+from __future__ import annotations
+
+import argparse
+
+_EPILOG = """\
+example:
+  brace-drake import monday.map.yaml --out recordings/monday
+
+where monday.map.yaml says which column is which channel:
+  format: brace-import/1
+  device: pad bench
+  subject: phantom 2
+  columns:
+    time_s: Time
+    displacement_m: {from: "Travel (mm)", scale: 0.001}
+    force_N: {from: Load, offset: -0.2}
+  options: {delimiter: ";", decimal: ","}
+  runs:
+  - {file: first.csv, motion: push, split: fit}
+  - {file: second.tdms, motion: push, split: validation}
+
+Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS. `rate_hz` resamples them.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `import`."""
+    parser = subparsers.add_parser(
+        "import",
+        help="make a campaign from CSV, MATLAB or TDMS files",
+        description="Turns a lab's own recordings into a campaign.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("map", metavar="MAP", help="*.yaml, see the example")
+    parser.add_argument("--out", required=True, metavar="DIR")
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Imports and writes; prints what to do next."""
+    from brace_drake.campaign import WriteCampaign
+    from brace_drake.importing.mapped import ImportCampaign
+
+    campaign = ImportCampaign(args.map)
+    WriteCampaign(campaign, args.out)
+    print(f"campaign: {args.out}, {len(campaign.runs)} runs")
+    print(f"next: brace-drake check {args.out}")
+    return 0

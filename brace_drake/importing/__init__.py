@@ -1,0 +1,1 @@
+"""Recordings that labs have, as campaigns: CSV, MATLAB, NI TDMS."""
