@@ -113,7 +113,8 @@ class TestEmulatorsWords(unittest.TestCase):
     def test_each_line_of_the_help_is_obeyed(self):
         with emulated() as device:
             for line in (
-                "torso off", "estop on", "estop off", "drive on", "drive off",
+                "torso off", "rest",
+                "estop on", "estop off", "drive on", "drive off",
                 "stuck 3", "frozen 3", "free", "to-host drop 0.01",
                 "to-device delay 0.005", "noise 500", "",
             ):  # fmt: skip

@@ -33,9 +33,13 @@ state = link.WaitForState()
 if state.state == DeviceState.STOPPED:
     link.Clear(Cause(state.cause))
 hold = tuple(float(v) for v in sys.argv[2].split(","))
+# A spring in each leg: nothing else holds a ring for minutes.
+rest = state.leg_length
 def answer(packet, lost):
     if packet.values.state == DeviceState.ARMED:
-        link.Command(hold, packet.values.tick)
+        pairs = zip(hold, rest, packet.values.leg_length)
+        forces = [h + 1500.0 * (a - b) for h, a, b in pairs]
+        link.Command(forces, packet.values.tick)
 link.on_state = answer
 link.Arm()
 print("armed", flush=True)
@@ -45,6 +49,7 @@ time.sleep(60.0)
 
 def kill_once(device: EmulatedDevice, hold: str, draw) -> float | None:
     """Waited time of the watchdog, s; None where it did not stop."""
+    device.plan_rest()
     host = subprocess.Popen(
         [sys.executable, "-c", _HOST, device.terminal.path, hold],
         stdout=subprocess.PIPE,

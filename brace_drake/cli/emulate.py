@@ -17,6 +17,7 @@ example:
 
 Lines on standard input change it while it runs:
   torso on|off               the subject comes or goes
+  rest                       ring and torso are put back at rest
   estop on|off               the emergency stop
   drive on|off               a drive's own fault
   stuck 3 | frozen 3 | free  leg 3 jams | its reading stands still | neither
@@ -199,6 +200,8 @@ def carry_out(device, line: str) -> None:
                 pass
             case ["torso", "on" | "off" as value]:
                 device.plan_torso(value == "on")
+            case ["rest"]:
+                device.plan_rest()
             case ["estop", "on" | "off" as value]:
                 faults.estop = value == "on"
             case ["drive", "on" | "off" as value]:

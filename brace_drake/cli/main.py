@@ -29,6 +29,7 @@ _COMMANDS = (
     "record",
     "campaign",
     "deploy",
+    "twin",
     "import_",
 )
 

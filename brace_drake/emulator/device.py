@@ -102,12 +102,16 @@ class EmulatedDevice:
         self._origin = self._lag = 0.0
         self._stop = threading.Event()
         self._torso: bool | None = None
-        self._plugged = True
+        self._plugged, self._puts_back = True, False
         self._rest, self._is_patient, self._tick_time = b"", True, 0.0
 
     def stop(self) -> None:
         """Ends `run`, from another thread or a signal handler."""
         self._stop.set()
+
+    def plan_rest(self) -> None:
+        """Lets an operator put ring and torso back at rest, unless armed."""
+        self._puts_back = True
 
     def plug(self, is_plugged: bool) -> None:
         """Unplugs the line or plugs it in again, with the next tick."""
@@ -154,6 +158,9 @@ class EmulatedDevice:
         plant, faults, self._tick_time = self.plant, self.faults, now
         if self._torso is not None and self._is_idle:
             plant.with_torso, self._torso = self._torso, None
+        if self._puts_back and self._is_idle:
+            plant.reset()
+            self._puts_back = False
         plant.jammed, plant.frozen = (
             set(faults.stuck_legs),
             set(faults.frozen_legs),

@@ -20,6 +20,9 @@ from brace_drake.twin.reference import reference_at_ticks
 # Beside the channels of the device's format.
 _EXTRA = ("bridged", "command_age_ticks", "latency_us")
 _PAUSE = 0.02
+# A recording begins at rest, as its twin does: torso and pads that were pressed
+# before need so long to come to rest, s.
+_SETTLE = 4.0
 
 
 def describe_device(link: Link) -> dict:
@@ -63,6 +66,7 @@ def RecordMotion(
     repeat_of: str | None = None,
     asks_stop: Callable[[], bool] = lambda: False,
     tell: Callable[[float, Session], None] = lambda share, session: None,
+    settle: float = _SETTLE,
 ) -> RunFile:
     """Follows a motion and writes it as a run, as far as it came.
 
@@ -74,6 +78,7 @@ def RecordMotion(
         split, repeat_of: Of the run.
         asks_stop: Whether the operator wants it stopped.
         tell: Called with the share done, now and then.
+        settle: How long the ring is held at rest before, s.
 
     Raises:
         StoppedError: It was stopped before its end; what had been recorded is
@@ -91,7 +96,7 @@ def RecordMotion(
         repeat_of,
     )
     begun = datetime.now(UTC).isoformat(timespec="seconds")
-    session.Start(desired)
+    session.Start(desired, settle)
     try:
         while not session.is_over:
             time.sleep(_PAUSE)

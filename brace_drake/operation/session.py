@@ -18,9 +18,9 @@ from brace_drake.hardware.words import Cause, DeviceState, StateFlag
 
 # More missing ticks than this are not bridged: the supervisor has stopped.
 _MOST_BRIDGED = 100
-# This long before the motion the ring must be at rest, s. A released ring may
-# have been pushed away: while it comes back it is far from its virtual pose.
-_HOME = 0.2
+# A released ring may have been pushed away. It is brought home in this time, s;
+# until shortly after, it may be far from its virtual pose.
+_HOME, _HOME_MARGIN = 0.8, 0.1
 
 
 @dataclass
@@ -33,6 +33,7 @@ class Row:
         readings: Lengths, force, marker (12,).
         desired: y_d, y_d', y_d'' (3,).
         y_virtual: m.
+        y_ring: Displacement of the ring along y, m.
         latency: From the state's arrival to the command's departure, s.
         age: Ticks between the state and that which the command in use answers.
         bridged: Whether the state was lost and its readings are interpolated.
@@ -43,6 +44,7 @@ class Row:
     readings: np.ndarray
     desired: np.ndarray
     y_virtual: float
+    y_ring: float
     latency: float
     age: int
     bridged: bool = False
@@ -83,7 +85,7 @@ class Session:
         self._setup = safety.Setup(limits, control.hold, control.period)
         self._memory = safety.start_memory(self._setup)
         self._desired = np.zeros((0, 3))
-        self._at, self._moving = 0, False
+        self._at, self._home_at, self._moving = 0, 0, False
         self._last_tick: int | None = None
         self._last_readings = np.zeros(12)
         self._last_arrival: float | None = None
@@ -98,7 +100,7 @@ class Session:
 
         Args:
             desired: y_d, y_d', y_d'' at each tick (ticks, 3).
-            settle: s; more than 0.2, in which the ring comes home.
+            settle: s; in its first part the ring comes home.
 
         Raises:
             LinkError: The device refuses to arm.
@@ -106,8 +108,10 @@ class Session:
         self._desired = desired
         self._at = -round(settle / self._setup.period)
         self._control.Reset()
-        home = -self._at - round(_HOME / self._setup.period)
-        self._control.GoHome(max(0, home))
+        period = self._setup.period
+        home = min(_HOME, 0.5 * settle)
+        self._control.GoHome(round(home / period))
+        self._home_at = self._at + round((home + _HOME_MARGIN) / period)
         self.done, self._moving = False, True
         if not self._dry:
             self._link.Arm()
@@ -223,7 +227,7 @@ class Session:
     @property
     def _follows(self) -> bool:
         """Whether the ring is driven, and has had the time to come home."""
-        return not self._dry and self._at > -round(_HOME / self._setup.period)
+        return not self._dry and self._at > self._home_at
 
     def _Bridge(self, readings: np.ndarray, missing: int) -> None:
         """Controls the ticks of lost states on interpolated readings."""
@@ -276,6 +280,7 @@ class Session:
                     readings,
                     desired,
                     self._control.y_virtual,
+                    self._control.pose[1],
                     latency,
                     age,
                     bridged,

@@ -1,0 +1,110 @@
+"""The command `brace-drake twin`: the twin beside a device, live."""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+from brace_drake.cli.link_options import AddDevice, load_device_options
+from brace_drake.errors import StoppedError
+
+_EPILOG = """\
+example:
+  brace-drake twin --port /dev/ttyACM0 --motion reversal --scenario \\
+      results/monday/repaired.scenario.yaml
+
+The device follows the motion; the twin does the same beside it. A page shows
+how far they are apart, in noise floors, and what stiffness and damping the
+contact has. A channel that leaves its band raises an alarm, which ends the
+motion with --stop-at-alarm. The page is for this machine alone unless --host
+says so.
+"""
+_SHOW = 0.2
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `twin`."""
+    parser = subparsers.add_parser(
+        "twin",
+        help="run the twin beside a device and show the gap",
+        description="Compares a device with its twin while it moves.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    AddDevice(parser)
+    parser.add_argument(
+        "--motion", default="reversal", metavar="NAME|FILE", help="what to do"
+    )
+    parser.add_argument(
+        "--band", type=float, default=3.0, metavar="X", help="noise floors (3)"
+    )
+    parser.add_argument(
+        "--memory", type=float, default=20.0, metavar="S", help="of k and c"
+    )
+    parser.add_argument("--stop-at-alarm", action="store_true")
+    parser.add_argument(
+        "--host", default="127.0.0.1", metavar="A", help="of the page"
+    )
+    parser.add_argument("--web-port", type=int, default=0, metavar="N")
+    parser.add_argument(
+        "--countdown", type=int, default=3, metavar="S", help="default: 3"
+    )
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Follows the motion once with the twin beside it."""
+    from brace_drake.cli.record import load_motion
+    from brace_drake.hardware.words import Cause
+    from brace_drake.operation.beside import TwinBeside
+    from brace_drake.operation.console import CountDown, ReadKeys
+    from brace_drake.operation.control import PicControl
+    from brace_drake.operation.page import Page
+    from brace_drake.operation.session import Session
+    from brace_drake.operation.station import OpenDevice
+    from brace_drake.twin.reference import reference_at_ticks
+
+    motion = load_motion(args.motion)
+    scenario, limits = load_device_options(args)
+    scenario.torso.present = motion.contact
+    beside = TwinBeside(scenario, args.band, args.memory)
+    page = Page(args.host, args.web_port)
+    print(f"page: {page.url}", flush=True)
+    with (
+        OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,
+        ReadKeys() as keys,
+    ):
+        desired = reference_at_ticks(
+            motion.time, motion.samples, link.hello.rate_hz
+        )
+        session = Session(link, PicControl(scenario), limits)
+        if not CountDown(args.countdown, f"{motion.name} moves", keys):
+            raise StoppedError(f"{motion.name}: not begun")
+        session.Start(desired)
+        shown, told = 0.0, []
+        while not session.is_over or session.rows:
+            time.sleep(0.01)
+            session.CheckAlive()
+            if keys.pressed():
+                session.Stop(Cause.STOP_KEY)
+            while session.rows:
+                row = session.rows.popleft()
+                beside.Take(row, row.y_ring)
+            for name in beside.alarms:
+                if name not in told:
+                    print(f"alarm: {name} leaves its band", flush=True)
+            told = beside.alarms
+            if args.stop_at_alarm and told:
+                session.Stop(Cause.HOST_STOP)
+            if time.monotonic() - shown > _SHOW:
+                shown = time.monotonic()
+                page.Show(beside.describe())
+        if session.trip is not None:
+            raise StoppedError(f"{motion.name}: stopped: {session.trip}")
+        session.Finish()
+    page.Close()
+    k, c = beside.contact.values
+    worst = max(beside.describe()["ratio"].items(), key=lambda item: item[1])
+    print(f"contact: {k:.0f} N/m, {c:.0f} N s/m")
+    print(f"largest gap: {worst[0]}, {worst[1]:.1f} noise floors")
+    return 0

@@ -1,0 +1,152 @@
+"""A twin beside a device: gaps, alarms, running estimates, the page."""
+
+import json
+import unittest
+import urllib.request
+
+import numpy as np
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.emulator.bench_plant import BenchPlant
+from brace_drake.errors import OutputError
+from brace_drake.operation.beside import GAP_CHANNELS, TwinBeside
+from brace_drake.operation.contact_estimate import (
+    ContactEstimate,
+    contact_regressors,
+)
+from brace_drake.operation.control import PicControl
+from brace_drake.operation.page import Page
+from brace_drake.operation.session import Row
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.motion_library import MakeMotion
+from brace_drake.twin.reference import reference_at_ticks
+from tests.link_bench import SCENARIO
+
+
+def follow(motion, uses=(), subject=None, seconds=12.0, beside=None):
+    """A device and its twin on a motion."""
+    plant = BenchPlant(SCENARIO, uses, subject, seed=4)
+    control = PicControl(SCENARIO)
+    beside = beside or TwinBeside(SCENARIO, memory=6.0)
+    motion = MakeMotion(motion)
+    desired = reference_at_ticks(motion.time, motion.samples, 1000.0)
+    command, alarmed = plant.hold, set()
+    for i in range(min(len(desired), round(1000 * seconds))):
+        readings = plant.advance(command).copy()
+        command = control.Tick(readings, desired[i])
+        row = Row(
+            i, command, readings, desired[i], control.y_virtual,
+            control.pose[1], 0.0, 0,
+        )  # fmt: skip
+        beside.Take(row, row.y_ring)
+        alarmed |= set(beside.alarms)
+    return beside, alarmed
+
+
+class TestBeside(unittest.TestCase):
+    def test_a_device_like_its_twin_stays_in_the_band(self):
+        beside, alarmed = follow("reversal_fast", seconds=8.0)
+        self.assertEqual(alarmed, set())
+        self.assertLess(beside.ratio.max(), 2.0)
+        self.assertGreater(beside.ratio.min(), 0.5)
+
+    def test_an_effect_raises_an_alarm_in_the_channels_that_it_reaches(self):
+        card = find_effect("force_bias")
+        values = {n: 0.0 for n in card.parameter_names}
+        values[
+            next(n for n in values if "_y" in n or n == next(iter(values)))
+        ] = 0.8
+        use = (card, card.vector(values))
+        _, alarmed = follow("quiet_hold", (use,), seconds=4.0)
+        self.assertTrue({c for c in alarmed if "force" in c})
+
+    def test_stiffness_and_damping_of_another_subject_are_found(self):
+        twin = BenchTwin(SCENARIO)
+        subject = np.array([p.nominal for p in twin.subject])
+        subject[0], subject[1] = 1.25 * 6400.0, 1.3 * 150.0
+        beside, _ = follow("reversal_fast", subject=subject)
+        k, c = beside.contact.values
+        self.assertAlmostEqual(k / 8000.0, 1.0, delta=0.05)
+        self.assertAlmostEqual(c / 195.0, 1.0, delta=0.15)
+
+    def test_the_page_gets_every_channel(self):
+        said = TwinBeside(SCENARIO).describe()
+        self.assertEqual(tuple(said["ratio"]), GAP_CHANNELS)
+
+
+class TestEstimate(unittest.TestCase):
+    def draw(self, k, c, seconds, estimate, noise=0.0, size=2e-3, own=False):
+        """Values after a sine; with `own` the readings are the instruments."""
+        draw = np.random.default_rng(1)
+        for t in np.arange(0.0, seconds, 1e-3):
+            x = size * np.sin(2 * np.pi * 1.5 * t)
+            v = size * 2 * np.pi * 1.5 * np.cos(2 * np.pi * 1.5 * t)
+            force = contact_regressors(x, v, 1e-3) @ (k, c)
+            seen = x + noise * draw.standard_normal()
+            instrument = (seen, v) if own else (x, v)
+            estimate.Update((seen, v), instrument, force)
+        return estimate.values
+
+    def make(self, memory=2.0):
+        return ContactEstimate(np.array([6400.0, 150.0]), 1e-3, memory, 1e-3)
+
+    def test_exact_readings_give_exact_values(self):
+        found = self.draw(7000.0, 200.0, 30.0, self.make())
+        np.testing.assert_allclose(found, [7000.0, 200.0], rtol=1e-4)
+
+    def test_noise_of_the_regressors_does_not_bias(self):
+        # Both pads touch; var x = 0.125, of the noise 0.04 mm^2: without
+        # instruments k comes out at 0.76 of itself.
+        noisy = {"noise": 2e-4, "size": 5e-4}
+        found = self.draw(7000.0, 200.0, 40.0, self.make(20.0), **noisy)
+        self.assertAlmostEqual(found[0] / 7000.0, 1.0, delta=0.02)
+        self.assertAlmostEqual(found[1] / 200.0, 1.0, delta=0.03)
+        plain = self.draw(
+            7000.0, 200.0, 40.0, self.make(20.0), own=True, **noisy
+        )
+        self.assertAlmostEqual(plain[0] / 7000.0, 0.76, delta=0.04)
+
+    def test_a_change_is_followed_within_its_memory(self):
+        estimate = self.make(1.0)
+        self.draw(6400.0, 150.0, 5.0, estimate)
+        found = self.draw(4000.0, 150.0, 5.0, estimate)
+        np.testing.assert_allclose(found, [4000.0, 150.0], rtol=0.02)
+
+    def test_at_rest_nothing_is_learnt_and_nothing_forgotten(self):
+        estimate = self.make(1.0)
+        before = self.draw(7000.0, 200.0, 5.0, estimate).copy()
+        for _ in range(5000):
+            estimate.Update((1e-5, 0.0), (0.0, 0.0), 3.0)
+        np.testing.assert_array_equal(estimate.values, before)
+
+    def test_the_regressors_are_those_of_two_pads(self):
+        for x in (-0.003, -0.0005, 0.0, 0.0004, 0.002):
+            pads = [6400.0 * max(0.0, 1e-3 + s * x) for s in (1, -1)]
+            force = contact_regressors(x, 0.0, 1e-3) @ (6400.0, 150.0)
+            self.assertAlmostEqual(force, pads[0] - pads[1])
+
+
+class TestPage(unittest.TestCase):
+    def test_it_serves_the_loopback_address_and_sends_events(self):
+        page = Page()
+        self.addCleanup(page.Close)
+        self.assertTrue(page.url.startswith("http://127.0.0.1:"))
+        with urllib.request.urlopen(page.url, timeout=5) as answer:
+            self.assertIn("EventSource", answer.read().decode())
+        page.Show({"alarms": []})
+        with urllib.request.urlopen(page.url + "events", timeout=5) as stream:
+            line = stream.readline().decode()
+        self.assertEqual(
+            json.loads(line.removeprefix("data: ")), {"alarms": []}
+        )
+
+    def test_a_port_that_is_taken_is_said_to_be(self):
+        page = Page()
+        self.addCleanup(page.Close)
+        number = int(page.url.rsplit(":", 1)[1].strip("/"))
+        with self.assertRaises(OutputError):
+            Page(port=number)
+
+
+if __name__ == "__main__":
+    unittest.main()
