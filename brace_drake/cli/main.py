@@ -24,7 +24,6 @@ _COMMANDS = (
     "plan",
     "personalize",
     "withheld",
-    "withheld",
     "emulate",
     "record",
     "campaign",
