@@ -170,6 +170,12 @@ class TestStrangers(unittest.TestCase):
 
 
 class TestDisconnect(unittest.TestCase):
+    def pull(self, device, out):
+        """Unplugs half a second after the second run has its first rows."""
+        wait_for((out / "push_2.csv").exists, 60.0)
+        time.sleep(0.5)
+        device.plug(False)
+
     def test_unplugging_ends_the_motion_and_keeps_what_was_recorded(self):
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "c"
@@ -177,11 +183,12 @@ class TestDisconnect(unittest.TestCase):
                 device.terminal.path, SCENARIO, PATIENT, out
             ) as recorder:
                 recorder.Record(short_push(), "fit", 0, _NoKeys())
-                pull = threading.Timer(2.5, device.plug, (False,))
+                pull = threading.Thread(target=self.pull, args=(device, out))
                 pull.start()
                 with self.assertRaises(StoppedError) as caught:
                     recorder.Record(short_push(20.0), "fit", 0, _NoKeys())
                 self.assertRegex(str(caught.exception), "gone|disconnected")
+                pull.join()
             campaign = LoadCampaign(out)
             whole, cut = campaign.runs
             self.assertEqual(len(whole.time_s), 200)
