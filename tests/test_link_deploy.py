@@ -25,6 +25,7 @@ from brace_drake.operation.deploy import (
     check_dry_run,
     measure_timing,
 )
+from brace_drake.operation.spread import Spread
 from brace_drake.operation.station import OpenDevice
 from brace_drake.twin.motion_library import MakeMotion
 from tests.test_link_port import PATIENT, SCENARIO, emulated
@@ -107,6 +108,27 @@ class TestDeploy(unittest.TestCase):
             check_dry_run(Timing(2000, 1000.0, 0, 0, [100.0, 1100.0, 2e3]))
         with self.assertRaisesRegex(StoppedError, "50 ticks only"):
             check_dry_run(Timing(50, 1000.0, 0, 0, [1.0, 1.0, 1.0]))
+
+
+class TestSpread(unittest.TestCase):
+    def test_percentiles_are_those_of_the_values_to_one_per_cent(self):
+        draw, spread = np.random.default_rng(3), Spread()
+        values = np.exp(draw.normal(np.log(2e-4), 1.0, 20_000))
+        for value in values:
+            spread.Add(value)
+        expected = np.percentile(values, (50.0, 99.0, 99.9))
+        np.testing.assert_allclose(spread.percentiles(), expected, rtol=0.02)
+        self.assertAlmostEqual(spread.mean / values.mean(), 1.0)
+        self.assertEqual(spread.largest, values.max())
+
+    def test_what_is_out_of_its_bins_is_counted_at_their_ends(self):
+        spread = Spread()
+        self.assertEqual(spread.percentiles(), [])
+        for value in (0.0, 0.0, 1e9):
+            spread.Add(value)
+        low, high = spread.percentiles((50.0, 100.0))
+        self.assertLess(low, 2e-6)
+        self.assertGreater(high, 100.0)
 
 
 class TestEmulatorsWords(unittest.TestCase):

@@ -58,7 +58,7 @@ def main() -> int:
     with OpenDevice(port, scenario, limits) as link:
         session = Session(link, MakeControl("pic", scenario), limits)
         session.Start(make_reference(args.seconds))
-        expected, missing, memory = 0, 0, []
+        expected, missing, memory, looked = 0, 0, [], 0.0
         begun = time.monotonic()
         while not session.is_over:
             time.sleep(0.05)
@@ -67,7 +67,9 @@ def main() -> int:
                 row = session.rows.popleft()
                 missing += row.tick != expected
                 expected = row.tick + 1
-            memory.append(resident_mb())
+            if time.monotonic() - looked > 1.0:
+                looked = time.monotonic()
+                memory.append(resident_mb())
         took = time.monotonic() - begun
         tally, counts = session.tally, link.counts
         half = memory[len(memory) // 2 :]
@@ -78,12 +80,12 @@ def main() -> int:
         print(f"bridged          {tally.bridged}, lost {counts.lost}")
         print(f"unanswered       {tally.unanswered}, bad {counts.bad}")
         print(f"memory           {memory[-1]:.1f} MB, grew {growth:.2f}")
-        for name, values in (
-            ("latency, us", np.array(tally.latencies) * 1e6),
-            ("period, us", np.array(tally.periods) * 1e6),
-            ("age, ticks", np.array(tally.ages)),
+        for name, spread, scale in (
+            ("latency, us", tally.latencies, 1e6),
+            ("period, us", tally.periods, 1e6),
+            ("age, ticks", tally.ages, 1.0),
         ):
-            at = np.percentile(values, (50, 99, 99.9))
+            at = [scale * value for value in spread.percentiles()]
             text = ", ".join(f"{value:.0f}" for value in at)
             print(f"{name:16} {text} (50, 99, 99.9 %)")
         print(f"round trip, us   {1e6 * link.clock.round_trip:.0f} at best")

@@ -70,9 +70,8 @@ def describe_status(share: float, session) -> str:
     """A bar, and what the line does."""
     done = round(30 * min(1.0, share))
     tally = session.tally
-    late = sorted(tally.latencies)[-1] if tally.latencies else 0.0
     return (
         f"[{'#' * done}{'.' * (30 - done)}] {100 * share:3.0f} %"
         f"  unanswered {tally.unanswered}, bridged {tally.bridged},"
-        f" slowest answer {1e3 * late:.1f} ms  ({STOP_KEYS})"
+        f" slowest answer {1e3 * tally.latencies.largest:.1f} ms  ({STOP_KEYS})"
     )

@@ -58,16 +58,13 @@ def measure_timing(session: Session) -> Timing:
     """The timing of a session so far."""
     tally = session.tally
 
-    def at(values, scale=1.0):
-        if not values:
-            return []
-        levels = np.percentile(np.array(values) * scale, (50, 99, 99.9))
-        return [float(v) for v in levels]
+    def at(spread, scale=1.0):
+        return [scale * value for value in spread.percentiles()]
 
-    mean = float(np.mean(tally.periods)) if tally.periods else float("inf")
+    mean = tally.periods.mean
     return Timing(
         tally.ticks,
-        1.0 / mean,
+        1.0 / mean if mean > 0.0 else 0.0,
         tally.unanswered,
         tally.bridged,
         at(tally.latencies, 1e6),

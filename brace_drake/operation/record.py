@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-import numpy as np
-
 from brace_drake.campaign.columns import DEVICES
 from brace_drake.errors import StoppedError
 from brace_drake.hardware.link import Link
@@ -140,8 +138,8 @@ def _describe_line(link: Link, session: Session) -> dict:
         "bridged_ticks": int(tally.bridged),
         "unanswered_ticks": int(tally.unanswered),
     }
-    if tally.latencies:
-        late = np.percentile(tally.latencies, (50, 99, 99.9))
+    late = tally.latencies.percentiles()
+    if late:
         said["latency_us_50_99_999"] = [round(1e6 * v) for v in late]
     if session.trip is not None:
         said["stopped"] = str(session.trip)

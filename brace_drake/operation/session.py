@@ -15,6 +15,7 @@ from brace_drake.hardware.guards import Trip
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
 from brace_drake.hardware.words import Cause, DeviceState, StateFlag
+from brace_drake.operation.spread import Spread
 
 # More missing ticks than this are not bridged: the supervisor has stopped.
 _MOST_BRIDGED = 100
@@ -57,15 +58,15 @@ class Tally:
     Attributes:
         ticks, bridged: Ticks controlled, and of them those interpolated.
         unanswered: Ticks in which the device had no new command in time.
-        periods, latencies, ages: Of late, s, s, ticks.
+        periods, latencies, ages: s, s, ticks.
     """
 
     ticks: int = 0
     bridged: int = 0
     unanswered: int = 0
-    periods: deque = field(default_factory=lambda: deque(maxlen=100_000))
-    latencies: deque = field(default_factory=lambda: deque(maxlen=100_000))
-    ages: deque = field(default_factory=lambda: deque(maxlen=100_000))
+    periods: Spread = field(default_factory=Spread)
+    latencies: Spread = field(default_factory=Spread)
+    ages: Spread = field(default_factory=Spread)
 
 
 class Session:
@@ -203,7 +204,7 @@ class Session:
 
     def _Watch(self, arrived: float) -> None:
         if self._last_arrival is not None:
-            self.tally.periods.append(arrived - self._last_arrival)
+            self.tally.periods.Add(arrived - self._last_arrival)
         self._last_arrival = arrived
 
     def _See(self, readings, missing, command) -> None:
@@ -259,8 +260,8 @@ class Session:
             if values.flags & StateFlag.NO_NEW_COMMAND and self.tally.ticks:
                 self.tally.unanswered += 1
         latency = time.perf_counter() - arrived
-        self.tally.latencies.append(latency)
-        self.tally.ages.append(age)
+        self.tally.latencies.Add(latency)
+        self.tally.ages.Add(age)
         self._Keep(np.array(memory.command), readings, latency, age, False)
 
     def _Reference(self) -> np.ndarray:
