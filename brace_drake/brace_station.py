@@ -30,6 +30,7 @@ from brace_drake.brace_plant import (
     plant_resolves_contact,
 )
 from brace_drake.errors import ScenarioError
+from brace_drake.plant import AddStateLog
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import BraceNumbers, pack_brace
 from brace_drake.systems.brace_forces import BraceForces, ConnectBraceForces
@@ -50,13 +51,14 @@ class BraceStation:
     the commands within the drives' limits; the controller's own.
 
     `sink` logs drive forces (6 S), leg lengths (6 S), forces (3 S) and marker
-    (3) every `log_period`, at a tick.
+    (3) every `log_period`, at a tick; `state_sink` the plant's state.
     """
 
     diagram: Diagram
     plant: MultibodyPlant
     numbers: BraceNumbers
     sink: VectorLogSink
+    state_sink: VectorLogSink
 
 
 def MakeBraceStation(
@@ -110,9 +112,11 @@ def MakeBraceStation(
         builder, "log_row", [drive.get_output_port(), *readings.values()]
     )
     sink = LogVectorOutput(logged, builder, scenario.sensors.log_period)
+    sink.set_name("log")
+    state_sink = AddStateLog(builder, plant, scenario.sensors.log_period)
     diagram = builder.Build()
     diagram.set_name("brace_station")
-    return BraceStation(diagram, plant, numbers, sink)
+    return BraceStation(diagram, plant, numbers, sink, state_sink)
 
 
 def _check_ports(controller: System, n: int) -> None:
@@ -239,9 +243,10 @@ def _AddInstruments(
 
 
 def _ConnectController(builder, controller, readings, drive, desired) -> None:
-    builder.AddSystem(controller)
+    # In a diagram, a system without a name is given its address as one.
     if not controller.get_name():
         controller.set_name("controller")
+    builder.AddSystem(controller)
     for name in ("leg_length", "force"):
         builder.Connect(readings[name], controller.GetInputPort(name))
     _Feed(builder, controller.GetInputPort("desired"), desired)

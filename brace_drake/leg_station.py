@@ -207,6 +207,7 @@ def MakeLegBenchStation(
         sinks[name] = LogVectorOutput(
             port, builder, motion.ticks_per_sample * period
         )
+        sinks[name].set_name(f"{name}_log")
     diagram = builder.Build()
     diagram.set_name("leg_bench_station")
     return LegBenchStation(diagram, plant, sinks, motion, period)

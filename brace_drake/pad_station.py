@@ -183,6 +183,7 @@ def MakePadBenchStation(
     builder.ExportOutput(force("normal_force"), "normal_force")
     builder.ExportOutput(reading, "reading")
     sink = LogVectorOutput(reading, builder, period)
+    sink.set_name("log")
     diagram = builder.Build()
     diagram.set_name("pad_bench_station")
     return PadBenchStation(diagram, sink, float(time[-1]))

@@ -30,6 +30,7 @@ from pydrake.multibody.plant import (
 )
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 
 from brace_drake.resources import sdf_path
 from brace_drake.scenario.bench import BenchScenario, Contact, Ring, Torso
@@ -214,6 +215,16 @@ def AddBenchBodies(plant: MultibodyPlant, scenario: BenchScenario) -> None:
         plant.SetDefaultFloatingBaseBodyPose(body, X_WRest)
         if name == "torso":
             plant.set_gravity_enabled(body.model_instance(), False)
+
+
+def AddStateLog(
+    builder: DiagramBuilder, plant: MultibodyPlant, period: float
+) -> VectorLogSink:
+    """Adds a log of the plant's state, every `period`, s."""
+    port = plant.get_state_output_port()
+    sink = LogVectorOutput(port, builder, period)
+    sink.set_name("state_log")
+    return sink
 
 
 def AddBody(

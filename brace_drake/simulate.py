@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import gc
+from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context
 from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.campaign.recording import Run
@@ -21,9 +23,19 @@ from brace_drake.twin.reference import (
     reference_of_run,
 )
 
+# Takes the station and its context when a run is over.
+AtEnd = Callable[[BenchStation, Context], None]
 
-def SimulateBench(station: BenchStation, duration: float) -> np.ndarray:
+
+def SimulateBench(
+    station: BenchStation, duration: float, at_end: AtEnd | None = None
+) -> np.ndarray:
     """Simulates the diagram from rest.
+
+    Args:
+        station: Built for a reference.
+        duration: s.
+        at_end: See AtEnd; for logs beside the one that is returned.
 
     Returns:
         Log (samples, 19): commands (6), N; lengths (6), m; force (3), N;
@@ -40,6 +52,8 @@ def SimulateBench(station: BenchStation, duration: float) -> np.ndarray:
         # A little further, so that the last sample is among the events.
         simulator.AdvanceTo(duration + 1e-6)
     del contexts
+    if at_end is not None:
+        at_end(station, context)
     log = station.sink.FindLog(context).data().T
     return np.hstack([log[:, 0:18], log[:, 19:20]])
 
@@ -57,7 +71,10 @@ def without_garbage_collection():
 
 
 def RecordBench(
-    scenario: BenchScenario, run: Run, noise_seed: int | None = None
+    scenario: BenchScenario,
+    run: Run,
+    noise_seed: int | None = None,
+    at_end: AtEnd | None = None,
 ) -> Run:
     """A recording that the diagram makes of a reference, from rest.
 
@@ -65,6 +82,7 @@ def RecordBench(
         scenario: Of the bench, with the effects that it carries.
         run: With a reference; its `contact` says whether the torso is there.
         noise_seed: Of the instruments' noise; None: exact readings.
+        at_end: See `SimulateBench`.
 
     Returns:
         The run with all channels of the bench, every `log_period`.
@@ -82,7 +100,7 @@ def RecordBench(
     scenario = replace(scenario, torso=torso)
     station = MakeBenchStation(scenario, reference, noise=noise)
     try:
-        log = SimulateBench(station, times[-1])
+        log = SimulateBench(station, times[-1], at_end)
     except RuntimeError as error:
         raise BraceError(f"the simulated run broke down: {error}") from error
     if not np.isfinite(log).all():

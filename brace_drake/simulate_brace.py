@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.framework import Context, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput
 
 from brace_drake.brace_plant import AddGeometry
@@ -26,6 +26,7 @@ from brace_drake.twin.reference import reference_columns
 
 # Called with the simulated time, s.
 OnProgress = Callable[[float], None]
+AtEnd = Callable[[BraceStation, Context], None]
 _LOGGED = ("drive_force", "leg_length", "force", "marker", "virtual")
 _PROGRESS_S = 0.1
 
@@ -63,6 +64,7 @@ def SimulateBrace(
     noise_seed: int | None = None,
     on_progress: OnProgress | None = None,
     add_geometry: AddGeometry | None = None,
+    at_end: AtEnd | None = None,
 ) -> BraceLog:
     """Runs a scenario's brace, with its controller, over a reference.
 
@@ -72,6 +74,7 @@ def SimulateBrace(
         noise_seed: Of the instruments' noise; None: exact readings.
         on_progress: Called every 0.1 s of simulated time.
         add_geometry: See `AddBracePlant`, as `torso.contact` makes it.
+        at_end: Called with station and root context after the run.
 
     Raises:
         BraceError: The reference is of other rings, the run broke down, or a
@@ -92,7 +95,9 @@ def SimulateBrace(
     station = MakeBraceStation(
         scenario, controller, desired, noise, add_geometry
     )
-    logged = _Advance(station, scenario, end, on_progress or _ignore)
+    logged = _Advance(
+        station, scenario, end, on_progress or _ignore, at_end
+    )
     if not all(np.isfinite(values).all() for values in logged.values()):
         raise BraceError("the simulated run broke down")
     # What is logged in multiples of a period is of no other length.
@@ -120,13 +125,16 @@ def RecordBrace(
     noise_seed: int | None = None,
     on_progress: OnProgress | None = None,
     add_geometry: AddGeometry | None = None,
+    at_end: AtEnd | None = None,
 ) -> Run:
     """A recording of a reference: `SimulateBrace` as channels.
 
     Legs and rings have the numbers of the whole brace; stage 2 alone records
     as the bench does, legs 1 to 6.
     """
-    log = SimulateBrace(scenario, run, noise_seed, on_progress, add_geometry)
+    log = SimulateBrace(
+        scenario, run, noise_seed, on_progress, add_geometry, at_end
+    )
     lowest = 1 if recorded_device(scenario) == BENCH else scenario.stages[0]
     channels = {"time_s": log.time}
     for k in range(log.leg_length.shape[1]):
@@ -164,6 +172,7 @@ def _Advance(
     scenario: BraceScenario,
     end: float,
     on_progress: OnProgress,
+    at_end: AtEnd | None,
 ) -> dict[str, np.ndarray]:
     """Simulates from rest; each logged port's samples (N, size)."""
     builder = DiagramBuilder()
@@ -192,6 +201,8 @@ def _Advance(
         raise BraceError(f"the simulated run broke down: {error}") from error
     on_progress(end)
     del contexts
+    if at_end is not None:
+        at_end(station, context)
     return {
         name: sink.FindLog(context).data().T for name, sink in sinks.items()
     }

@@ -20,7 +20,11 @@ from pydrake.trajectories import Trajectory
 
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.errors import EffectError
-from brace_drake.plant import AddBenchPlant, plant_resolves_contact
+from brace_drake.plant import (
+    AddBenchPlant,
+    AddStateLog,
+    plant_resolves_contact,
+)
 from brace_drake.scenario.bench import BenchScenario, Ring
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
 from brace_drake.scenario.effects import scenario_uses
@@ -49,12 +53,14 @@ class BenchStation:
     `plant_state` and, of the last tick, `leg_command` (6,), N, `readings`
     (12,), and `virtual` (4,): filtered force, virtual position, velocity,
     acceleration. `sink` logs the last three side by side, in layout `pic` with
-    the memory of the pose estimator behind them.
+    the memory of the pose estimator behind them. `state_sink` logs the plant's
+    state.
     """
 
     diagram: Diagram
     plant: MultibodyPlant
     sink: VectorLogSink
+    state_sink: VectorLogSink
 
 
 def MakeBenchStation(
@@ -106,9 +112,11 @@ def MakeBenchStation(
     for name, port in ports.items():
         builder.ExportOutput(port, name)
     sink = LogVectorOutput(logged, builder, scenario.sensors.log_period)
+    sink.set_name("log")
+    state_sink = AddStateLog(builder, plant, scenario.sensors.log_period)
     diagram = builder.Build()
     diagram.set_name("bench_station")
-    return BenchStation(diagram, plant, sink)
+    return BenchStation(diagram, plant, sink, state_sink)
 
 
 def _check_contact(scenario: BenchScenario, uses: Sequence[Use]) -> None:

@@ -24,6 +24,7 @@ LAYERS = (
         "simulate_brace",
         "contact_mapping",
     ),
+    ("drawing", "playback"),
     ("emulator", "operation"),
     ("gap", "fit"),
     ("report",),

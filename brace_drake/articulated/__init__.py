@@ -3,6 +3,7 @@
 from brace_drake.articulated.models import WriteBraceModels, make_models
 from brace_drake.articulated.plant import (
     AddArticulatedBrace,
+    GetClosures,
     GetDrives,
     SetLegs,
     calc_closure_error,
@@ -10,6 +11,7 @@ from brace_drake.articulated.plant import (
 
 __all__ = [
     "AddArticulatedBrace",
+    "GetClosures",
     "GetDrives",
     "SetLegs",
     "WriteBraceModels",

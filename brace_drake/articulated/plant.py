@@ -10,7 +10,7 @@ import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import PrismaticJoint
+from pydrake.multibody.tree import PrismaticJoint, RigidBody
 from pydrake.systems.framework import Context
 
 from brace_drake.articulated.models import (
@@ -40,15 +40,21 @@ def AddArticulatedBrace(plant: MultibodyPlant, scenario: BraceScenario) -> None:
         parser = Parser(plant)
         parser.package_map().Add(PACKAGE, folder)
         parser.AddModels(str(Path(folder) / DIRECTIVES))
-    geometry = pack_geometry(scenario)
-    for i, ring in enumerate(scenario.rings):
-        for k in range(6):
-            plant.AddBallConstraint(
-                _Part(plant, scenario, i, k, "rod"),
-                np.zeros(3),
-                plant.GetBodyByName(ring),
-                geometry.upper[i, k],
-            )
+    joints = pack_geometry(scenario).upper.reshape(-1, 3)
+    closures = GetClosures(plant, scenario)
+    for (rod, ring), p_RJ in zip(closures, joints, strict=True):
+        plant.AddBallConstraint(rod, np.zeros(3), ring, p_RJ)
+
+
+def GetClosures(
+    plant: MultibodyPlant, scenario: BraceScenario
+) -> list[tuple[RigidBody, RigidBody]]:
+    """Rod and ring that a ball constraint joins, of all legs, bottom to top."""
+    return [
+        (_Part(plant, scenario, i, k, "rod"), plant.GetBodyByName(ring))
+        for i, ring in enumerate(scenario.rings)
+        for k in range(6)
+    ]
 
 
 def GetDrives(

@@ -5,11 +5,18 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+import numpy as np
+
 from brace_drake.cli.options import (
     AddMotion,
     AddNoiseSeed,
     MakeBar,
     load_motion,
+)
+from brace_drake.cli.playback import (
+    AddPlaybackOptions,
+    PlayStates,
+    wants_playback,
 )
 from brace_drake.errors import ScenarioError
 
@@ -52,6 +59,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         " (default: half spaces)",
     )
     AddNoiseSeed(parser)
+    AddPlaybackOptions(parser)
     parser.set_defaults(run=Run)
 
 
@@ -71,8 +79,10 @@ def Run(args: argparse.Namespace) -> int:
         )
     from brace_drake.campaign import Campaign, WriteCampaign
 
-    out = Path(args.out)
-    recorded, device, stages = record[scenario.device](scenario, args)
+    out, ended = Path(args.out), []
+    recorded, device, stages = record[scenario.device](
+        scenario, args, lambda *end: ended.append(end)
+    )
     rate = 1.0 / scenario.sensors.log_period
     subject = f"twin of {Path(args.scenario).name}"
     WriteCampaign(
@@ -80,19 +90,35 @@ def Run(args: argparse.Namespace) -> int:
     )
     seconds = recorded.time_s[-1]
     print(f"campaign: {out}, {recorded.file}, {seconds:.3f} s")
+    if wants_playback(args):
+        scenario.torso.present = recorded.contact
+        states = _states(scenario, recorded, *ended[0])
+        PlayStates(args, scenario, states, f"{subject}, {recorded.file}")
     return 0
 
 
-def _record_bench(scenario, args):
+def _states(scenario, recorded, station, context):
+    """What a playback shows of a run that has just ended."""
+    from brace_drake.playback import states_of_run
+
+    rings = tuple(f"ring{i}" for i in getattr(scenario, "stages", [2]))
+    force = [
+        recorded.channels[f"{ring}_force_{a}_N"] for ring in rings for a in "xyz"
+    ]
+    return states_of_run(station, context, rings, np.transpose(force))
+
+
+def _record_bench(scenario, args, at_end):
     from brace_drake.simulate import RecordBench
 
     if args.torso:
         raise ScenarioError(f"{args.scenario}: --torso is for a brace")
     run = load_motion(args.motion)
-    return RecordBench(scenario, run, args.noise_seed), scenario.device, ()
+    recorded = RecordBench(scenario, run, args.noise_seed, at_end)
+    return recorded, scenario.device, ()
 
 
-def _record_brace(scenario, args):
+def _record_brace(scenario, args, at_end):
     from brace_drake.simulate_brace import (
         RecordBrace,
         recorded_device,
@@ -107,6 +133,6 @@ def _record_brace(scenario, args):
         add_geometry = MakeTorsoGeometry(LoadTorso(args.torso))
     with MakeBar(run) as on_progress:
         recorded = RecordBrace(
-            scenario, run, args.noise_seed, on_progress, add_geometry
+            scenario, run, args.noise_seed, on_progress, add_geometry, at_end
         )
     return recorded, recorded_device(scenario), recorded_stages(scenario)

@@ -1,0 +1,49 @@
+"""Options of commands that can play a run back in 3D."""
+
+from __future__ import annotations
+
+import argparse
+
+
+def AddPlaybackOptions(parser: argparse.ArgumentParser) -> None:
+    """Adds --html and --meshcat."""
+    parser.add_argument(
+        "--html",
+        metavar="FILE",
+        help="also write a 3D playback, a page that needs no network",
+    )
+    parser.add_argument(
+        "--meshcat",
+        action="store_true",
+        help="then play it in a browser on this machine until Enter",
+    )
+
+
+def wants_playback(args: argparse.Namespace) -> bool:
+    """Whether a run has to be kept for a playback."""
+    return bool(args.html or args.meshcat)
+
+
+def PlayStates(args: argparse.Namespace, scenario, states, title: str) -> None:
+    """Does what --html and --meshcat ask for.
+
+    Args:
+        args: With the options of `AddPlaybackOptions`.
+        scenario: Of bench or brace.
+        states: PlaybackStates of a run.
+        title: Of the page.
+
+    Raises:
+        OutputError: The page cannot be written.
+    """
+    from brace_drake.playback import ShowPlayback, WritePlayback
+
+    if args.html:
+        WritePlayback(scenario, states, args.html, title)
+        print(f"playback: {args.html}")
+    if args.meshcat:
+        meshcat = ShowPlayback(scenario, states)
+        try:
+            input(f"playing at {meshcat.web_url()}; Enter ends it. ")
+        except EOFError:
+            print("\nno terminal to wait at: ended")

@@ -1,0 +1,122 @@
+"""A playback as a file of its own, or in a browser on this machine."""
+
+from __future__ import annotations
+
+import html
+from pathlib import Path
+
+from pydrake.geometry import Meshcat, MeshcatParams
+
+from brace_drake.output import WriteText
+from brace_drake.playback.look import make_look
+from brace_drake.playback.scene import (
+    AddScene,
+    SetScene,
+    make_animation,
+    newtons_per_metre,
+)
+from brace_drake.playback.states import PlaybackStates
+from brace_drake.scenario.load import Scenario
+
+FRAMES_PER_SECOND = 25.0
+# What a headset would fetch; a page that is to be complete must not.
+_OUTSIDE = "https://cdn.jsdelivr.net/npm/@webxr-input-profiles/"
+
+_CAPTION = """\
+  <div style="position:fixed;left:16px;top:12px;max-width:44em;
+    font:14px/1.45 system-ui,sans-serif;color:#1c2733;pointer-events:none">
+    <b>{title}</b><br>
+    <span style="color:#cc141a">&#9632;</span> force of the pads on the torso,
+    100 mm for {newtons:g} N, largest {largest:.1f} N<br>
+    axes of the world frame: <span style="color:#c01a1a">x to the front</span>,
+    <span style="color:#157a15">y to the left</span>,
+    <span style="color:#1a33c0">z up</span>; {seconds:.1f} s in real time
+  </div>
+"""
+
+
+def AddPlayback(
+    meshcat: Meshcat,
+    scenario: Scenario,
+    states: PlaybackStates,
+    frames_per_second: float = FRAMES_PER_SECOND,
+    torso_mesh: Path | None = None,
+) -> None:
+    """Adds bench or brace of a scenario to Meshcat, moving over its states.
+
+    Args:
+        meshcat: Where to.
+        scenario: Of bench or brace; `states` has as many rings.
+        states: What happened.
+        frames_per_second: Of the animation.
+        torso_mesh: File of a torso's surface, m, in its frame; else a plain
+            elliptic one.
+
+    Raises:
+        ScenarioError: The scenario's device has no rings.
+    """
+    look = make_look(scenario)
+    AddScene(meshcat, look, torso_mesh)
+    SetScene(look, states, 0, meshcat.SetTransform, meshcat.SetProperty)
+    middle = 0.5 * (look.clamped_height + look.geometry.rest[-1, 2])
+    meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=32.0))
+    meshcat.SetCameraPose([0.98, -0.62, middle + 0.55], [0.0, 0.0, middle])
+    meshcat.SetAnimation(make_animation(look, states, frames_per_second))
+
+
+def WritePlayback(
+    scenario: Scenario,
+    states: PlaybackStates,
+    path: str | Path,
+    title: str = "",
+    frames_per_second: float = FRAMES_PER_SECOND,
+    torso_mesh: Path | None = None,
+) -> None:
+    """Writes a page that plays the motion in 3D and loads nothing else.
+
+    Args:
+        scenario, states, frames_per_second, torso_mesh: See `AddPlayback`.
+        path: The file, *.html.
+        title: Its heading; empty: the scenario's device.
+
+    Raises:
+        ScenarioError: The scenario's device has no rings.
+        OutputError: The file cannot be written.
+    """
+    meshcat = StartLocalMeshcat()
+    AddPlayback(meshcat, scenario, states, frames_per_second, torso_mesh)
+    text = meshcat.StaticHtml().replace(_OUTSIDE, "")
+    title = title or scenario.device
+    caption = make_caption(states, title)
+    text = text.replace("Drake MeshCat", html.escape(title), 1)
+    head, body = text.split("<body>", 1)
+    WriteText(Path(path), f"{head}<body>\n{caption}{body}")
+
+
+def ShowPlayback(
+    scenario: Scenario, states: PlaybackStates, torso_mesh: Path | None = None
+) -> Meshcat:
+    """Plays the motion in browsers on this machine, as long as the result is.
+
+    Raises:
+        ScenarioError: The scenario's device has no rings.
+    """
+    meshcat = StartLocalMeshcat()
+    AddPlayback(meshcat, scenario, states, torso_mesh=torso_mesh)
+    return meshcat
+
+
+def StartLocalMeshcat() -> Meshcat:
+    """A Meshcat that only this machine can reach."""
+    return Meshcat(MeshcatParams(host="localhost"))
+
+
+def make_caption(states: PlaybackStates, title: str) -> str:
+    """The page's heading: what is seen, and the scale of the forces."""
+    largest = float((states.pad_force**2).sum(axis=-1).max() ** 0.5)
+    return _CAPTION.format(
+        title=html.escape(title),
+        newtons=0.1 * newtons_per_metre(states.pad_force),
+        largest=largest,
+        seconds=float(states.times[-1] - states.times[0]),
+    )
