@@ -59,6 +59,8 @@ class TestPage(unittest.TestCase):
             path = Path(folder) / "run.html"
             WritePlayback(cls.scenario, cls.states, path, "a <run>", 20.0)
             cls.page = path.read_text()
+        force = cls.force.reshape(-1, 3)
+        cls.largest = np.linalg.norm(force, axis=1).max()
         cls.rate, cls.tracks = read_tracks(cls.page)
 
     def pose(self, path, frame):
@@ -76,6 +78,7 @@ class TestPage(unittest.TestCase):
         fetched = re.findall(r'fetch\("(\w+):', self.page)
         self.assertEqual(set(fetched), {"data"})
         self.assertIn("a &lt;run&gt;", self.page)
+        self.assertIn(f"largest {self.largest:.1f} N", self.page)
         self.assertLess(len(self.page), 12e6)
 
     def test_the_animation_has_the_frames_that_were_asked_for(self):

@@ -24,6 +24,8 @@ _EPILOG = """\
 example:
   brace-drake simulate results/monday/repaired.scenario.yaml \\
       --motion results/monday/next_run.csv --out simulated/monday
+  brace-drake simulate diagrams/bench.scenario.yaml --motion push \\
+      --out simulated/push --html simulated/push.html
 
 The motion is a file with the columns time_s, ring2_y_desired_m,
 ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import logging
 from pathlib import Path
 
 from pydrake.geometry import Meshcat, MeshcatParams
@@ -18,6 +19,10 @@ from brace_drake.playback.scene import (
 from brace_drake.playback.states import PlaybackStates
 from brace_drake.scenario.load import Scenario
 
+_FORCE = """\
+<span style="color:#cc141a">&#9632;</span> force of a ring on the torso, at the
+    pad that presses: 100 mm for {newtons:g} N, largest {largest:.1f} N<br>"""
+
 FRAMES_PER_SECOND = 25.0
 # What a headset would fetch; a page that is to be complete must not.
 _OUTSIDE = "https://cdn.jsdelivr.net/npm/@webxr-input-profiles/"
@@ -26,8 +31,7 @@ _CAPTION = """\
   <div style="position:fixed;left:16px;top:12px;max-width:44em;
     font:14px/1.45 system-ui,sans-serif;color:#1c2733;pointer-events:none">
     <b>{title}</b><br>
-    <span style="color:#cc141a">&#9632;</span> force of the pads on the torso,
-    100 mm for {newtons:g} N, largest {largest:.1f} N<br>
+    {force}
     axes of the world frame: <span style="color:#c01a1a">x to the front</span>,
     <span style="color:#157a15">y to the left</span>,
     <span style="color:#1a33c0">z up</span>; {seconds:.1f} s in real time
@@ -108,15 +112,23 @@ def ShowPlayback(
 
 def StartLocalMeshcat() -> Meshcat:
     """A Meshcat that only this machine can reach."""
-    return Meshcat(MeshcatParams(host="localhost"))
+    log = logging.getLogger("drake")
+    level = log.level
+    # Drake tells an address that is of no use for a page on disk.
+    log.setLevel(logging.WARNING)
+    try:
+        return Meshcat(MeshcatParams(host="localhost"))
+    finally:
+        log.setLevel(level)
 
 
 def make_caption(states: PlaybackStates, title: str) -> str:
     """The page's heading: what is seen, and the scale of the forces."""
     largest = float((states.pad_force**2).sum(axis=-1).max() ** 0.5)
+    newtons = 0.1 * newtons_per_metre(states.pad_force)
+    force = _FORCE.format(newtons=newtons, largest=largest)
     return _CAPTION.format(
         title=html.escape(title),
-        newtons=0.1 * newtons_per_metre(states.pad_force),
-        largest=largest,
+        force=force if largest > 0.0 else "",
         seconds=float(states.times[-1] - states.times[0]),
     )
