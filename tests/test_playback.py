@@ -31,6 +31,7 @@ from brace_drake.resources import scenario_path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.leg_bench import LegBenchScenario
+from brace_drake.torso.files import obj_text
 from tests.brace_runs import brace, run_servo
 from tests.meshcat_page import read_commands, read_tracks
 from tests.test_simulate_command import write_reference
@@ -309,6 +310,24 @@ class TestCommand(unittest.TestCase):
     def test_only_this_machine_reaches_the_live_view(self):
         self.assertTrue(
             StartLocalMeshcat().web_url().startswith("http://localhost:")
+        )
+
+    def test_a_torso_from_a_file_is_held_in_the_page(self):
+        states, _, _ = motion(BenchScenario(), 0.05)
+        vertices, faces = make_torso_mesh(0.14, 0.1, -0.2, 0.2)
+        with tempfile.TemporaryDirectory() as folder:
+            mesh, page = Path(folder) / "torso.obj", Path(folder) / "run.html"
+            mesh.write_text(obj_text(vertices.T, faces.T))
+            WritePlayback(BenchScenario(), states, page, torso_mesh=mesh)
+            commands = read_commands(page.read_text())
+        (torso,) = (
+            c["object"]
+            for c in commands
+            if c["type"] == "set_object" and c["path"] == "/torso/body"
+        )
+        text = torso["geometries"][0]["data"]
+        self.assertEqual(
+            text.count("\nv ") + text.startswith("v "), len(vertices.T)
         )
 
     def test_a_page_that_cannot_be_written_is_told(self):
