@@ -95,9 +95,7 @@ def SimulateBrace(
     station = MakeBraceStation(
         scenario, controller, desired, noise, add_geometry
     )
-    logged = _Advance(
-        station, scenario, end, on_progress or _ignore, at_end
-    )
+    logged = _Advance(station, scenario, end, on_progress or _ignore, at_end)
     if not all(np.isfinite(values).all() for values in logged.values()):
         raise BraceError("the simulated run broke down")
     # What is logged in multiples of a period is of no other length.

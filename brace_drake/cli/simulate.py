@@ -105,7 +105,9 @@ def _states(scenario, recorded, station, context):
 
     rings = tuple(f"ring{i}" for i in getattr(scenario, "stages", [2]))
     force = [
-        recorded.channels[f"{ring}_force_{a}_N"] for ring in rings for a in "xyz"
+        recorded.channels[f"{ring}_force_{axis}_N"]
+        for ring in rings
+        for axis in "xyz"
     ]
     return states_of_run(station, context, rings, np.transpose(force))
 
