@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -106,7 +107,7 @@ def _checked_with_repeats(twin, campaign, floors):
             samples = min(len(first), len(second))
             difference = first[:samples] - second[:samples]
             ratio = repeat_ratio(difference, floor, campaign.rate_hz)
-            both = twin.active(original) & twin.active(run)
+            both = original.has(twin.channels) & run.has(twin.channels)
             ratios.append(np.where(both, ratio, np.nan))
         if not ratios:
             continue
@@ -127,11 +128,14 @@ def prepare_runs(
     rate: float,
     seed: int,
 ) -> list[PreparedRun]:
-    """Runs with motion, measurement and weights."""
-    return [
-        prepare_run(twin, run, twin.measured(run), floors, rate, seed, i)
-        for i, run in enumerate(runs)
-    ]
+    """Runs with motion, measurement and weights, 0 where not recorded."""
+    prepared = []
+    for i, run in enumerate(runs):
+        measured = twin.measured(run)
+        one = prepare_run(twin, run, measured, floors, rate, seed, i)
+        recorded = one.weights * run.has(twin.channels)
+        prepared.append(replace(one, weights=recorded))
+    return prepared
 
 
 def prepare_run(

@@ -84,8 +84,7 @@ class BenchTwin:
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (C,)."""
         names = np.array(self.channels)
-        moves = run.contact | ~np.char.startswith(names, "torso")
-        return moves & run.has(self.channels)
+        return run.contact | ~np.char.startswith(names, "torso")
 
     def simulate(
         self,
