@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +30,9 @@ from brace_drake.brace_plant import (
     AddGeometry,
     plant_resolves_contact,
 )
+from brace_drake.effects.stack import Use, stack_laws
 from brace_drake.errors import ScenarioError
+from brace_drake.laws.plug_in import PlugIn
 from brace_drake.plant import AddStateLog
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import BraceNumbers, pack_brace
@@ -67,6 +70,7 @@ def MakeBraceStation(
     desired: Trajectory | None = None,
     noise: Trajectory | None = None,
     add_geometry: AddGeometry | None = None,
+    uses: Sequence[Use] = (),
 ) -> BraceStation:
     """Builds the brace of a scenario around a controller.
 
@@ -80,16 +84,20 @@ def MakeBraceStation(
         noise: Standard normal draws (9 S + 3 rows), constant around each
             tick, in place of the exported port.
         add_geometry: See `AddBracePlant`.
+        uses: Effects with their parameters, on a brace of one stage whose
+            pads are linear; those that change the brace's numbers are not for
+            it.
 
     Raises:
+        EffectError: Effects that this brace does not take.
         ScenarioError: The controller's ports are of another number of stages,
             or a ring of the articulated brace is too light for its legs.
     """
-    numbers = pack_brace(scenario)
+    numbers, plug_ins = pack_brace(scenario), stack_laws(uses)
     builder = DiagramBuilder()
     # Bodies, and the forces on them.
     plant = AddBracePlant(builder, scenario, add_geometry)
-    forces, drives = _AddForces(builder, plant, scenario, numbers)
+    forces, drives = _AddForces(builder, plant, scenario, numbers, plug_ins)
     if plant_resolves_contact(scenario):
         AddContactForce(builder, plant, scenario.rings, forces)
     # Drives that give what they can, instruments that read what they see.
@@ -97,7 +105,9 @@ def MakeBraceStation(
     drive = builder.AddNamedSystem("drives", Saturation(-limit, limit))
     for port in drives:
         builder.Connect(drive.get_output_port(), port)
-    readings = _AddInstruments(builder, scenario, numbers, forces, drive, noise)
+    readings = _AddInstruments(
+        builder, scenario, numbers, forces, drive, noise, plug_ins
+    )
     # Controller, ports and log.
     if controller is None:
         builder.ExportInput(drive.get_input_port(), "leg_command")
@@ -145,6 +155,7 @@ def _AddForces(
     plant: MultibodyPlant,
     scenario: BraceScenario,
     numbers: BraceNumbers,
+    plug_ins: Mapping[str, PlugIn],
 ) -> tuple[BraceForces, list[InputPort]]:
     """Adds pads, posture and, where they are forces, legs around the plant.
 
@@ -160,6 +171,7 @@ def _AddForces(
             scenario.torso.present,
             with_pads=bool(numbers.contact[:, 0:2].any()),
             with_legs=with_legs,
+            plug_ins=plug_ins,
         ),
     )
     state = plant.get_state_output_port()
@@ -220,14 +232,17 @@ def _ScatterForce(
 
 
 def _AddInstruments(
-    builder, scenario, numbers, forces, drive, noise
+    builder, scenario, numbers, forces, drive, noise, plug_ins
 ) -> dict[str, OutputPort]:
     """Adds instruments; without noise they read what is there, exactly."""
     n = numbers.num_stages
     instruments = builder.AddNamedSystem(
         "instruments",
         BraceInstruments(
-            numbers.resolution, numbers.noise_sigma, 1.0 / scenario.control.rate
+            numbers.resolution,
+            numbers.noise_sigma,
+            1.0 / scenario.control.rate,
+            plug_ins,
         ),
     )
     for source, port in (
@@ -255,8 +270,9 @@ def _ConnectController(builder, controller, readings, drive, desired) -> None:
     builder.Connect(
         controller.GetOutputPort("leg_command"), drive.get_input_port()
     )
-    for name in ("leg_command", "virtual", "impedance"):
-        builder.ExportOutput(controller.GetOutputPort(name), name)
+    for name in ("leg_command", "virtual", "impedance", "estimate"):
+        if controller.HasOutputPort(name):
+            builder.ExportOutput(controller.GetOutputPort(name), name)
 
 
 def _Feed(

@@ -43,3 +43,7 @@ class LinkError(BraceError, RuntimeError):
 
 class StoppedError(BraceError, RuntimeError):
     """A motion was stopped; the message names the cause."""
+
+
+class PolicyError(BraceError, ValueError):
+    """A policy, or what is needed to train or to use one, is not there."""

@@ -1,9 +1,10 @@
 """Times what must be fast and prints one table, with ratios of one run.
 
-python tools/bench.py [--campaign FOLDER] [--quick]
+python tools/bench.py [--campaign FOLDER] [--quick | --learning]
 """
 
 import argparse
+import dataclasses
 import os
 import sys
 import time
@@ -23,6 +24,10 @@ from brace_drake.campaign import LoadCampaign
 from brace_drake.fit.campaign_fit import fit_campaign
 from brace_drake.gap.diagnose import diagnose
 from brace_drake.kinematics import static_leg_forces
+from brace_drake.learning.env import RlpicEnv
+from brace_drake.learning.make import full_task
+from brace_drake.learning.subjects import EffectRange, SubjectRanges
+from brace_drake.learning.task import LearningTask
 from brace_drake.plant import AddBenchBodies
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
@@ -35,6 +40,7 @@ from brace_drake.twin.reference import (
     reference_of_run,
 )
 from tests.brace_runs import brace, way_to
+from tests.learning_tasks import random_policy
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
 DURATION = 12.0
@@ -141,12 +147,66 @@ def time_braces():
         print(f"{label:44} {speed:8.2f} {closed / bare:13.2f}")
 
 
+def time_env(task):
+    """Env steps a second of the processor over an episode."""
+    env = RlpicEnv(task)
+    env.reset(seed=0)
+    env.step(np.zeros(env.action_space.shape))
+    env.reset(seed=0)
+    over, start = False, time.process_time()
+    while not over:
+        *_, ended, cut, _ = env.step(np.zeros(env.action_space.shape))
+        over = ended or cut
+    return env.task.max_steps / (time.process_time() - start)
+
+
+def time_learning():
+    """Prints the rows of learning: envs, a decision, an update."""
+    print(f"{'learning':44} {'steps / s':>10}")
+    effects = [EffectRange("coulomb_friction"), EffectRange("force_lag")]
+    for label, task in (
+        ("one stage", LearningTask()),
+        (
+            "one stage, two effects",
+            LearningTask(subjects=SubjectRanges(effects=effects)),
+        ),
+        ("three stages", full_task()),
+        ("one stage, Drake diagram", LearningTask(backend="diagram")),
+        (
+            "three stages, Drake diagram",
+            dataclasses.replace(full_task(), backend="diagram", max_steps=60),
+        ),
+    ):
+        speed = max(time_env(task) for _ in range(3))
+        print(f"{label:44} {speed:10.0f}")
+    policy = random_policy(LearningTask(), hidden=256)
+    observation = np.full(7, 1e-3)
+    policy.act(observation)
+    decision = best_of(2000, lambda: policy.act(observation))
+    print(f"{'a decision of a policy, us':44} {1e6 * decision:10.1f}")
+    try:
+        from brace_drake.training.learner import Learner
+        from brace_drake.training.numbers import TrainingNumbers
+    except ImportError:
+        return
+    learner = Learner(LearningTask(), TrainingNumbers())
+    learner.advance()
+    start = time.process_time()
+    learner.advance()
+    speed = learner.numbers.horizon / (time.process_time() - start)
+    print(f"{'training, updates included':44} {speed:10.0f}")
+
+
 def main():
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--campaign", default=str(EXAMPLE))
     parser.add_argument("--quick", action="store_true", help="runs only")
+    parser.add_argument("--learning", action="store_true", help="learning only")
     args = parser.parse_args()
+    if args.learning:
+        time_learning()
+        return
     campaign = LoadCampaign(args.campaign)
     run = next(r for r in campaign.runs if r.contact and r.motion == "push")
     print(f"{'what':44} {'s':>8} {'x bare plant':>13}")
@@ -161,6 +221,7 @@ def main():
             label = f"{name}, 12 s at {1e3 * step:g} ms"
             print(f"{label:44} {value:8.3f} {value / bare:13.2f}")
     time_braces()
+    time_learning()
     if args.quick:
         return
     jobs = os.cpu_count() or 1

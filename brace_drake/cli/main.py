@@ -23,6 +23,8 @@ _COMMANDS = (
     "compare",
     "plan",
     "personalize",
+    "train",
+    "predict",
     "withheld",
     "emulate",
     "record",

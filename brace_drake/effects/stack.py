@@ -46,6 +46,22 @@ def stack_effects(uses: Sequence[Use]) -> dict[str, PlugIn]:
     }
 
 
+def stack_laws(uses: Sequence[Use]) -> dict[str, PlugIn]:
+    """`stack_effects` for twins whose numbers effects do not change.
+
+    Raises:
+        EffectError: More effects than the twin carries, or an effect that is
+            other numbers of the bench, not a law alone.
+    """
+    for effect, _ in uses:
+        if effect.modify is not None:
+            raise EffectError(
+                f"effect {effect.key} changes the numbers of the bench; allowed"
+                " here: effects that are laws at a plug point"
+            )
+    return stack_effects(uses)
+
+
 def modify_numbers(numbers, uses: Sequence[Use]):
     """The twin's numbers as the effects have changed them."""
     for effect, values in uses:

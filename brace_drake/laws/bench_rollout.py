@@ -8,9 +8,8 @@ and diagnoses, thousands of runs, call.
 import numpy as np
 from numba import boolean, float64, int64, njit, types
 
-from brace_drake.laws import blocks, controller, legs
+from brace_drake.laws import controller, hooked_forces
 from brace_drake.laws.hooks import (
-    MAX_EFFECTS,
     PLUG_POINTS,
     matrix,
     stack_type,
@@ -18,7 +17,6 @@ from brace_drake.laws.hooks import (
     vectors,
 )
 from brace_drake.laws.rigid_body import step_free_body_at
-from brace_drake.laws.rotation import quaternion_to_matrix
 
 # Columns of the log.
 NUM_LOGGED = 19
@@ -132,35 +130,22 @@ def rollout_bench(
     for tick in range(desired.shape[0]):
         for sub in range(steps_per_tick):
             t = tick * period + sub * dt
-            quaternion_to_matrix(q_WR, R_WR)
-            quaternion_to_matrix(q_WT, R_WT)
-            legs.calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J)
-            legs.calc_leg_rates(J, V_WR[0:3], V_WR[3:6], rates)
-            F_R[:] = 0.0
-            F_T[:] = 0.0
-            if with_torso:
-                blocks.add_hooked_pads(
-                    t, dt, bodies, R_WR, R_WT, contact_law, pads, active,
-                    compression, contact, parameters, compression_memory,
-                    contact_memory, F_R, F_T, f_T,
-                )  # fmt: skip
+            hooked_forces.calc_hooked_contact(
+                t, dt, with_torso, bodies, p_WB, p_RT, contact_law, active,
+                compression, contact, parameters, compression_memory,
+                contact_memory, R_WR, R_WT, lengths, rates, J, pads, F_R, F_T,
+                f_T,
+            )  # fmt: skip
             if sub == 0:
                 ideal[0:6] = lengths
                 ideal[6:9] = f_T
                 for i in range(3):
                     ideal[9 + i] = p_WT[i] - rest[i]
                 readings[:] = ideal
-                for e in range(MAX_EFFECTS):
-                    if not active[5, e]:
-                        continue
-                    sensing[e](
-                        t, period, u, readings[0:6], readings[6:9],
-                        parameters[e], sensing_memory[e],
-                    )  # fmt: skip
-                blocks.read_instruments(
-                    resolution,
+                hooked_forces.read_hooked(
+                    t, period, u, resolution,
                     noise[tick] if noise.shape[0] > 0 else no_noise,
-                    readings,
+                    active, sensing, parameters, sensing_memory, readings,
                 )  # fmt: skip
                 if not controller.control_tick(
                     readings, desired[tick], control_law, memory, estimate, u
@@ -169,33 +154,13 @@ def rollout_bench(
                 if tick % ticks_per_sample == 0:
                     row = log[tick // ticks_per_sample]
                     _write_row(row, u, readings, with_torso, virtual[1])
-            blocks.calc_leg_forces(u, viscous, rates, f)
-            for e in range(MAX_EFFECTS):
-                if not active[0, e]:
-                    continue
-                drive[e](
-                    t, dt, u, lengths, rates, viscous, f,
-                    parameters[e], drive_memory[e],
-                )  # fmt: skip
-            legs.add_leg_wrench(J, f, F_R)
-            blocks.calc_displacement(q_WR, p_WR, rest, pose)
-            for e in range(MAX_EFFECTS):
-                if not active[4, e]:
-                    continue
-                ring[e](
-                    t, dt, pose[0:3], pose[3:6], V_WR, F_R,
-                    parameters[e], ring_memory[e],
-                )  # fmt: skip
+            hooked_forces.add_hooked_forces(
+                t, dt, with_torso, u, bodies, lengths, rates, J, rest, viscous,
+                posture_law, active, drive, torso, ring, parameters,
+                drive_memory, torso_memory, ring_memory, f, pose, F_R, F_T,
+            )  # fmt: skip
             F_R[5] -= mass_R[4]
             if with_torso:
-                blocks.add_posture(bodies, rest, posture_law, pose, F_T)
-                for e in range(MAX_EFFECTS):
-                    if not active[3, e]:
-                        continue
-                    torso[e](
-                        t, dt, pose[0:3], pose[3:6], V_WT, posture_law, F_T,
-                        parameters[e], torso_memory[e],
-                    )  # fmt: skip
                 step_free_body_at(R_WT, q_WT, p_WT, V_WT, mass_T, F_T, dt)
             step_free_body_at(R_WR, q_WR, p_WR, V_WR, mass_R, F_R, dt)
         if not abs(p_WR[1]) + abs(p_WT[1]) < 1.0:

@@ -82,6 +82,13 @@ def _copy_state(pose, V, to_pose, to_V):
 
 
 @njit(**_compile)
+def _add_legs(J, J_L, V, u, viscous, rates, f, F):
+    stages.calc_rates(J, J_L, V, rates)
+    blocks.calc_leg_forces(u, viscous, rates, f)
+    stages.add_wrenches(J, J_L, f, F)
+
+
+@njit(**_compile)
 def calc_brace(inputs, n, with_pads, with_legs, out):
     """All nominal forces of a brace, and what its instruments see.
 
@@ -128,13 +135,28 @@ def calc_brace(inputs, n, with_pads, with_legs, out):
                 pair, R[i], R_WT, contact[i], pads[i], F[i], F_T_W, f_T_W[i]
             )
     if with_legs:
-        stages.calc_rates(J, J_L, V[0:n], rates)
-        blocks.calc_leg_forces(u, law[3 : 3 + 6 * n], rates, f)
-        stages.add_wrenches(J, J_L, f, F)
+        _add_legs(J, J_L, V[0:n], u, law[3 : 3 + 6 * n], rates, f, F)
     if with_torso:
         displacement = out[15 * n + 6 : 15 * n + 12]
         posture = law[law.shape[0] - 12 :]
         blocks.add_posture(pair, law[0:3], posture, displacement, F_T_W)
+
+
+@njit(**_compile)
+def add_brace_legs(inputs, n, out):
+    """Adds the legs' forces to what `calc_brace` has left them out of.
+
+    Args:
+        inputs: As there, with torso; commands alone may have changed since.
+        n: Number of stages.
+        out: As `calc_brace` has written it, `with_legs` false.
+    """
+    size = 13 * n + 13
+    V = inputs[7 * n + 7 : size].reshape((n + 1, 6))
+    u, law = inputs[size : size + 6 * n], inputs[size + 6 * n :]
+    J, J_L, rates, f, _, _, _, _, _ = _take_work(out, n)
+    F = out[0 : 6 * n].reshape((n, 6))
+    _add_legs(J, J_L, V[0:n], u, law[3 : 3 + 6 * n], rates, f, F)
 
 
 @njit(**_compile)

@@ -9,17 +9,33 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.errors import BraceError
 from brace_drake.laws import brace_control
+from brace_drake.laws.controller import NUM_POSE_MEMORY
 from brace_drake.laws.plug_in import PlugIn, idle
 from brace_drake.scenario.control_numbers import ControlNumbers
 from brace_drake.systems.hosting import EffectHost
 from brace_drake.systems.ticks import DeclareTick
 
 _BY_RULE = np.empty(0)
-_PROBLEMS = {
+PROBLEMS = {
     brace_control.NO_POSE: "no ring pose fits the measured leg lengths",
     brace_control.SINGULAR: "the leg Jacobian is singular",
     brace_control.BAD_STIFFNESS: "a stiffness asked for is not a number",
 }
+
+
+def estimate_of_memory(
+    pose: np.ndarray, force: np.ndarray, start: np.ndarray
+) -> np.ndarray:
+    """X, X' and filtered force (18n,) from a controller's memory.
+
+    Args:
+        pose: Of the estimators (20n,), see `controller.NUM_POSE_MEMORY`.
+        force: Filtered (6n,).
+        start: X before the first tick (6n,).
+    """
+    memory = pose.reshape(-1, NUM_POSE_MEMORY)
+    X = memory[:, 7:13].ravel() if memory[0, 19] else start
+    return np.concatenate([X, memory[:, 13:19].ravel(), force])
 
 
 class BraceController(LeafSystem):
@@ -37,6 +53,7 @@ class BraceController(LeafSystem):
         leg_command: (6n,), N.
         virtual: X_v, X_v', X_v'' (18n,).
         impedance: M_d, C_d, K_d in use (18n,), 0 where there is none.
+        estimate: What the tick knew: X, X', and the filtered force (18n,).
 
     Numeric parameters: law, the rows of `advance_brace` one after another.
     Effects at `sensing` may be hosted where n is 1: their parameters and states
@@ -72,6 +89,13 @@ class BraceController(LeafSystem):
                 ("", numbers.memory.ravel()),
             )
         ]
+        self._start = numbers.virtual[0:coordinates]
+        self.DeclareVectorOutputPort(
+            "estimate",
+            3 * coordinates,
+            self._CalcEstimate,
+            prerequisites_of_calc={self.xd_ticket()},
+        )
         plug_in = (plug_ins or {}).get("sensing") or idle("sensing")
         if coordinates != 6 and not plug_in.is_idle:
             raise BraceError(
@@ -92,6 +116,14 @@ class BraceController(LeafSystem):
         if name:
             self.DeclareStateOutputPort(name, state)
         return state
+
+    def _CalcEstimate(self, context: Context, output: BasicVector) -> None:
+        pose, memory = (
+            context.get_discrete_state(i).value() for i in self._groups[3:5]
+        )
+        output.SetFromVector(
+            estimate_of_memory(pose, memory[0 : len(self._start)], self._start)
+        )
 
     def _AskedStiffness(self, context: Context) -> np.ndarray:
         """Stiffness from outside, or none."""
@@ -122,7 +154,7 @@ class BraceController(LeafSystem):
         )
         if result != brace_control.GOOD:
             raise BraceError(
-                f"{type(self).__name__}: {_PROBLEMS[result]}"
+                f"{type(self).__name__}: {PROBLEMS[result]}"
                 f" at {context.get_time():.3f} s"
             )
 

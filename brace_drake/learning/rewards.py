@@ -1,0 +1,97 @@
+"""Rewards: the paper's, as it is written, and one that says what it means."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from brace_drake.learning.signals import Signals
+
+
+def _vector(*values: float):
+    return field(default_factory=lambda: np.array(values, dtype=float))
+
+
+@dataclass
+class RewardNumbers:
+    """Weights w and coefficients c of equations (7) to (10).
+
+    Of one ring (6,), which all rings share, or of all (6n,). The defaults are
+    equations (11) to (16).
+
+    `kind` is one of
+
+    paper     The sum of (7) as it stands. Its force term is largest *at* F_max
+              and pays as little for a force far below as for one far above,
+              and its half width of 0.17 N outweighs the position's of 10 mm: a
+              policy is paid for pressing with 4 N, wherever the ring is.
+    barrier   Position and velocity alike, best with coefficients to the scale
+              of the errors that matter (`improved`). The force costs nothing
+              below `barrier_share` of F_max, its weight at F_max, and grows
+              with the square: it keeps the force *below*. A change of
+              stiffness costs `smoothness_weight` times the square of its share
+              of the range: the paper's hope for a constant stiffness, said.
+    """
+
+    kind: str = "paper"
+    position_weight: np.ndarray = _vector(2, 2, 2, 0, 0, 0)
+    velocity_weight: np.ndarray = _vector(0, 2, 0, 0, 0, 0)
+    force_weight: np.ndarray = _vector(0, 2, 0, 0, 0, 0)
+    position_scale: np.ndarray = _vector(80, 80, 80, 80, 80, 80)  # 1/m, 1/rad
+    velocity_scale: np.ndarray = _vector(80, 80, 80, 80, 80, 80)  # s/m
+    force_scale: np.ndarray = _vector(5, 5, 5, 5, 5, 5)  # 1/N
+    force_limit: np.ndarray = _vector(4, 4, 4, 4, 4, 4)  # N, F_max
+    barrier_share: float = 0.8
+    smoothness_weight: float = 0.0
+
+
+def improved() -> RewardNumbers:
+    """The barrier, with coefficients to the scale of the paper's Table 1.
+
+    An error of 0.4 mm along y, 0.2 mm along x or z, or 1 mm/s takes a term
+    down to 1/e.
+    """
+    return RewardNumbers(
+        kind="barrier",
+        position_scale=np.array([5000.0, 2500, 5000, 50, 50, 50]),
+        velocity_scale=np.full(6, 1000.0),
+        smoothness_weight=1.0,
+    )
+
+
+def bell(scale: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """exp(-(c error)^2), equations (8) to (10)."""
+    return np.exp(-np.square(scale * error))
+
+
+def barrier(force: np.ndarray, limit: np.ndarray, share: float) -> np.ndarray:
+    """0 up to share F_max, -1 at F_max, and on with the square."""
+    over = np.maximum(0.0, np.abs(force) / limit - share) / (1.0 - share)
+    return -np.square(over)
+
+
+def calc_reward(
+    signals: Signals, change: np.ndarray, numbers: RewardNumbers
+) -> dict[str, float]:
+    """Terms of the reward by name; the reward is their sum.
+
+    Args:
+        signals: After the step.
+        change: Of each stiffness by the step's action, over its range, -1 to 1.
+        numbers: Of size (6n,).
+    """
+    force = (
+        barrier(signals.force, numbers.force_limit, numbers.barrier_share)
+        if numbers.kind == "barrier"
+        else bell(numbers.force_scale, numbers.force_limit - signals.force)
+    )
+    position = bell(numbers.position_scale, signals.desired - signals.position)
+    rate = bell(numbers.velocity_scale, signals.desired_rate - signals.rate)
+    terms = {
+        "position": float(numbers.position_weight @ position),
+        "velocity": float(numbers.velocity_weight @ rate),
+        "force": float(numbers.force_weight @ force),
+    }
+    if numbers.kind == "barrier":
+        cost = numbers.smoothness_weight * float(change @ change)
+        terms["smoothness"] = -cost
+    return terms

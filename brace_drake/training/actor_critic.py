@@ -1,0 +1,110 @@
+"""The paper's actor and critic as a policy of stable-baselines3."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import torch
+from stable_baselines3.common.distributions import Distribution
+from stable_baselines3.common.policies import ActorCriticPolicy
+from torch import nn
+
+_LEAST_DEVIATION = 1e-3
+
+
+class ThresholdAdam(torch.optim.Adam):
+    """Adam that first cuts the gradient of each parameter to an L2 norm.
+
+    The paper's "gradient threshold method L2 norm": of each weight matrix and
+    bias by itself, not of all together. Weight decay is added to the gradient
+    after that, as L2 regularization.
+    """
+
+    def __init__(self, params, threshold: float = 1.0, **options):
+        self._threshold = threshold
+        super().__init__(params, **options)
+
+    @torch.no_grad()
+    def step(self, closure=None):
+        for group in self.param_groups:
+            for p in group["params"]:
+                if p.grad is None:
+                    continue
+                norm = float(p.grad.norm())
+                if norm > self._threshold:
+                    p.grad.mul_(self._threshold / norm)
+        return super().step(closure)
+
+
+class ActorCritic(ActorCriticPolicy):
+    """Section 3: two layers of 256 with ReLU, for actor and critic each.
+
+    The actor goes on with a layer and tanh, the mean, in parallel with a layer
+    for the deviation (softplus). Actor and critic share nothing and have an L2
+    weight each.
+    """
+
+    def __init__(
+        self,
+        *args,
+        actor_l2: float = 1e-5,
+        critic_l2: float = 2e-4,
+        threshold: float = 1.0,
+        start_deviation: float = 0.5,
+        **options,
+    ):
+        self._own = (actor_l2, critic_l2, threshold, start_deviation)
+        super().__init__(*args, **options)
+
+    def _build(self, lr_schedule) -> None:
+        actor_l2, critic_l2, threshold, deviation = self._own
+        self._build_mlp_extractor()
+        hidden, size = self.mlp_extractor.latent_dim_pi, self.action_space.shape
+        self.action_net = nn.Linear(hidden, size[0])
+        self.deviation_net = nn.Linear(hidden, size[0])
+        self.value_net = nn.Linear(self.mlp_extractor.latent_dim_vf, 1)
+        for module, gain in (
+            (self.mlp_extractor, math.sqrt(2.0)),
+            (self.action_net, 0.01),
+            (self.deviation_net, 0.01),
+            (self.value_net, 1.0),
+        ):
+            module.apply(lambda m, g=gain: self.init_weights(m, gain=g))
+        start = math.log(math.expm1(deviation - _LEAST_DEVIATION))
+        nn.init.constant_(self.deviation_net.bias, start)
+        critic = [
+            *self.mlp_extractor.value_net.parameters(),
+            *self.value_net.parameters(),
+        ]
+        known = {id(p) for p in critic}
+        actor = [p for p in self.parameters() if id(p) not in known]
+        self.optimizer = ThresholdAdam(
+            [
+                {"params": actor, "weight_decay": actor_l2},
+                {"params": critic, "weight_decay": critic_l2},
+            ],
+            threshold=threshold,
+            lr=lr_schedule(1),
+            betas=(0.9, 0.999),
+            eps=1e-8,
+        )
+
+    def _get_action_dist_from_latent(
+        self, latent_pi: torch.Tensor
+    ) -> Distribution:
+        mean = torch.tanh(self.action_net(latent_pi))
+        raw = self.deviation_net(latent_pi)
+        deviation = nn.functional.softplus(raw) + _LEAST_DEVIATION
+        return self.action_dist.proba_distribution(mean, deviation.log())
+
+    def layers(self) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Weights and biases of the mean's layers, as numpy has them."""
+        linear = [
+            m for m in self.mlp_extractor.policy_net if hasattr(m, "bias")
+        ]
+        linear.append(self.action_net)
+        return (
+            [m.weight.detach().numpy().copy() for m in linear],
+            [m.bias.detach().numpy().copy() for m in linear],
+        )

@@ -1,0 +1,124 @@
+"""A training run on disk: what it was started with, and how far it is."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import torch
+from pydrake.common.yaml import yaml_dump_typed
+
+from brace_drake.errors import PolicyError
+from brace_drake.learning.task import LearningTask, load_task_scenario
+from brace_drake.output import MakeFolder, WriteBytes, WriteJson, WriteText
+from brace_drake.scenario.load import LoadRecord
+from brace_drake.training.numbers import TrainingNumbers
+
+PACKAGES = (
+    "brace_drake", "drake", "numpy", "numba", "gymnasium", "torch",
+    "stable-baselines3",
+)  # fmt: skip
+CHECKPOINT = "checkpoint.pt"
+
+
+def versions() -> dict[str, str]:
+    """Versions that a run's numbers depend on."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "absent"
+    return found
+
+
+def WriteStart(
+    folder: Path, task: LearningTask, numbers: TrainingNumbers
+) -> None:
+    """Writes task, hyper-parameters, the scenario, seed and versions.
+
+    Raises:
+        OutputError: The folder cannot be written.
+    """
+    MakeFolder(folder)
+    scenario = load_task_scenario(task)
+    for name, record in (
+        ("task.yaml", task),
+        ("training.yaml", numbers),
+        ("used.scenario.yaml", scenario),
+    ):
+        WriteText(folder / name, yaml_dump_typed(record))
+    WriteJson(
+        folder / "manifest.json",
+        {"seed": numbers.seed, "versions": versions()},
+    )
+
+
+def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
+    """What a run was started with; its scenario is the one it kept.
+
+    Raises:
+        PolicyError: There is no run, or other versions have begun it.
+        ScenarioError: A file of it cannot be read.
+    """
+    manifest = folder / "manifest.json"
+    if not (manifest.is_file() and (folder / CHECKPOINT).is_file()):
+        raise PolicyError(f"{folder}: no training run to go on with")
+    begun, here = json.loads(manifest.read_text())["versions"], versions()
+    for name, value in begun.items():
+        if here.get(name) != value:
+            raise PolicyError(
+                f"{folder}: begun with {name} {value}; here is"
+                f" {here.get(name)}: a run goes on with the same alone"
+            )
+    task = LoadRecord(LearningTask(), folder / "task.yaml")
+    task.scenario = str(folder / "used.scenario.yaml")
+    return task, LoadRecord(TrainingNumbers(), folder / "training.yaml")
+
+
+def WriteCheckpoint(folder: Path, state: dict) -> None:
+    """Writes the state of a run; a kill leaves the old one or the new one."""
+    memory = io.BytesIO()
+    torch.save(state, memory)
+    WriteBytes(folder / CHECKPOINT, memory.getvalue())
+
+
+def LoadCheckpoint(folder: Path) -> dict:
+    """Reads what `WriteCheckpoint` has written.
+
+    Checkpoints hold random states and may run code: load your own alone.
+    """
+    return torch.load(folder / CHECKPOINT, weights_only=False)
+
+
+def WriteCurve(folder: Path, rows: list[dict[str, float]]) -> None:
+    """Writes the training curve as CSV."""
+    memory = io.StringIO()
+    writer = csv.DictWriter(memory, list(rows[0]))
+    writer.writeheader()
+    writer.writerows(rows)
+    WriteText(folder / "curve.csv", memory.getvalue())
+
+
+def DrawCurve(folder: Path, rows: list[dict[str, float]]) -> None:
+    """Draws returns over decisions as PNG."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes = figure.add_subplot()
+    steps = [row["steps"] for row in rows]
+    for name, label, style in (
+        ("episode_return", "while training", "-"),
+        ("evaluation", "mean actions, nominal subject", "o"),
+    ):
+        axes.plot(steps, [row[name] for row in rows], style, label=label)
+    axes.set_xlabel("decisions")
+    axes.set_ylabel("return of an episode")
+    axes.legend()
+    memory = io.BytesIO()
+    figure.savefig(memory, format="png", dpi=120)
+    WriteBytes(folder / "curve.png", memory.getvalue())

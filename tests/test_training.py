@@ -1,0 +1,246 @@
+"""PPO with the paper's numbers, stopped, killed and resumed."""
+
+import contextlib
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.cli.main import main
+from brace_drake.errors import PolicyError, ScenarioError
+from brace_drake.learning.policy import LoadPolicy
+from brace_drake.learning.subjects import between_patients
+from tests.learning_tasks import short_task
+
+try:
+    import torch
+    from stable_baselines3 import PPO
+
+    from brace_drake.training.actor_critic import ThresholdAdam
+    from brace_drake.training.learner import Learner
+    from brace_drake.training.numbers import TrainingNumbers
+    from brace_drake.training.train import ResumeTraining, StartTraining
+except ImportError as error:
+    raise unittest.SkipTest("stable-baselines3 is not installed") from error
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+def tiny_task():
+    # Episodes end in the middle of a horizon.
+    return short_task(5, subjects=between_patients(), readings="noisy")
+
+
+def tiny_numbers(**changes):
+    sizes = {"horizon": 8, "batch_size": 4, "epochs": 2, "hidden": 8}
+    rest = {"episodes": 8, "evaluate_every": 2, "seed": 3}
+    return TrainingNumbers(**{**sizes, **rest, **changes})
+
+
+# What a process of its own runs, to be killed.
+SCRIPT = """
+from pathlib import Path
+import sys, time
+from tests.test_training import tiny_numbers, tiny_task
+from brace_drake.training.train import StartTraining
+def slow(done, total, mean, best):
+    print(done, flush=True)
+    time.sleep(0.2)
+StartTraining(Path(sys.argv[1]), tiny_task(), tiny_numbers(), slow)
+"""
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+
+class TestResume(Folder):
+    def test_a_killed_run_ends_with_the_weights_of_one_that_was_not(self):
+        whole, killed = self.folder / "whole", self.folder / "killed"
+        result = StartTraining(whole, tiny_task(), tiny_numbers())
+        self.assertEqual(result["steps"], 40)
+        process = subprocess.Popen(
+            [sys.executable, "-c", SCRIPT, str(killed)],
+            stdout=subprocess.PIPE,
+            cwd=REPOSITORY,
+        )
+        for _ in range(2):
+            process.stdout.readline()
+        time.sleep(0.05)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+        state = torch.load(killed / "checkpoint.pt", weights_only=False)
+        self.assertLess(state["learner"]["counts"]["num_timesteps"], 40)
+        self.assertEqual(ResumeTraining(killed), result)
+        for name in ("policy.npz", "best.npz"):
+            a, b = LoadPolicy(whole / name), LoadPolicy(killed / name)
+            for x, y in zip(
+                (*a.weights, *a.biases, a.mean, a.gain),
+                (*b.weights, *b.biases, b.mean, b.gain),
+                strict=True,
+            ):
+                np.testing.assert_array_equal(x, y)
+        curves = [(f / "curve.csv").read_text() for f in (whole, killed)]
+        self.assertEqual(*curves)
+
+    def test_every_update_goes_on_bit_for_bit(self):
+        straight = Learner(tiny_task(), tiny_numbers())
+        for _ in range(4):
+            straight.advance()
+        part = Learner(tiny_task(), tiny_numbers())
+        for _ in range(4):
+            part.advance()
+            memory = io.BytesIO()
+            torch.save(part.state(), memory)
+            memory.seek(0)
+            part.close()
+            # The state of the process is another one by now.
+            torch.rand(3)
+            np.random.rand(3)  # noqa: NPY002
+            part = Learner(tiny_task(), tiny_numbers(seed=99))
+            part.set_state(torch.load(memory, weights_only=False))
+        a, b = straight.model.policy, part.model.policy
+        for x, y in zip(a.parameters(), b.parameters(), strict=True):
+            self.assertTrue(torch.equal(x, y))
+
+    def test_patience_ends_a_run_and_the_best_is_kept(self):
+        numbers = tiny_numbers(
+            patience=1, evaluate_every=1, learning_rate=1e-12, episodes=40
+        )
+        result = StartTraining(self.folder, tiny_task(), numbers)
+        self.assertTrue(result["stopped"])
+        self.assertLess(result["updates"], 25)
+        self.assertTrue((self.folder / "best.npz").exists())
+
+    def test_folders_are_checked(self):
+        with self.assertRaisesRegex(PolicyError, "no training run"):
+            ResumeTraining(self.folder)
+        StartTraining(self.folder, tiny_task(), tiny_numbers(episodes=1))
+        with self.assertRaisesRegex(PolicyError, "resume"):
+            StartTraining(self.folder, tiny_task(), tiny_numbers())
+        path = self.folder / "manifest.json"
+        manifest = json.loads(path.read_text())
+        manifest["versions"]["torch"] = "0.1"
+        path.write_text(json.dumps(manifest))
+        with self.assertRaisesRegex(PolicyError, r"torch 0\.1"):
+            ResumeTraining(self.folder)
+
+
+class TestNetwork(unittest.TestCase):
+    def test_numpy_says_what_torch_says(self):
+        learner = Learner(tiny_task(), tiny_numbers(hidden=256))
+        learner.advance()
+        policy, model = learner.policy(), learner.model
+        rows = np.random.default_rng(0).normal(size=(40, 7)) * 5e-3
+        for row in rows:
+            scaled = learner._scaled.normalize_obs(row[None])
+            expected = model.policy.predict(scaled, deterministic=True)[0][0]
+            np.testing.assert_allclose(
+                policy.act(row), expected, rtol=0, atol=1e-6
+            )
+
+    def test_hyper_parameters_of_the_paper_arrive(self):
+        learner = Learner(short_task(), TrainingNumbers())
+        model: PPO = learner.model
+        self.assertEqual(
+            (model.n_steps, model.batch_size, model.n_epochs), (512, 64, 10)
+        )
+        self.assertEqual(
+            (model.gamma, model.gae_lambda, model.ent_coef), (0.99, 0.95, 0.01)
+        )
+        self.assertEqual(model.clip_range(1.0), 0.2)
+        groups = model.policy.optimizer.param_groups
+        self.assertEqual([g["weight_decay"] for g in groups], [1e-5, 2e-4])
+        self.assertEqual(groups[0]["betas"], (0.9, 0.999))
+        self.assertEqual((groups[0]["eps"], groups[0]["lr"]), (1e-8, 3e-4))
+        sizes = [[p.shape[0] for p in g["params"]] for g in groups]
+        self.assertEqual(sizes[1], [256, 256, 256, 256, 1, 1])
+        self.assertEqual(sizes[0], [256, 256, 256, 256, 1, 1, 1, 1])
+        # Two hidden layers, the mean and the deviation side by side.
+        self.assertEqual(len(list(model.policy.parameters())), 14)
+
+    def test_each_gradient_is_cut_by_itself(self):
+        big, small = (torch.nn.Parameter(torch.zeros(2)) for _ in range(2))
+        optimizer = ThresholdAdam([{"params": [big, small]}], threshold=1.0)
+        big.grad, small.grad = (
+            torch.tensor([3.0, 4.0]),
+            torch.tensor([0.3, 0.4]),
+        )
+        optimizer.step()
+        torch.testing.assert_close(big.grad, torch.tensor([0.6, 0.8]))
+        torch.testing.assert_close(small.grad, torch.tensor([0.3, 0.4]))
+
+    def test_numbers_are_checked(self):
+        for change, text in (
+            ({"gamma": 1.5}, "gamma"),
+            ({"horizon": 9, "envs": 2}, "horizon"),
+            ({"hidden": 0}, "hidden"),
+        ):
+            numbers = tiny_numbers(**change)
+            with self.assertRaisesRegex(ScenarioError, text):
+                StartTraining(Path("nowhere"), tiny_task(), numbers)
+        self.assertFalse(Path("nowhere").exists())
+
+
+class TestCommands(Folder):
+    def test_train_then_predict(self):
+        (self.folder / "task.yaml").write_text("max_steps: 4\n")
+        (self.folder / "training.yaml").write_text(
+            "horizon: 8\nbatch_size: 4\nepochs: 1\nhidden: 8\n"
+        )
+        run = self.folder / "run"
+        out = io.StringIO()
+        with (
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(io.StringIO()),
+        ):
+            self.assertEqual(
+                main(
+                    [
+                        "train", "--out", str(run), "--episodes", "2",
+                        "--task", str(self.folder / "task.yaml"),
+                        "--training", str(self.folder / "training.yaml"),
+                        "--reward", "improved",
+                    ]
+                ),
+                0,
+            )  # fmt: skip
+            self.assertEqual(
+                main(
+                    [
+                        "predict", str(run / "best.npz"), "--out",
+                        str(self.folder / "out"), "--displacement-mm", "-5",
+                        "--subject", "torso_mass=1.2",
+                    ]
+                ),
+                0,
+            )  # fmt: skip
+        self.assertIn("ring2 y: K_d", out.getvalue())
+        made = json.loads((self.folder / "out/prediction.json").read_text())
+        self.assertGreater(made["ring2 y"]["stiffness_N_m"], 500.0)
+        rows = (self.folder / "out/course.csv").read_text().splitlines()
+        self.assertEqual(len(rows), 5)
+        self.assertEqual(
+            {p.name for p in run.iterdir()},
+            {
+                "best.npz", "checkpoint.pt", "curve.csv", "curve.png",
+                "manifest.json", "policy.npz", "task.yaml", "training.yaml",
+                "used.scenario.yaml",
+            },
+        )  # fmt: skip
+
+
+if __name__ == "__main__":
+    unittest.main()
