@@ -1,141 +1,72 @@
 """A recording with any effect of the library leads back to that effect."""
 
 import unittest
-from pathlib import Path
 
-import numpy as np
-
-from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.alike import ALIKE
 from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.causes import best_fits, is_flexible, try_causes
-from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.causes import try_causes
+from brace_drake.gap.contenders import best_fits
 from brace_drake.gap.ground import Ground
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
-from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.screen import race
-from brace_drake.gap.separation import beyond
 from brace_drake.gap.verdict import decide
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_rollout import Motion
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.reference import COLUMNS
-
-RATE, DEVICE = 200.0, "bench stage 2"
-# Mean square of the gap, in floors, that a recording is made to have.
-SIZES = 1.0, 25.0
-# Anchors a little off look like encoders that are off.
-SIZES_OF_MANY = 100.0, 1000.0
+from tests.synthetic_bench import DEVICE, SyntheticBench
 
 
-def reference(duration, depth, ripple):
-    """A slow push with a ripple, at rest at both ends (ticks, 3)."""
-    t = np.arange(round(duration * 1000) + 1) / 1000.0
-    window = np.sin(np.pi * t / duration) ** 2
-    y = depth * window
-    for rate, phase in ((1.1, 0.3), (2.3, 1.9), (4.7, 4.0)):
-        y = y + ripple / rate * window * np.sin(2 * np.pi * rate * t + phase)
-    velocity = np.gradient(y, 1e-3)
-    return np.column_stack([y, velocity, np.gradient(velocity, 1e-3)])
-
-
-MOTIONS = {
-    "free": (False, reference(2.0, -0.003, 0.002)),
-    "push": (True, reference(5.0, -0.008, 0.0)),
-    "multisine": (True, reference(3.0, -0.003, 0.003)),
-}
-
-
-def record(twin, subject, uses, seed):
-    """A campaign that the twin itself recorded."""
-    runs = []
-    for i, (name, (contact, desired)) in enumerate(MOTIONS.items()):
-        mine = [(card, card.in_run(values, i)) for card, values in uses]
-        noise = np.random.default_rng([seed, i])
-        log = twin.simulate(Motion(desired, contact), subject, mine, noise)
-        channels = {"time_s": np.arange(len(log)) / RATE}
-        channels |= dict(zip(twin.channels, log.T, strict=True))
-        channels |= dict(zip(COLUMNS, desired[::5].T, strict=True))
-        runs.append(Run(f"{name}.csv", contact, name, None, "fit", channels))
-    return Campaign(Path("synthetic"), DEVICE, RATE, "twin", tuple(runs))
-
-
-def strength_of(card, seed):
-    """Values of an effect in the middle of its starts."""
-    starts = card.starts()
-    values = starts[len(starts) // 2].astype(float)
-    generator = np.random.default_rng(seed)
-    if not values[card.is_continuous].any():
-        values = 3e-4 * generator.standard_normal(len(values))
-    if not card.run_parameters:
-        return values
-    # A chest that widens alike on both sides hardly moves the brace.
-    values[1] *= 0.3
-    own = [p.starts[len(p.starts) // 2] for p in card.run_parameters]
-    return np.concatenate([values, own * len(MOTIONS)])
+def answer(evaluator):
+    """The verdict over all causes."""
+    nominal = fit_nominal(evaluator)
+    fits, null = try_causes(evaluator, nominal, 0, lambda what, share: None)
+    return decide(evaluator, nominal, fits, null)
 
 
 class TestRegistry(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.twin = BenchTwin(BenchScenario(), 1e-3 / 3.0)
-        cls.subject = np.array([p.nominal for p in cls.twin.subject])
-        cls.subject = cls.subject * [1.1, 0.9, 1.05, 1.1, 0.95, 1.1]
-        campaign = record(cls.twin, cls.subject, (), 0)
-        cls.floors, _ = estimate_floors(cls.twin, campaign, cls.subject, 0)
-        # What a change of the subject could make, and no effect is needed for.
-        problem = CandidateProblem(cls.evaluator(()), ())
-        columns = problem.columns(cls.subject / problem.scales)
-        cls.basis = np.linalg.qr(columns)[0]
+        cls.bench = SyntheticBench()
+        cls.cards = effects_for(DEVICE)
 
-    @classmethod
-    def evaluator(cls, uses):
-        runs = record(cls.twin, cls.subject, uses, 97).runs
-        prepared = prepare_runs(cls.twin, runs, cls.floors, RATE, 0)
-        return Evaluator(cls.twin, prepared, 2)
-
-    def evaluator_with_a_gap(self, card):
-        """A recording whose gap is neither faint nor wild."""
-        values = strength_of(card, 3)
-        least, most = SIZES_OF_MANY if card.spread else SIZES
-        for _ in range(12):
-            evaluator = self.evaluator([(card, values)])
-            (residual,) = evaluator.residuals([(self.subject, ())])
-            left = beyond(residual, self.basis)
-            size = left @ left / evaluator.count - 1.0
-            if least <= size <= most:
-                break
-            factor = np.sqrt(np.sqrt(least * most) / max(size, 1e-3))
-            shared = len(card.parameters)
-            scaled = card.scaled(values[:shared], np.clip(factor, 0.1, 10.0))
-            values = np.concatenate([scaled, values[shared:]])
-        return evaluator
+    def check(self, card, sign=1.0):
+        """A search among an effect's impostors ends with the effect."""
+        names = {card.name, *card.impostors}
+        rivals = [c for c in self.cards.values() if c.name in names]
+        simple = [c for c in rivals if not c.is_flexible]
+        values = self.bench.values_of_a_gap(card, sign)
+        evaluator = self.bench.evaluator([(card, values)])
+        nominal = fit_nominal(evaluator)
+        ground = Ground(evaluator, nominal)
+        runners = race(ground, simple)
+        if card.is_flexible:
+            runners += race(ground, [card], places=0)
+        best = best_fits(runners)[0]
+        self.assertLess(best.excess, 0.3 * nominal.excess)
+        found = frozenset((card.name, *best.identifiers))
+        told = found == {card.name} or found in ALIKE
+        self.assertTrue(told, sorted(found))
 
     def test_no_effect_leads_to_none(self):
-        evaluator = self.evaluator(())
-        nominal = fit_nominal(evaluator)
-        fits, null = try_causes(evaluator, nominal, 0, lambda what, share: 0)
-        self.assertFalse(decide(evaluator, nominal, fits, null).gap)
+        self.assertFalse(answer(self.bench.evaluator(())).gap)
 
     def test_every_effect_leads_back_to_itself_among_its_impostors(self):
-        cards = effects_for(DEVICE)
-        for key, card in cards.items():
-            names = {card.name, *card.impostors}
-            rivals = [c for c in cards.values() if c.name in names]
-            simple = [c for c in rivals if not is_flexible(c)]
+        for key, card in self.cards.items():
             with self.subTest(effect=key):
-                evaluator = self.evaluator_with_a_gap(card)
-                nominal = fit_nominal(evaluator)
-                ground = Ground(evaluator, nominal)
-                runners = race(ground, simple)
-                if is_flexible(card):
-                    runners += race(ground, [card], places=0)
-                best = best_fits(runners)[0]
-                self.assertLess(best.excess, 0.3 * nominal.excess)
-                found = frozenset((card.name, *best.identifiers))
-                told = found == {card.name} or found in ALIKE
-                self.assertTrue(told, sorted(found))
+                self.check(card)
+
+    def test_an_effect_of_the_other_sign_leads_back_to_itself_too(self):
+        for name in ("posture_drift", "force_scale", "force_bias"):
+            with self.subTest(effect=name):
+                self.check(self.cards[name], -1.0)
+
+    def test_two_effects_at_once_lead_back_to_both(self):
+        for names in (
+            ("command_delay", "force_bias"),
+            ("ring_mass", "breathing"),
+        ):
+            cards = [self.cards[n] for n in names]
+            uses = [(c, self.bench.values_of_a_gap(c)) for c in cards]
+            with self.subTest(effects=names):
+                verdict = answer(self.bench.evaluator(uses))
+                self.assertEqual(set(verdict.winner.identifiers), set(names))
 
 
 if __name__ == "__main__":

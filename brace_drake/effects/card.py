@@ -141,6 +141,11 @@ class Effect:
         """Parameters that a fit moves (n,), bool."""
         return np.array([not p.choices for p in self.parameters])
 
+    @property
+    def is_flexible(self) -> bool:
+        """Whether it has parameters by the dozen, held by priors."""
+        return self.spread is not None or bool(self.run_parameters)
+
     def in_run(self, values: np.ndarray, index: int) -> np.ndarray:
         """The law's vector p in one run.
 
@@ -161,15 +166,30 @@ class Effect:
         each = [p.choices or p.starts for p in self.parameters]
         return [np.array(v) for v in itertools.product(*each)]
 
+    @property
+    def _is_strength(self) -> np.ndarray:
+        """Parameters that vanish with the effect (n,), bool."""
+        return np.array(
+            [p.off == 0.0 and not p.choices for p in self.parameters]
+        )
+
+    @property
+    def has_either_sign(self) -> bool:
+        """Whether what vanishes with the effect may all be negative too.
+
+        Not where runs have phases of their own, which turn it round as well.
+        """
+        lower = self.lower[self._is_strength]
+        return bool(lower.size and np.all(lower < 0.0)) and (
+            not self.run_parameters
+        )
+
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """Values of an effect `factor` times as strong, inside its limits.
 
         What vanishes with the effect is multiplied, its shape is left alone.
         """
-        strength = np.array(
-            [p.off == 0.0 and not p.choices for p in self.parameters]
-        )
-        changed = np.where(strength, values * factor, values)
+        changed = np.where(self._is_strength, values * factor, values)
         return np.clip(changed, self.lower, self.upper)
 
     def off(self) -> np.ndarray:

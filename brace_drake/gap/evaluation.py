@@ -115,12 +115,16 @@ class Evaluator:
     The compiled rollout releases the interpreter lock, so that threads scale
     with cores and share one compiled twin. Results do not depend on their
     number.
+
+    Attribute `replays` counts the points that `residuals` was asked for: what
+    a search has cost, the same on any machine.
     """
 
     def __init__(self, twin, prepared: Sequence[PreparedRun], jobs: int):
         self.twin = twin
         self._coarse_twin, self._fine_twin = twin.coarse(), twin.finer()
         self.prepared, self.jobs = list(prepared), jobs
+        self.replays = 0
         self._pool = ThreadPoolExecutor(max_workers=max(1, jobs))
 
     @property
@@ -169,6 +173,7 @@ class Evaluator:
         tasks = [
             (p, s, u, twin, dithers) for s, u in points for p in self.prepared
         ]
+        self.replays += len(points)
         parts = self.map(self._weighted, tasks)
         size = len(self.prepared)
         chunks = [parts[i : i + size] for i in range(0, len(parts), size)]

@@ -60,7 +60,11 @@ class Ground:
         return is_exact(self.evaluator, self.leader)
 
     def foresee(
-        self, problem: CandidateProblem, z: np.ndarray, residual: np.ndarray
+        self,
+        problem: CandidateProblem,
+        z: np.ndarray,
+        residual: np.ndarray,
+        either_way: bool = False,
     ) -> tuple[float, float]:
         """What is left at the best place on the straight way to a candidate.
 
@@ -70,6 +74,8 @@ class Ground:
             problem: The candidate's.
             z: Where it stands.
             residual: There.
+            either_way: Whether the way goes on behind the leader, as for an
+                effect of either sign.
 
         Returns:
             Sum of squares above noise at that place, and how far it is, 1 at
@@ -83,9 +89,9 @@ class Ground:
         cross = self.sensitivities.T @ way
         gram = np.block([[self._gram, cross[:, None]], [cross, length]])
         slope = np.append(self._slope, way @ self.residual)
+        reach = (-_REACH if either_way else 0.0), _REACH
         low, high = (
-            np.append(r, e)
-            for r, e in zip(self._room, (0.0, _REACH), strict=True)
+            np.append(r, e) for r, e in zip(self._room, reach, strict=True)
         )
         x = _minimise(gram, slope, low, high)
         left = self._square + 2.0 * slope @ x + x @ gram @ x - self.noise

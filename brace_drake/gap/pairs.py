@@ -10,8 +10,6 @@ import numpy as np
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.screen import Runner, make_runner, search_best
 
-# Pairs that are searched inside the twin, of all that are foreseen.
-_SEARCHED = 4
 # A direction counts where it is not a copy of others, relative to the largest.
 _COPY = 1e-6
 
@@ -19,6 +17,7 @@ _COPY = 1e-6
 def search_pairs(
     ground: Ground,
     singles: Sequence[Runner],
+    most: int,
     say=lambda what, share: None,
     bar: float = np.inf,
 ) -> list[Runner]:
@@ -27,18 +26,19 @@ def search_pairs(
     Args:
         ground: The nominal fit.
         singles: Single effects, whose ways foresee pairs.
+        most: Pairs that are run.
         say: Progress.
         bar: Pairs that promise to leave more are not run.
     """
     pairs = []
-    for promise, first, second in foresee_pairs(ground, singles)[:_SEARCHED]:
+    for promise, first, second in foresee_pairs(ground, singles)[:most]:
         if promise > bar:
             break
         runner = _line_up(ground, first, second)
         if runner is not None:
             runner.promise = promise
             pairs.append(runner)
-    search_best(ground, pairs, say)
+    search_best(ground, pairs, say, places=1)
     return pairs
 
 

@@ -11,15 +11,19 @@ def _logistic(x: float) -> float:
     return min(max(1.0 / (1.0 + math.exp(-x)), _LEAST), _MOST)
 
 
-def sure_of_effects(contrast: float, count: int) -> float:
-    """Probability that the named effects are right.
+def sure_of_effects(contrast: float, rest: float, count: int) -> float:
+    """Probability that the named effects are right, and all there are.
 
     Args:
         contrast: What the best rival leaves over what the winner leaves.
+        rest: Share of the gap's amplitude that the winner leaves; in it
+            another effect may hide.
         count: Number of effects named.
     """
     slope = 2.0 if count == 1 else 1.5
-    return _logistic(slope * math.log(max(contrast, 1e-3)) - 0.5)
+    right = _logistic(slope * math.log(max(contrast, 1e-3)) - 0.5)
+    whole = _logistic(3.0 - 10.0 * max(rest, 0.0))
+    return max(right * whole, _LEAST)
 
 
 def sure_of_no_gap(rest: float) -> float:

@@ -39,6 +39,8 @@ _COARSE = 0.01
 # A start is tried again at another strength, this often, where it is more than
 # that many times too strong or too weak.
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
+# A start that promises to leave this share of the gap is not tried again.
+_HOPELESS = 0.98
 # Beyond this many parameters the Jacobian is differenced once.
 _FEW = 8
 
@@ -61,6 +63,11 @@ class Runner:
     jacobian: np.ndarray | None = None
     promise: float = np.inf
 
+    @property
+    def card(self) -> Effect:
+        """The effect that it has beside the leader's."""
+        return self.problem.effects[-1]
+
     def fit(self) -> CandidateFit:
         """Where it stands as a fit; not yet searched, as it promises."""
         solution = LeastSquaresSolution(
@@ -77,6 +84,7 @@ def race(
     cards: Sequence[Effect],
     say=lambda what, share: None,
     places: int = _PLACES,
+    bar: float = np.inf,
 ) -> list[Runner]:
     """Runs the leader's effects with each of the cards, at each start.
 
@@ -85,6 +93,7 @@ def race(
         cards: One effect each.
         say: Progress.
         places: So many are searched whatever they promise.
+        bar: Who promises to leave more is not searched.
 
     Returns:
         Runners, those searched with a Jacobian; none is searched where the
@@ -98,8 +107,9 @@ def race(
         return runners
     best = {}
     for runner in sorted(runners, key=lambda r: r.promise):
-        best.setdefault(runner.problem.effects[-1].key, runner)
-    search_best(ground, list(best.values()), say, places)
+        best.setdefault(runner.card.key, runner)
+    good = [r for r in best.values() if r.promise <= bar]
+    search_best(ground, good, say, places)
     return runners
 
 
@@ -121,19 +131,26 @@ def search_best(
         if place >= places and (far_behind or no_gain):
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
-        if _search(ground, runner, trust):
+        if _search(ground, runner, least, trust):
             least = max(0.0, min(least, runner.fit().excess))
 
 
-def _search(ground: Ground, runner: Runner, trust: float) -> bool:
-    """Rounds of steps while they bring much; False if its twin breaks down."""
-    left = np.inf
-    for _ in range(_ROUNDS):
+def _search(ground: Ground, runner: Runner, least: float, trust: float) -> bool:
+    """Rounds of steps while they bring much; False if its twin breaks down.
+
+    Who would not come near the best at the rate of the last round gives up.
+    """
+    before = ground.there
+    for done in range(1, _ROUNDS + 1):
         if not step(ground, runner, _STEPS):
             return False
-        before, left = left, runner.fit().excess
-        if left < trust or left > _WORTH_A_ROUND * before:
+        left = runner.fit().excess
+        rate = left / before if before > 0.0 else 1.0
+        if left < trust or (done > 1 and rate > _WORTH_A_ROUND):
             break
+        if left * rate ** (_ROUNDS - done) > _FACTOR * (least + trust):
+            break
+        before = left
     return True
 
 
@@ -164,8 +181,8 @@ def step(ground: Ground, runner: Runner, count: int) -> bool:
 def line_up(ground: Ground, card: Effect) -> list[Runner]:
     """The card beside the leader's effects, at each of its starts.
 
-    A start that is far too strong or too weak is followed by one of the
-    strength that it foresees.
+    A start that is far too strong or too weak, or of the wrong sign, is
+    followed by one of the strength that it foresees.
     """
     leader, found = ground.leader, []
     for values in card.starts():
@@ -181,7 +198,7 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
             if runner is None:
                 break
             runner.promise, far = ground.foresee(
-                runner.problem, runner.z, runner.residual
+                runner.problem, runner.z, runner.residual, card.has_either_sign
             )
             found.append(runner)
             if card.spread is not None:
@@ -192,7 +209,8 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
                 break
             if ground.is_exact:
                 return found
-            rescaled = card.scaled(values, max(far, _WEAKEST))
+            factor = np.copysign(max(abs(far), _WEAKEST), far)
+            rescaled = card.scaled(values, factor)
             if np.allclose(rescaled, values, rtol=0.1, atol=0.0):
                 break
             values = rescaled

@@ -25,9 +25,8 @@ MAJOR_REAL = 0.75
 # Root mean square, in floors, up to which a repaired twin counts as good: the
 # noise itself is 1, what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
-# Mean square, in floors, above which a single effect that explains most may
-# still be half of the answer.
-_ENOUGH = 0.5
+# A race leaves this many times what the end of a search will leave, or less.
+_UNFINISHED = 2.0
 # Two effects have to leave this share of what one leaves.
 _SECOND_PAYS = 0.25
 # Mean square, in floors, up to which a twin of the right effect is trusted to
@@ -102,29 +101,46 @@ def smallest_share(evaluator: Evaluator) -> float:
     return MAJOR_KNOWN if known else MAJOR_REAL
 
 
+def largest_rest(
+    evaluator: Evaluator, nominal: CandidateFit, number: int
+) -> float:
+    """Mean square above the floor's that an explanation of most may leave.
+
+    A real machine has more than one flaw, so one effect may leave a rest, if
+    that is a small part of the gap's amplitude; on a bench with known
+    instruments two effects together may leave no more than the noise, for with
+    so much freedom much of any gap can be covered.
+    """
+    before = np.sqrt(1.0 + max(0.0, misfit(evaluator, nominal))) - 1.0
+    after = (1.0 - smallest_share(evaluator)) * before
+    rest = float((1.0 + after) ** 2 - 1.0)
+    if number > 1 and evaluator.twin.instruments_known:
+        return min(rest, _NEAR_FLOOR)
+    return rest
+
+
+def largest_excess(
+    evaluator: Evaluator, nominal: CandidateFit, number: int
+) -> float:
+    """Excess after a race from which an explanation may still be reached."""
+    most = largest_rest(evaluator, nominal, number)
+    return _UNFINISHED * max(most, _NEAR_FLOOR) * evaluator.count
+
+
 def explains(
     evaluator: Evaluator,
     nominal: CandidateFit,
     fit: CandidateFit,
     null: NullDistribution,
 ) -> bool:
-    """Whether a fit explains the gap: to the floor, or by far most of it.
-
-    To the floor is what surrogates demand. A real machine has more than one
-    flaw, so one effect may also leave a rest, if that is a small part of the
-    gap; on a bench with known instruments two effects together may not, for
-    with so much freedom much of any gap can be covered.
+    """Whether a fit explains the gap: to the floor, as surrogates demand, or
+    by far most of it.
     """
     if gain(evaluator, nominal, fit) <= null.gain_threshold:
         return False
     rest = misfit(evaluator, fit)
-    if rest <= null.misfit_threshold:
-        return True
-    share = smallest_share(evaluator)
-    major = closed_amplitude(evaluator, nominal, fit) >= share
-    if len(fit.effects) > 1 and evaluator.twin.instruments_known:
-        return bool(major and rest <= _NEAR_FLOOR)
-    return bool(major)
+    most = largest_rest(evaluator, nominal, len(fit.effects))
+    return bool(rest <= max(null.misfit_threshold, most))
 
 
 def decide(
@@ -160,7 +176,8 @@ def decide(
     )
     second = min((left_over(evaluator, f) for f in rivals), default=np.inf)
     contrast = second / left_over(evaluator, winner)
-    sure = sure_of_effects(contrast, number)
+    rest = 1.0 - closed_amplitude(evaluator, nominal, winner)
+    sure = sure_of_effects(contrast, rest, number)
     return Verdict(True, winner, False, tuple(near), sure)
 
 
@@ -177,9 +194,9 @@ def is_exact(evaluator: Evaluator, fit: CandidateFit) -> bool:
 def is_near_floor(
     evaluator: Evaluator,
     fits: Sequence[CandidateFit],
-    limit: float = _ENOUGH,
+    limit: float,
 ) -> bool:
-    """Whether the best of fits leaves little to look for another effect in."""
+    """Whether the best of fits leaves at most so many floors, mean square."""
     best = next(iter(refined(fits)), None)
     return best is not None and misfit(evaluator, best) <= limit
 

@@ -1,0 +1,194 @@
+"""A second effect, where no single one explains all that there is."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from brace_drake.effects.registry import effects_for
+from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.contenders import best_fits, refine, try_refine
+from brace_drake.gap.evaluation import is_dithered
+from brace_drake.gap.ground import Ground
+from brace_drake.gap.pairs import search_pairs
+from brace_drake.gap.screen import Runner, make_runner, race, search_best, step
+from brace_drake.gap.surrogates import NullDistribution
+from brace_drake.gap.verdict import (
+    closed_amplitude,
+    explains,
+    is_near_floor,
+    largest_excess,
+    refined,
+)
+
+# Beside one that explains most, two have to leave half as much; and a second
+# one is looked for beside one that explains about half the gap.
+_HALF = 0.5
+# Mean square, in floors, up to which nothing is left that would be worth the
+# search over second effects of dozens of parameters.
+_ENOUGH = 0.5
+# Pairs that are searched inside the twin, of all that are foreseen.
+_SEARCHED = 4
+# Replays of all runs after which no other search is begun.
+_DEAR = 700
+# Steps from a pair to either effect alone.
+_STEPS = 4
+
+Say = Callable[[str, float], None]
+
+
+class SecondEffects:
+    """The search for pairs, from what is fast to what is dear.
+
+    It ends as soon as what is left is what surrogates leave too, or when it
+    has cost too much.
+
+    Args:
+        ground: The nominal fit.
+        fits: Of single effects, one refined at least.
+        runners: Of the race that they are from.
+        null: What noise alone gives.
+    """
+
+    def __init__(
+        self,
+        ground: Ground,
+        fits: Sequence[CandidateFit],
+        runners: Sequence[Runner],
+        null: NullDistribution,
+    ):
+        self._ground, self._runners, self._null = ground, runners, null
+        self._evaluator, self._nominal = ground.evaluator, ground.leader
+        self._singles, self._found = list(fits), []
+        self._most = largest_excess(self._evaluator, self._nominal, 2)
+
+    def search(self, say: Say) -> list[CandidateFit]:
+        """Pairs, and single effects found on the way, refined.
+
+        Args:
+            say: Progress, shares of this search.
+        """
+        leader = next(iter(refined(self._singles)))
+        # Beside dozens of parameters any other effect looks right, unless
+        # they are what explains most.
+        partners = [
+            r
+            for r in self._runners
+            if not r.card.is_flexible or r.card.key == leader.name
+        ]
+        self._try_pairs(partners, lambda w, share: say(w, 0.3 * share))
+        if not self._is_done():
+            self._try_richer(lambda w, share: say(w, 0.3 + 0.2 * share))
+        half = closed_amplitude(self._evaluator, self._nominal, leader) >= _HALF
+        if half and not self._is_done():
+            beside = Ground(self._evaluator, leader)
+            self._try_beside(beside, False, lambda w, s: say(w, 0.5 + 0.2 * s))
+            if not (self._is_done(_ENOUGH) or self._is_rough(leader)):
+                self._try_beside(
+                    beside, True, lambda w, s: say(w, 0.7 + 0.3 * s)
+                )
+        return refined(self._found)
+
+    def _all(self) -> list[CandidateFit]:
+        return [*self._singles, *self._found]
+
+    def _is_settled(self) -> bool:
+        return any(
+            explains(self._evaluator, self._nominal, f, self._null)
+            for f in refined(self._all())
+        )
+
+    def _is_done(self, least: float = 0.0) -> bool:
+        if self._evaluator.replays > _DEAR:
+            return True
+        enough = max(least, self._null.misfit_threshold)
+        return self._is_settled() and is_near_floor(
+            self._evaluator, self._all(), enough
+        )
+
+    def _is_rough(self, leader: CandidateFit) -> bool:
+        """Whether a single effect that explains the gap leaves a rough rest.
+
+        Where drives stick, replays come to no floor: what is left is no sign
+        of effects of dozens of parameters, and their search would be dear.
+        """
+        uses, twin = leader.uses, self._evaluator.twin
+        return self._is_settled() and is_dithered(twin, uses)
+
+    def _bar(self) -> float:
+        """Excess above which a pair is not worth its second effect."""
+        if not self._is_settled():
+            return np.inf
+        return _HALF * min(f.excess for f in self._all())
+
+    def _try_pairs(self, runners: Sequence[Runner], say: Say) -> None:
+        """The pairs that are foreseen from the ways of single effects."""
+        bar = self._bar()
+        if np.isfinite(bar):
+            # As the race has left them: then all are equally unfinished.
+            bar = _HALF * min(f.excess for f in best_fits(self._runners))
+        found = search_pairs(self._ground, runners, _SEARCHED, say, bar)
+        self._keep(found, self._nominal.excess, bar)
+        for pair in refined(self._found)[:1]:
+            self._found += self._try_without_one(pair)
+
+    def _try_without_one(self, pair: CandidateFit) -> list[CandidateFit]:
+        """Either effect of a pair alone, from where the pair has it.
+
+        A pair whose one effect does little may show where the other belongs.
+        """
+        found = []
+        least = min(f.excess for f in self._singles)
+        for effect, values in pair.uses:
+            spread = pair.spread if effect.spread is not None else None
+            runner = make_runner(
+                self._ground, [effect], [values], pair.subject, spread
+            )
+            if runner is not None and step(self._ground, runner, _STEPS):
+                fit = runner.fit()
+                if fit.excess < _HALF * least:
+                    found.append(try_refine(self._evaluator, fit))
+        return found
+
+    def _try_richer(self, say: Say) -> None:
+        """The best pair with an effect of many parameters, drawn alike, in the
+        place of one that is taken for it.
+        """
+        pairs = [f for f in refined(self._found) if len(f.effects) == 2]
+        cards = effects_for(self._evaluator.twin.device).values()
+        uses = pairs[0].uses if pairs else ()
+        for (out, _), kept in itertools.permutations(uses):
+            for card in cards:
+                if card.spread is None or out.name not in card.impostors:
+                    continue
+                effects, values = zip(kept, (card, card.off()), strict=True)
+                runner = make_runner(
+                    self._ground, effects, values, pairs[0].subject
+                )
+                if runner is not None:
+                    search_best(self._ground, [runner], say)
+                    self._keep([runner], pairs[0].excess)
+
+    def _keep(
+        self, runners: Sequence[Runner], there: float, bar: float = np.inf
+    ) -> None:
+        """Refines the contenders of a race and keeps them."""
+        good = [f for f in best_fits(runners) if f.excess <= bar]
+        self._found += refined(refine(self._evaluator, good, there, self._most))
+
+    def _try_beside(self, beside: Ground, flexible: bool, say: Say) -> None:
+        """Second effects beside the best single one.
+
+        Two effects need not look like the sum of their small selves.
+        """
+        leader = beside.leader
+        cards = effects_for(self._evaluator.twin.device).values()
+        others = [
+            c
+            for c in cards
+            if c.is_flexible == flexible and c.name not in leader.identifiers
+        ]
+        bar = self._bar()
+        self._keep(race(beside, others, say, bar=bar), leader.excess, bar)
