@@ -192,6 +192,23 @@ class TestWhatIsMadeFromTheDefinition(unittest.TestCase):
         for message in MESSAGES:
             self.assertIn(f"### {message.name}\n", text)
 
+    def test_words_of_one_number_keep_their_own_meanings(self):
+        text, header = DOCUMENT.read_text(encoding="utf-8"), format_header()
+        for number, name, meaning in (
+            (3, "ARMED", "follows commands; the watchdog runs"),
+            (3, "WATCHDOG", "no accepted command within the watchdog's period"),
+            (3, "ESTOP_PRESSED", "the emergency stop is pressed"),
+            (1, "CLAMPED", "the command was cut at a limit of force or rate"),
+            (
+                1,
+                "LENGTH",
+                "leg lengths, m; optional, see `capabilities` of hello",
+            ),
+            (1, "WRONG_STATE", "not in this state"),
+        ):
+            self.assertIn(f"| {number} | {name} | {meaning} |", text)
+            self.assertIn(f"_{name} = {number}, /* {meaning} */", header)
+
     def test_the_committed_header_is_the_one_of_the_definition(self):
         self.assertEqual(FILE.read_text(encoding="utf-8"), format_header())
 

@@ -49,24 +49,24 @@
   (t) == BRACE_CLEAR)
 
 enum brace_state_code {
-  BRACE_STATE_BOOT = 0, /* the request was carried out */
-  BRACE_STATE_HELLO = 1, /* not in this state */
-  BRACE_STATE_DISARMED = 2, /* sealed for another session */
-  BRACE_STATE_ARMED = 3, /* the emergency stop is pressed */
-  BRACE_STATE_STOPPED = 4, /* what made the stop is still there */
-  BRACE_STATE_FAULT = 5, /* a limit is wider than the device's own */
+  BRACE_STATE_BOOT = 0, /* self-test; silent, but for noise; drives released */
+  BRACE_STATE_HELLO = 1, /* waits for a host's hello and limits; drives released */
+  BRACE_STATE_DISARMED = 2, /* limits agreed, states are sent; drives released */
+  BRACE_STATE_ARMED = 3, /* follows commands; the watchdog runs */
+  BRACE_STATE_STOPPED = 4, /* latched stop with its cause; drives released */
+  BRACE_STATE_FAULT = 5, /* e-stop or drive fault; drives without power */
 };
 
 enum brace_cause_code {
-  BRACE_CAUSE_NONE = 0, /* the request was carried out */
-  BRACE_CAUSE_HOST_STOP = 1, /* not in this state */
-  BRACE_CAUSE_STOP_KEY = 2, /* sealed for another session */
-  BRACE_CAUSE_WATCHDOG = 3, /* the emergency stop is pressed */
-  BRACE_CAUSE_ESTOP = 4, /* what made the stop is still there */
-  BRACE_CAUSE_DRIVE_FAULT = 5, /* a limit is wider than the device's own */
-  BRACE_CAUSE_LEG_STROKE = 6, /* a value is no finite number, or makes no sense */
-  BRACE_CAUSE_LEG_SPEED = 7, /* the device cannot do that */
-  BRACE_CAUSE_PAD_FORCE = 8, /* the last tick began without a new command */
+  BRACE_CAUSE_NONE = 0, /* none */
+  BRACE_CAUSE_HOST_STOP = 1, /* the host sent a stop */
+  BRACE_CAUSE_STOP_KEY = 2, /* the operator's stop key */
+  BRACE_CAUSE_WATCHDOG = 3, /* no accepted command within the watchdog's period */
+  BRACE_CAUSE_ESTOP = 4, /* the emergency stop is pressed */
+  BRACE_CAUSE_DRIVE_FAULT = 5, /* a drive reports a fault */
+  BRACE_CAUSE_LEG_STROKE = 6, /* a leg is shorter or longer than allowed */
+  BRACE_CAUSE_LEG_SPEED = 7, /* a leg is faster than allowed */
+  BRACE_CAUSE_PAD_FORCE = 8, /* the force of a pad is above its limit */
   BRACE_CAUSE_TOTAL_FORCE = 9, /* the sum of the rings' forces is above its limit */
   BRACE_CAUSE_RING_POSE = 10, /* a ring is displaced or turned further than allowed */
   BRACE_CAUSE_TRACKING = 11, /* a ring is further from its virtual pose than allowed */
@@ -74,7 +74,7 @@ enum brace_cause_code {
   BRACE_CAUSE_LOST_MESSAGES = 13, /* more messages in a row are lost than allowed */
   BRACE_CAUSE_JUMP = 14, /* a reading changes from one tick to the next as none can */
   BRACE_CAUSE_DISAGREEMENT = 15, /* force reading and leg forces disagree for too long */
-  BRACE_CAUSE_STUCK_LEG = 16, /* the release has not ended yet */
+  BRACE_CAUSE_STUCK_LEG = 16, /* a leg's reading stands still while others travel */
   BRACE_CAUSE_BAD_COMMAND = 17, /* a command holds a value that is no finite number */
   BRACE_CAUSE_NO_POSE = 18, /* no ring pose fits the leg lengths */
   BRACE_CAUSE_DISCONNECTED = 19, /* the port is gone */
@@ -82,16 +82,16 @@ enum brace_cause_code {
 };
 
 enum brace_flag_code {
-  BRACE_FLAG_CLAMPED = 1, /* not in this state */
-  BRACE_FLAG_ESTOP = 2, /* sealed for another session */
-  BRACE_FLAG_MARKER = 4, /* what made the stop is still there */
+  BRACE_FLAG_CLAMPED = 1, /* the command was cut at a limit of force or rate */
+  BRACE_FLAG_ESTOP = 2, /* the emergency stop is pressed now */
+  BRACE_FLAG_MARKER = 4, /* `marker` holds a measurement */
   BRACE_FLAG_NO_NEW_COMMAND = 8, /* the last tick began without a new command */
   BRACE_FLAG_RELEASING = 16, /* the release has not ended yet */
 };
 
 enum brace_mode_code {
-  BRACE_MODE_FORCE = 0, /* the request was carried out */
-  BRACE_MODE_LENGTH = 1, /* not in this state */
+  BRACE_MODE_FORCE = 0, /* leg forces, N; positive pushes the anchors apart */
+  BRACE_MODE_LENGTH = 1, /* leg lengths, m; optional, see `capabilities` of hello */
 };
 
 enum brace_reason_code {

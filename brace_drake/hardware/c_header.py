@@ -75,7 +75,7 @@ def _constants() -> str:
     for prefix, kind in _ENUMS:
         lines.append(f"\nenum brace_{prefix.lower()}_code {{")
         for word in kind:
-            meaning = words.MEANINGS.get(word, "none")
+            meaning = words.meaning_of(word)
             name = f"BRACE_{prefix}_{word.name}"
             lines.append(f"  {name} = {int(word)}, /* {meaning} */")
         lines.append("};")

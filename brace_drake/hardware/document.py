@@ -97,7 +97,7 @@ def _limits() -> str:
 
 
 def _words(kind) -> str:
-    rows = ((int(w), w.name, words.MEANINGS.get(w, "")) for w in kind)
+    rows = ((int(w), w.name, words.meaning_of(w)) for w in kind)
     return _rows(("number", "name", "meaning"), rows)
 
 

@@ -73,50 +73,57 @@ class Reason(IntEnum):
     NOT_SUPPORTED = 7
 
 
-MEANINGS: dict[IntEnum | IntFlag, str] = {
-    DeviceState.BOOT: "self-test; silent, but for noise; drives released",
-    DeviceState.HELLO: "waits for a host's hello and limits; drives released",
-    DeviceState.DISARMED: "limits agreed, states are sent; drives released",
-    DeviceState.ARMED: "follows commands; the watchdog runs",
-    DeviceState.STOPPED: "latched stop with its cause; drives released",
-    DeviceState.FAULT: "e-stop or drive fault; drives without power",
-    Cause.NONE: "none",
-    Cause.HOST_STOP: "the host sent a stop",
-    Cause.STOP_KEY: "the operator's stop key",
-    Cause.WATCHDOG: "no accepted command within the watchdog's period",
-    Cause.ESTOP: "the emergency stop is pressed",
-    Cause.DRIVE_FAULT: "a drive reports a fault",
-    Cause.LEG_STROKE: "a leg is shorter or longer than allowed",
-    Cause.LEG_SPEED: "a leg is faster than allowed",
-    Cause.PAD_FORCE: "the force of a pad is above its limit",
-    Cause.TOTAL_FORCE: "the sum of the rings' forces is above its limit",
-    Cause.RING_POSE: "a ring is displaced or turned further than allowed",
-    Cause.TRACKING: "a ring is further from its virtual pose than allowed",
-    Cause.STALE_DATA: "the newest reading is older than allowed",
-    Cause.LOST_MESSAGES: "more messages in a row are lost than allowed",
-    Cause.JUMP: "a reading changes from one tick to the next as none can",
-    Cause.DISAGREEMENT: "force reading and leg forces disagree for too long",
-    Cause.STUCK_LEG: "a leg's reading stands still while others travel",
-    Cause.BAD_COMMAND: "a command holds a value that is no finite number",
-    Cause.NO_POSE: "no ring pose fits the leg lengths",
-    Cause.DISCONNECTED: "the port is gone",
-    Cause.HOST_ERROR: "the host's control law failed",
-    StateFlag.CLAMPED: "the command was cut at a limit of force or rate",
-    StateFlag.ESTOP: "the emergency stop is pressed now",
-    StateFlag.MARKER: "`marker` holds a measurement",
-    StateFlag.NO_NEW_COMMAND: "the last tick began without a new command",
-    StateFlag.RELEASING: "the release has not ended yet",
-    Mode.FORCE: "leg forces, N; positive pushes the anchors apart",
-    Mode.LENGTH: "leg lengths, m; optional, see `capabilities` of hello",
-    Reason.ACCEPTED: "the request was carried out",
-    Reason.WRONG_STATE: "not in this state",
-    Reason.WRONG_SESSION: "sealed for another session",
-    Reason.ESTOP_PRESSED: "the emergency stop is pressed",
-    Reason.CAUSE_PRESENT: "what made the stop is still there",
-    Reason.LIMIT_TOO_WIDE: "a limit is wider than the device's own",
-    Reason.BAD_VALUE: "a value is no finite number, or makes no sense",
-    Reason.NOT_SUPPORTED: "the device cannot do that",
-}
+_MEANINGS = (
+    (DeviceState.BOOT, "self-test; silent, but for noise; drives released"),
+    (DeviceState.HELLO, "waits for a host's hello and limits; drives released"),
+    (DeviceState.DISARMED, "limits agreed, states are sent; drives released"),
+    (DeviceState.ARMED, "follows commands; the watchdog runs"),
+    (DeviceState.STOPPED, "latched stop with its cause; drives released"),
+    (DeviceState.FAULT, "e-stop or drive fault; drives without power"),
+    (Cause.NONE, "none"),
+    (Cause.HOST_STOP, "the host sent a stop"),
+    (Cause.STOP_KEY, "the operator's stop key"),
+    (Cause.WATCHDOG, "no accepted command within the watchdog's period"),
+    (Cause.ESTOP, "the emergency stop is pressed"),
+    (Cause.DRIVE_FAULT, "a drive reports a fault"),
+    (Cause.LEG_STROKE, "a leg is shorter or longer than allowed"),
+    (Cause.LEG_SPEED, "a leg is faster than allowed"),
+    (Cause.PAD_FORCE, "the force of a pad is above its limit"),
+    (Cause.TOTAL_FORCE, "the sum of the rings' forces is above its limit"),
+    (Cause.RING_POSE, "a ring is displaced or turned further than allowed"),
+    (Cause.TRACKING, "a ring is further from its virtual pose than allowed"),
+    (Cause.STALE_DATA, "the newest reading is older than allowed"),
+    (Cause.LOST_MESSAGES, "more messages in a row are lost than allowed"),
+    (Cause.JUMP, "a reading changes from one tick to the next as none can"),
+    (Cause.DISAGREEMENT, "force reading and leg forces disagree for too long"),
+    (Cause.STUCK_LEG, "a leg's reading stands still while others travel"),
+    (Cause.BAD_COMMAND, "a command holds a value that is no finite number"),
+    (Cause.NO_POSE, "no ring pose fits the leg lengths"),
+    (Cause.DISCONNECTED, "the port is gone"),
+    (Cause.HOST_ERROR, "the host's control law failed"),
+    (StateFlag.CLAMPED, "the command was cut at a limit of force or rate"),
+    (StateFlag.ESTOP, "the emergency stop is pressed now"),
+    (StateFlag.MARKER, "`marker` holds a measurement"),
+    (StateFlag.NO_NEW_COMMAND, "the last tick began without a new command"),
+    (StateFlag.RELEASING, "the release has not ended yet"),
+    (Mode.FORCE, "leg forces, N; positive pushes the anchors apart"),
+    (Mode.LENGTH, "leg lengths, m; optional, see `capabilities` of hello"),
+    (Reason.ACCEPTED, "the request was carried out"),
+    (Reason.WRONG_STATE, "not in this state"),
+    (Reason.WRONG_SESSION, "sealed for another session"),
+    (Reason.ESTOP_PRESSED, "the emergency stop is pressed"),
+    (Reason.CAUSE_PRESENT, "what made the stop is still there"),
+    (Reason.LIMIT_TOO_WIDE, "a limit is wider than the device's own"),
+    (Reason.BAD_VALUE, "a value is no finite number, or makes no sense"),
+    (Reason.NOT_SUPPORTED, "the device cannot do that"),
+)
+# Words of different kinds are equal where their numbers are: the kind counts.
+MEANINGS = {(type(word), word): meaning for word, meaning in _MEANINGS}
+
+
+def meaning_of(word: IntEnum | IntFlag) -> str:
+    """What a word says, in a few words."""
+    return MEANINGS[type(word), word]
 
 
 def cause_name(number: int) -> str:
@@ -130,6 +137,6 @@ def cause_name(number: int) -> str:
 def reason_text(number: int) -> str:
     """Why a request was refused, in words; unknown reasons by number."""
     try:
-        return MEANINGS[Reason(number)]
+        return meaning_of(Reason(number))
     except ValueError:
         return f"reason {number}"
