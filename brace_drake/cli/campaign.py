@@ -6,7 +6,11 @@ import argparse
 import shlex
 import sys
 
-from brace_drake.cli.link_options import AddDevice, load_device_options
+from brace_drake.cli.link_options import (
+    AddDevice,
+    AddRecording,
+    OpenRecorder,
+)
 from brace_drake.errors import StoppedError
 
 _EPILOG = """\
@@ -36,11 +40,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddDevice(parser)
     parser.add_argument("--plan", metavar="FILE", help="default: the standard")
-    parser.add_argument("--out", required=True, metavar="DIR")
-    parser.add_argument("--subject", default="", metavar="TEXT")
-    parser.add_argument(
-        "--countdown", type=int, default=3, metavar="S", help="default: 3"
-    )
+    AddRecording(parser)
     parser.set_defaults(run=Run)
 
 
@@ -48,21 +48,10 @@ def Run(args: argparse.Namespace) -> int:
     """Records what is still missing of a plan."""
     from brace_drake.operation.campaign_plan import LoadPlan, remaining_runs
     from brace_drake.operation.console import ReadKeys
-    from brace_drake.operation.recorder import Recorder
     from brace_drake.twin.motion_library import MakeMotion
 
     plan = LoadPlan(args.plan)
-    scenario, limits = load_device_options(args)
-    recorder = Recorder(
-        args.port,
-        scenario,
-        limits,
-        args.out,
-        args.subject,
-        args.baud,
-        args.clear,
-    )
-    with recorder:
+    with OpenRecorder(args) as recorder:
         left = remaining_runs(plan, recorder.journal.runs)
         contact = None
         for number, planned in left:

@@ -6,7 +6,13 @@ import argparse
 from dataclasses import asdict
 from pathlib import Path
 
-from brace_drake.cli.link_options import AddDevice, load_device_options
+from brace_drake.cli.link_options import (
+    AddCountdown,
+    AddDevice,
+    load_device_motion,
+    load_device_options,
+)
+from brace_drake.cli.options import AddMotion
 from brace_drake.errors import StoppedError
 from brace_drake.output import MakeFolder, WriteJson, WriteText
 
@@ -35,14 +41,10 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--controller", default="pic", metavar="NAME", help="pic"
     )
-    parser.add_argument(
-        "--motion", default="push", metavar="NAME|FILE", help="default: push"
-    )
+    AddMotion(parser, default="push", help="default: push")
     parser.add_argument("--dry-run", action="store_true", help="never arm")
     parser.add_argument("--out", metavar="DIR", help="for log and timing")
-    parser.add_argument(
-        "--countdown", type=int, default=3, metavar="S", help="default: 3"
-    )
+    AddCountdown(parser)
     parser.set_defaults(run=Run)
 
 
@@ -50,7 +52,6 @@ def Run(args: argparse.Namespace) -> int:
     """Dry run, then the motion; prints and writes the timing."""
     import numpy as np
 
-    from brace_drake.cli.record import load_motion
     from brace_drake.operation.console import CountDown, ReadKeys
     from brace_drake.operation.deploy import (
         RunController,
@@ -61,7 +62,7 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.twin.reference import reference_at_ticks
 
     out = MakeFolder(Path(args.out)) if args.out else None
-    motion = load_motion(args.motion)
+    motion = load_device_motion(args.motion)
     scenario, limits = load_device_options(args)
     control = MakeControl(args.controller, scenario)
     with (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from brace_drake.cli.options import names_file
 from brace_drake.errors import ScenarioError
 
 
@@ -30,6 +31,57 @@ def AddDevice(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="of the twin (default: the nominal bench)",
     )
+
+
+def AddCountdown(parser: argparse.ArgumentParser) -> None:
+    """Adds --countdown."""
+    parser.add_argument(
+        "--countdown", type=int, default=3, metavar="S", help="default: 3"
+    )
+
+
+def AddRecording(parser: argparse.ArgumentParser) -> None:
+    """Adds --out, --subject and --countdown."""
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="campaign's folder"
+    )
+    parser.add_argument("--subject", default="", metavar="TEXT")
+    AddCountdown(parser)
+
+
+def OpenRecorder(args: argparse.Namespace):
+    """The recorder of `AddDevice` and `AddRecording`; a context manager.
+
+    Raises:
+        BraceError: As `load_device_options`, or the device or the folder is
+            not what it should be.
+    """
+    from brace_drake.operation.recorder import Recorder
+
+    scenario, limits = load_device_options(args)
+    return Recorder(
+        args.port,
+        scenario,
+        limits,
+        args.out,
+        args.subject,
+        args.baud,
+        args.clear,
+    )
+
+
+def load_device_motion(text: str):
+    """What a device is to do: a motion of the library, or a reference.
+
+    Raises:
+        CampaignError: Neither.
+    """
+    from brace_drake.twin.motion_library import MakeMotion, motion_of_run
+    from brace_drake.twin.reference_file import LoadReference
+
+    if names_file(text):
+        return motion_of_run(LoadReference(text), f"from {text}")
+    return MakeMotion(text)
 
 
 def load_device_options(args: argparse.Namespace):

@@ -79,12 +79,17 @@ def AddMotion(parser: argparse.ArgumentParser, **options) -> None:
     )
 
 
+def names_file(text: str) -> bool:
+    """Whether a --motion is a reference's file, not a name of the library."""
+    return text.endswith(".csv") or Path(text).exists()
+
+
 def load_motion(text: str, rings: tuple[int, ...] = (2,)):
     """The reference of --motion, as a run that is not recorded yet."""
     from brace_drake.twin.motion_library import MakeMotion
     from brace_drake.twin.reference_file import LoadReference
 
-    if text.endswith(".csv") or Path(text).exists():
+    if names_file(text):
         return LoadReference(text, rings)
     return MakeMotion(text).run
 

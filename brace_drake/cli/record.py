@@ -5,7 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from brace_drake.cli.link_options import AddDevice, load_device_options
+from brace_drake.cli.link_options import (
+    AddDevice,
+    AddRecording,
+    OpenRecorder,
+    load_device_motion,
+)
+from brace_drake.cli.options import AddMotion
 
 _EPILOG = """\
 example:
@@ -28,63 +34,23 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
-    parser.add_argument(
-        "--motion", required=True, metavar="NAME|FILE", help="what to do"
-    )
-    parser.add_argument(
-        "--out", required=True, metavar="DIR", help="campaign's folder"
-    )
+    AddMotion(parser, required=True)
+    AddRecording(parser)
     parser.add_argument(
         "--split",
         choices=("fit", "validation"),
         default="fit",
         help="what the run is for (default: fit)",
     )
-    parser.add_argument("--subject", default="", metavar="TEXT")
-    parser.add_argument(
-        "--countdown", type=int, default=3, metavar="S", help="default: 3"
-    )
     parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
     """Records one motion."""
-    motion = load_motion(args.motion)
-    scenario, limits = load_device_options(args)
     from brace_drake.operation.console import ReadKeys
-    from brace_drake.operation.recorder import Recorder
 
-    with ReadKeys() as keys:
-        recorder = Recorder(
-            args.port,
-            scenario,
-            limits,
-            args.out,
-            args.subject,
-            args.baud,
-            args.clear,
-        )
-        with recorder:
-            run = recorder.Record(motion, args.split, args.countdown, keys)
+    motion = load_device_motion(args.motion)
+    with ReadKeys() as keys, OpenRecorder(args) as recorder:
+        run = recorder.Record(motion, args.split, args.countdown, keys)
     print(f"recorded: {Path(args.out) / run.entry['file']}, {run.rows} rows")
     return 0
-
-
-def load_motion(text: str):
-    """A motion of the library, or a reference in a file.
-
-    Raises:
-        CampaignError: Neither.
-    """
-    from brace_drake.twin.motion_library import MakeMotion, SafeMotion
-    from brace_drake.twin.reference import COLUMNS
-    from brace_drake.twin.reference_file import LoadReference
-
-    if not (text.endswith(".csv") or Path(text).exists()):
-        return MakeMotion(text)
-    run = LoadReference(text)
-    time = run.time_s - run.time_s[0]
-    samples = run.stack(COLUMNS)
-    return SafeMotion(
-        run.name, f"from {text}", run.contact, run.motion, time, samples
-    )

@@ -5,7 +5,13 @@ from __future__ import annotations
 import argparse
 import time
 
-from brace_drake.cli.link_options import AddDevice, load_device_options
+from brace_drake.cli.link_options import (
+    AddCountdown,
+    AddDevice,
+    load_device_motion,
+    load_device_options,
+)
+from brace_drake.cli.options import AddMotion
 from brace_drake.errors import StoppedError
 
 _EPILOG = """\
@@ -32,9 +38,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
-    parser.add_argument(
-        "--motion", default="reversal", metavar="NAME|FILE", help="what to do"
-    )
+    AddMotion(parser, default="reversal", help="default: reversal")
     parser.add_argument(
         "--band", type=float, default=3.0, metavar="X", help="noise floors (3)"
     )
@@ -46,15 +50,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--host", default="127.0.0.1", metavar="A", help="of the page"
     )
     parser.add_argument("--web-port", type=int, default=0, metavar="N")
-    parser.add_argument(
-        "--countdown", type=int, default=3, metavar="S", help="default: 3"
-    )
+    AddCountdown(parser)
     parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
     """Follows the motion once with the twin beside it."""
-    from brace_drake.cli.record import load_motion
     from brace_drake.hardware.words import Cause
     from brace_drake.operation.beside import TwinBeside
     from brace_drake.operation.console import CountDown, ReadKeys
@@ -64,7 +65,7 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.operation.station import OpenDevice
     from brace_drake.twin.reference import reference_at_ticks
 
-    motion = load_motion(args.motion)
+    motion = load_device_motion(args.motion)
     scenario, limits = load_device_options(args)
     scenario.torso.present = motion.contact
     beside = TwinBeside(scenario, args.band, args.memory)
