@@ -1,9 +1,9 @@
 """The bench tick by tick, for whoever computes its commands elsewhere.
 
 A tick in two halves: what the instruments read; then, when the commands have
-come, the plant's steps until the next tick. The same blocks in the same order
-as `bench_rollout`, which has the controller inside; a test holds both together
-bit by bit. (One shared step would cost the rollout half its speed.)
+come, the plant's steps until the next tick. The forces are those of
+`bench_rollout`, which has the controller inside; a test holds both together
+bit by bit.
 """
 
 import math
@@ -11,9 +11,8 @@ import math
 import numpy as np
 from numba import boolean, float64, int64, njit, types
 
-from brace_drake.laws import blocks, legs
+from brace_drake.laws import hooked_forces
 from brace_drake.laws.hooks import (
-    MAX_EFFECTS,
     PLUG_POINTS,
     matrix,
     stack_type,
@@ -21,138 +20,6 @@ from brace_drake.laws.hooks import (
     vectors,
 )
 from brace_drake.laws.rigid_body import step_free_body_at
-from brace_drake.laws.rotation import quaternion_to_matrix
-
-_compile = {"cache": True, "error_model": "numpy"}
-
-
-@njit(**_compile)
-def begin_step(
-    t,
-    dt,
-    with_torso,
-    bodies,
-    anchors,
-    contact_law,
-    active,
-    compression,
-    contact,
-    parameters,
-    compression_memory,
-    contact_memory,
-    R_WR,
-    R_WT,
-    J,
-    lengths,
-    rates,
-    pads,
-    F_R,
-    F_T,
-    f_T,
-):
-    """Writes kinematics and pad forces at the present state.
-
-    Args:
-        t, dt: Time and plant step, s.
-        with_torso: Whether the torso is there; without it no force is on it.
-        bodies: q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,).
-        anchors: p_WB, p_RT of the plant (6, 3), m.
-        contact_law: See `blocks.calc_pad` (6,).
-        active ... contact_memory: Effects, as `rollout_bench` takes them.
-        R_WR, R_WT, J, lengths, rates, pads, F_R, F_T, f_T: Outputs; of the
-            spatial forces, torque first, only the pads' part.
-    """
-    quaternion_to_matrix(bodies[0:4], R_WR)
-    quaternion_to_matrix(bodies[7:11], R_WT)
-    legs.calc_leg_kinematics(
-        bodies[4:7], R_WR, anchors[0], anchors[1], lengths, J
-    )
-    legs.calc_leg_rates(J, bodies[14:17], bodies[17:20], rates)
-    F_R[:] = 0.0
-    F_T[:] = 0.0
-    f_T[:] = 0.0
-    if with_torso:
-        blocks.add_hooked_pads(
-            t, dt, bodies, R_WR, R_WT, contact_law, pads, active,
-            compression, contact, parameters, compression_memory,
-            contact_memory, F_R, F_T, f_T,
-        )  # fmt: skip
-
-
-@njit(**_compile)
-def finish_step(
-    t,
-    dt,
-    with_torso,
-    u,
-    bodies,
-    rest,
-    viscous,
-    posture_law,
-    bodies_mass,
-    active,
-    drive,
-    torso,
-    ring,
-    parameters,
-    drive_memory,
-    torso_memory,
-    ring_memory,
-    R_WR,
-    R_WT,
-    J,
-    lengths,
-    rates,
-    f,
-    pose,
-    F_R,
-    F_T,
-):
-    """Adds all other forces and steps both bodies.
-
-    Args:
-        t, dt, with_torso, bodies: As in `begin_step`; the bodies are updated.
-        u: Leg commands (6,), N.
-        rest, viscous, posture_law, bodies_mass, active ... ring_memory: As
-            `rollout_bench` takes them.
-        R_WR, R_WT, J, lengths, rates, F_R, F_T: Of `begin_step`.
-        f, pose: Place to work in (6,).
-    """
-    blocks.calc_leg_forces(u, viscous, rates, f)
-    for e in range(MAX_EFFECTS):
-        if not active[0, e]:
-            continue
-        drive[e](
-            t, dt, u, lengths, rates, viscous, f,
-            parameters[e], drive_memory[e],
-        )  # fmt: skip
-    legs.add_leg_wrench(J, f, F_R)
-    blocks.calc_displacement(bodies[0:4], bodies[4:7], rest, pose)
-    for e in range(MAX_EFFECTS):
-        if not active[4, e]:
-            continue
-        ring[e](
-            t, dt, pose[0:3], pose[3:6], bodies[14:20], F_R,
-            parameters[e], ring_memory[e],
-        )  # fmt: skip
-    F_R[5] -= bodies_mass[0][4]
-    if with_torso:
-        blocks.add_posture(bodies, rest, posture_law, pose, F_T)
-        for e in range(MAX_EFFECTS):
-            if not active[3, e]:
-                continue
-            torso[e](
-                t, dt, pose[0:3], pose[3:6], bodies[20:26], posture_law, F_T,
-                parameters[e], torso_memory[e],
-            )  # fmt: skip
-        step_free_body_at(
-            R_WT, bodies[7:11], bodies[11:14], bodies[20:26], bodies_mass[1],
-            F_T, dt,
-        )  # fmt: skip
-    step_free_body_at(
-        R_WR, bodies[0:4], bodies[4:7], bodies[14:20], bodies_mass[0], F_R, dt
-    )
-
 
 # Rest position, viscous, contact, posture, resolution.
 _LAWS = types.UniTuple(vector, 5)
@@ -174,7 +41,7 @@ _ARGUMENTS = (
 )
 
 
-@njit(_ARGUMENTS, **_compile)
+@njit(_ARGUMENTS, cache=True, error_model="numpy")
 def run_ticks(
     dt,
     steps,
@@ -225,39 +92,50 @@ def run_ticks(
         The tick's number.
     """
     rest, viscous, contact_law, posture_law, resolution = laws
+    p_WB, p_RT = anchors
+    q_WR, p_WR, q_WT, p_WT = (
+        bodies[0:4],
+        bodies[4:7],
+        bodies[7:11],
+        bodies[11:14],
+    )
+    V_WR, V_WT = bodies[14:20], bodies[20:26]
     R_WR, R_WT, J = np.empty((3, 3)), np.empty((3, 3)), np.empty((6, 6))
     pads, lengths, rates = np.empty((2, 17)), np.empty(6), np.empty(6)
     F_R, F_T, f_T = np.zeros(6), np.zeros(6), np.zeros(3)
-    f, pose = np.empty(6), np.empty(6)
+    f, pose, no_noise = np.empty(6), np.empty(6), np.empty(0)
     tick, period = 0, dt * steps
     while True:
         for sub in range(steps):
             t = tick * period + sub * dt
-            begin_step(
-                t, dt, with_torso[0], bodies, anchors, contact_law, active,
+            # A torso that has gone leaves no force behind.
+            f_T[:] = 0.0
+            hooked_forces.calc_hooked_contact(
+                t, dt, with_torso[0], bodies, p_WB, p_RT, contact_law, active,
                 compression, contact, parameters, compression_memory,
-                contact_memory, R_WR, R_WT, J, lengths, rates, pads,
-                F_R, F_T, f_T,
+                contact_memory, R_WR, R_WT, lengths, rates, J, pads, F_R, F_T,
+                f_T,
             )  # fmt: skip
             if sub == 0:
                 readings[0:6] = lengths
                 readings[6:9] = f_T
                 for i in range(3):
-                    readings[9 + i] = bodies[11 + i] - rest[i]
-                for e in range(MAX_EFFECTS):
-                    if not active[5, e]:
-                        continue
-                    sensing[e](
-                        t, period, u, readings[0:6], readings[6:9],
-                        parameters[e], sensing_memory[e],
-                    )  # fmt: skip
-                if not math.isnan(noise[0]):
-                    blocks.read_instruments(resolution, noise, readings)
+                    readings[9 + i] = p_WT[i] - rest[i]
+                hooked_forces.read_hooked(
+                    t, period, u, resolution,
+                    no_noise if math.isnan(noise[0]) else noise,
+                    active, sensing, parameters, sensing_memory, readings,
+                )  # fmt: skip
                 yield tick
-            finish_step(
-                t, dt, with_torso[0], u, bodies, rest, viscous, posture_law,
-                bodies_mass, active, drive, torso, ring, parameters,
-                drive_memory, torso_memory, ring_memory, R_WR, R_WT, J,
-                lengths, rates, f, pose, F_R, F_T,
+            hooked_forces.add_hooked_forces(
+                t, dt, with_torso[0], u, bodies, lengths, rates, J, rest,
+                viscous, posture_law, active, drive, torso, ring, parameters,
+                drive_memory, torso_memory, ring_memory, f, pose, F_R, F_T,
             )  # fmt: skip
+            F_R[5] -= bodies_mass[0][4]
+            if with_torso[0]:
+                step_free_body_at(
+                    R_WT, q_WT, p_WT, V_WT, bodies_mass[1], F_T, dt
+                )
+            step_free_body_at(R_WR, q_WR, p_WR, V_WR, bodies_mass[0], F_R, dt)
         tick += 1
