@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -13,10 +12,9 @@ import numpy as np
 from brace_drake.errors import StoppedError
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
-from brace_drake.hardware.words import Cause
 from brace_drake.operation.session import Session
+from brace_drake.operation.watch import WatchSession
 
-_PAUSE = 0.02
 # What a dry run must show before anything is armed.
 _LEAST_DRY, _MOST_LATE = 200, 1.0
 
@@ -80,7 +78,6 @@ def RunController(
     desired: np.ndarray,
     dry_run: bool,
     asks_stop: Callable[[], bool] = lambda: False,
-    tell: Callable[[Session], None] = lambda session: None,
 ) -> tuple[Session, str]:
     """Runs a controller over a reference.
 
@@ -91,7 +88,7 @@ def RunController(
         desired: y_d, y_d', y_d'' at each tick (ticks, 3).
         dry_run: Commands are computed and judged, but the device stays
             disarmed.
-        asks_stop, tell: Of the operator's console.
+        asks_stop: Of the operator's console.
 
     Returns:
         The session, and a log of all ticks as CSV text.
@@ -103,20 +100,9 @@ def RunController(
     session.Start(desired)
     rows = []
     try:
-        while not session.is_over:
-            time.sleep(_PAUSE)
-            session.CheckAlive()
-            if asks_stop():
-                session.Stop(Cause.STOP_KEY)
-            while session.rows:
-                rows.append(session.rows.popleft())
-            tell(session)
-    except BaseException:
-        session.Stop(Cause.HOST_ERROR)
-        raise
+        WatchSession(session, rows.extend, asks_stop)
     finally:
         link.on_state = None
-    rows += session.rows
     if session.trip is not None or not session.done:
         words = str(session.trip or link.error)
         raise StoppedError(f"stopped after {len(rows)} ticks: {words}")

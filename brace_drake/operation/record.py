@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from datetime import UTC, datetime
 
 from brace_drake.campaign.columns import DEVICES
 from brace_drake.errors import StoppedError
 from brace_drake.hardware.link import Link
-from brace_drake.hardware.words import Cause
 from brace_drake.operation.journal import Journal, RunFile
 from brace_drake.operation.session import Row, Session
+from brace_drake.operation.watch import WatchSession
 from brace_drake.twin.motion_library import SafeMotion
 from brace_drake.twin.reference import reference_at_ticks
 
 # Beside the channels of the device's format.
 _EXTRA = ("bridged", "command_age_ticks", "latency_us")
-_PAUSE = 0.02
 # A recording begins at rest, as its twin does: torso and pads that were pressed
 # before need so long to come to rest, s.
 _SETTLE = 4.0
@@ -94,20 +92,18 @@ def RecordMotion(
         repeat_of,
     )
     begun = datetime.now(UTC).isoformat(timespec="seconds")
+
+    def take(rows: list[Row]) -> None:
+        for row in rows:
+            if row.tick % every == 0:
+                run.Append(arrange_row(row, 1.0 / rate, device))
+        run.Flush()
+        tell(run.rows * every / len(desired), session)
+
     session.Start(desired, settle)
     try:
-        while not session.is_over:
-            time.sleep(_PAUSE)
-            session.CheckAlive()
-            if asks_stop():
-                session.Stop(Cause.STOP_KEY)
-            _Write(run, session, every, 1.0 / rate, device)
-            tell(run.rows * every / len(desired), session)
-    except BaseException:
-        session.Stop(Cause.HOST_ERROR)
-        raise
+        WatchSession(session, take, asks_stop)
     finally:
-        _Write(run, session, every, 1.0 / rate, device)
         run.Close(
             session.done, {"begun": begun, **_describe_line(link, session)}
         )
@@ -119,14 +115,6 @@ def RecordMotion(
         )
     session.Finish()
     return run
-
-
-def _Write(run, session, every, period, device) -> None:
-    while session.rows:
-        row = session.rows.popleft()
-        if row.tick % every == 0:
-            run.Append(arrange_row(row, period, device))
-    run.Flush()
 
 
 def _describe_line(link: Link, session: Session) -> dict:
