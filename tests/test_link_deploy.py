@@ -11,7 +11,12 @@ import numpy as np
 
 from brace_drake.cli.emulate import carry_out
 from brace_drake.cli.main import main
-from brace_drake.errors import CampaignError, LinkError, StoppedError
+from brace_drake.errors import (
+    BraceError,
+    CampaignError,
+    LinkError,
+    StoppedError,
+)
 from brace_drake.hardware.words import DeviceState
 from brace_drake.operation.campaign_plan import (
     STANDARD_PLAN,
@@ -28,7 +33,7 @@ from brace_drake.operation.deploy import (
 from brace_drake.operation.spread import Spread
 from brace_drake.operation.station import OpenDevice
 from brace_drake.twin.motion_library import MakeMotion
-from tests.test_link_port import PATIENT, SCENARIO, emulated
+from tests.test_link_port import PATIENT, SCENARIO, emulated, wait_for
 
 
 def run(*words):
@@ -85,6 +90,29 @@ class TestDeploy(unittest.TestCase):
                         link, control, PATIENT, np.zeros((5000, 3)), False
                     )
             self.assertNotEqual(device.firmware.state, DeviceState.ARMED)
+
+    def test_a_law_that_fails_stops_the_device_and_is_told(self):
+        class Broken(PicControl):
+            ticks = 0
+
+            def Tick(self, readings, desired):
+                self.ticks += 1
+                if self.ticks > 500:
+                    raise BraceError("the law has no answer")
+                return super().Tick(readings, desired)
+
+        with emulated() as device:
+            with OpenDevice(device.terminal.path, SCENARIO, PATIENT) as link:
+                with self.assertRaisesRegex(
+                    StoppedError, "host error: the law has no answer"
+                ):
+                    RunController(
+                        link, Broken(SCENARIO), PATIENT, np.zeros((5000, 3)),
+                        False,
+                    )  # fmt: skip
+            self.assertTrue(
+                wait_for(lambda: device.firmware.state == DeviceState.STOPPED)
+            )
 
     def test_a_run_is_logged_tick_by_tick(self):
         with emulated() as device:

@@ -1,4 +1,4 @@
-"""The command `brace-drake deploy`: a controller on a device."""
+"""The command `brace-drake deploy`: a controller or a policy on a device."""
 
 from __future__ import annotations
 
@@ -21,9 +21,13 @@ example:
   brace-drake deploy --port /dev/ttyACM0 --controller pic --dry-run
   brace-drake deploy --port /dev/ttyACM0 --controller pic --motion push \\
       --out runs/tuesday
+  brace-drake deploy --port /dev/ttyACM0 --policy runs/paper/best.npz
 
 Before it arms: device and twin must agree on kind, rate, geometry and limits,
 and a dry run of two seconds must have kept its time. --dry-run ends there.
+A policy (of `train`) sets the stiffness of the variable impedance control; its
+bounds and its rate are enforced outside of the network, and once more by the
+limits of the device. Its scenario is a brace of stage 2 alone.
 """
 _DRY_SECONDS = 2.0
 
@@ -32,16 +36,16 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `deploy`."""
     parser = subparsers.add_parser(
         "deploy",
-        help="run a controller on a device",
+        help="run a controller or a policy on a device",
         description="Puts a device in the plant's place.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
-    parser.add_argument(
-        "--controller", default="pic", metavar="NAME", help="pic"
-    )
-    AddMotion(parser, default="push", help="default: push")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--controller", default="pic", metavar="NAME", help="pic")
+    what.add_argument("--policy", metavar="FILE", help="*.npz of a training")
+    AddMotion(parser, help="default: push; of a policy, that of its training")
     parser.add_argument("--dry-run", action="store_true", help="never arm")
     parser.add_argument("--out", metavar="DIR", help="for log and timing")
     AddCountdown(parser)
@@ -58,13 +62,12 @@ def Run(args: argparse.Namespace) -> int:
         check_dry_run,
         measure_timing,
     )
-    from brace_drake.operation.station import MakeControl, OpenDevice
+    from brace_drake.operation.station import OpenDevice
     from brace_drake.twin.reference import reference_at_ticks
 
     out = MakeFolder(Path(args.out)) if args.out else None
-    motion = load_device_motion(args.motion)
-    scenario, limits = load_device_options(args)
-    control = MakeControl(args.controller, scenario)
+    load = _load_controller if args.policy is None else _load_policy
+    motion, scenario, limits, control = load(args)
     with (
         OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,
         ReadKeys() as keys,
@@ -91,3 +94,37 @@ def Run(args: argparse.Namespace) -> int:
         WriteJson(out / "timing.json", timing)
         print(f"log: {out / 'ticks.csv'}")
     return 0
+
+
+def _load_controller(args: argparse.Namespace):
+    """Motion, scenario, limits and control of --controller."""
+    from brace_drake.operation.station import MakeControl
+
+    motion = load_device_motion(args.motion or "push")
+    scenario, limits = load_device_options(args)
+    return motion, scenario, limits, MakeControl(args.controller, scenario)
+
+
+def _load_policy(args: argparse.Namespace):
+    """Motion, scenario, limits and control of --policy."""
+    from brace_drake.hardware.limits_file import LoadLimits
+    from brace_drake.learning.deployment import (
+        MakePolicyControl,
+        load_policy_scenario,
+        motion_of_task,
+    )
+    from brace_drake.learning.policy import LoadPolicy
+
+    policy, limits = LoadPolicy(args.policy), LoadLimits(args.limits)
+    if args.motion is None:
+        motion = motion_of_task(policy.task)
+    else:
+        motion = load_device_motion(args.motion)
+    scenario, law = load_policy_scenario(policy, args.scenario), policy.law
+    print(
+        f"stiffness: {law.lower:g} to {law.upper:g} N/m by the policy, at most"
+        f" {limits.stiffness:g} N/m and {limits.stiffness_rate:g} N/m/s by the"
+        " limits"
+    )
+    control = MakePolicyControl(policy, scenario, limits)
+    return motion, scenario, limits, control

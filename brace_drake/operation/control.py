@@ -106,6 +106,11 @@ class PicControl:
         return [0.0, self.y_virtual, 0.0, 0.0, 0.0, 0.0]
 
     @property
+    def stiffness(self) -> float:
+        """K_d along y, N/m."""
+        return float(self._numbers.impedance[2])
+
+    @property
     def y_virtual(self) -> float:
         """Virtual position along y, m."""
         return float(self._memory[controller.NUM_POSE_MEMORY + 1])

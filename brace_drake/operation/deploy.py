@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from brace_drake.errors import StoppedError
+from brace_drake.errors import LinkError, StoppedError
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
 from brace_drake.operation.session import Session
@@ -104,7 +104,9 @@ def RunController(
     finally:
         link.on_state = None
     if session.trip is not None or not session.done:
-        words = str(session.trip or link.error)
+        error = link.error
+        told = error is None or isinstance(error, LinkError)
+        words = str(session.trip or error) + ("" if told else f": {error}")
         raise StoppedError(f"stopped after {len(rows)} ticks: {words}")
     session.Finish()
     return session, format_log(rows)
@@ -134,14 +136,16 @@ def format_log(rows) -> str:
     head = ["tick", *(f"leg{k}_force_command_N" for k in range(1, 7))]
     head += [f"leg{k}_length_m" for k in range(1, 7)]
     head += [f"ring2_force_{a}_N" for a in "xyz"]
-    head += ["ring2_y_desired_m", "ring2_y_virtual_m"]
+    head += ["ring2_y_desired_m", "ring2_y_virtual_m", "ring2_y_m"]
+    head += ["ring2_y_stiffness_N_m"]
     writer.writerow([*head, "latency_us", "command_age_ticks", "bridged"])
     for row in rows:
         values = [*row.command, *row.readings[:9], row.desired[0]]
+        values += [row.y_virtual, row.y_ring, row.stiffness]
         writer.writerow(
             [
                 row.tick,
-                *(f"{v:.8g}" for v in (*values, row.y_virtual)),
+                *(f"{v:.8g}" for v in values),
                 round(1e6 * row.latency),
                 row.age,
                 int(row.bridged),

@@ -38,6 +38,7 @@ class Row:
         latency: From the state's arrival to the command's departure, s.
         age: Ticks between the state and that which the command in use answers.
         bridged: Whether the state was lost and its readings are interpolated.
+        stiffness: K_d along y in use, N/m.
     """
 
     tick: int
@@ -49,6 +50,7 @@ class Row:
     latency: float
     age: int
     bridged: bool = False
+    stiffness: float = float("nan")
 
 
 @dataclass
@@ -141,8 +143,11 @@ class Session:
             return
         age = time.perf_counter() - self._last_arrival
         most = self._setup.limits.stale
-        if self._link.error is not None:
-            self._Trip(Trip(Cause.DISCONNECTED))
+        error = self._link.error
+        if error is not None:
+            gone = isinstance(error, LinkError)
+            cause = Cause.DISCONNECTED if gone else Cause.HOST_ERROR
+            self._Trip(Trip(cause))
         elif age > most:
             self._Trip(Trip(Cause.STALE_DATA, 0, age, most))
 
@@ -285,6 +290,7 @@ class Session:
                     latency,
                     age,
                     bridged,
+                    self._control.stiffness,
                 )
             )
         self._at += 1

@@ -12,6 +12,9 @@ from brace_drake.hardware.words import Cause, DeviceState, cause_name
 from brace_drake.operation.control import PicControl
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace_numbers import pack_geometry
+from brace_drake.simulate_brace import recorded_device
 
 # How far an anchor of device and twin may lie apart, m.
 _SAME_PLACE = 5e-5
@@ -20,7 +23,7 @@ _LEGS = 6
 
 def OpenDevice(
     path: str,
-    scenario: BenchScenario,
+    scenario: BenchScenario | BraceScenario,
     limits: Limits,
     baud: int = BAUD,
     clear: bool = False,
@@ -65,7 +68,7 @@ def _TreatStop(link: Link, clear: bool) -> None:
     link.Clear(Cause(state.cause))
 
 
-def CheckDevice(link: Link, scenario: BenchScenario) -> None:
+def CheckDevice(link: Link, scenario: BenchScenario | BraceScenario) -> None:
     """Refuses a device that is not the scenario's: kind, rate, geometry.
 
     Raises:
@@ -73,10 +76,14 @@ def CheckDevice(link: Link, scenario: BenchScenario) -> None:
     """
     hello = link.hello
     who = f"{link.path}: device {hello.model!r} ({hello.identity})"
-    if hello.model != scenario.device or hello.stages != 1:
+    model, geometry = scenario.device, describe_geometry(scenario)
+    if isinstance(scenario, BraceScenario):
+        model = recorded_device(scenario)
+    legs = _LEGS * len(geometry["rest"])
+    if hello.model != model or _LEGS * hello.stages != legs:
         raise LinkError(
             f"{who} with {_LEGS * hello.stages} legs is not a"
-            f" {scenario.device!r} with {_LEGS}"
+            f" {model!r} with {legs}"
         )
     if hello.units != "m N s rad":
         raise LinkError(f"{who} has units {hello.units!r}, not 'm N s rad'")
@@ -85,7 +92,7 @@ def CheckDevice(link: Link, scenario: BenchScenario) -> None:
             f"{who} ticks at {hello.rate_hz:g} Hz, the scenario at"
             f" {scenario.control.rate:g}"
         )
-    for name, mine in describe_geometry(scenario).items():
+    for name, mine in geometry.items():
         there = np.array(getattr(link.geometry, name))
         away = np.abs(there - mine.ravel())
         worst = int(np.argmax(away))
@@ -97,8 +104,19 @@ def CheckDevice(link: Link, scenario: BenchScenario) -> None:
             )
 
 
-def describe_geometry(scenario: BenchScenario) -> dict[str, np.ndarray]:
-    """Rest (1, 3), lower and upper anchors (6, 3) in their rings, m."""
+def describe_geometry(
+    scenario: BenchScenario | BraceScenario,
+) -> dict[str, np.ndarray]:
+    """Rest (S, 3), lower and upper anchors (6 S, 3) in their rings, m."""
+    if isinstance(scenario, BraceScenario):
+        geometry = pack_geometry(scenario)
+        lower = geometry.lower.copy()
+        lower[0, :, 2] -= scenario.ring_heights[scenario.stages[0] - 1]
+        return {
+            "rest": geometry.rest,
+            "lower": lower.reshape((-1, 3)),
+            "upper": geometry.upper.reshape((-1, 3)),
+        }
     numbers = pack_bench(scenario)
     lower = numbers.p_WB_known.copy()
     lower[:, 2] -= scenario.stage.lower_height

@@ -111,6 +111,11 @@ class BraceController(LeafSystem):
         self._force_port = declare("force", coordinates // 2)
         self._desired_port = declare("desired", 3 * coordinates)
 
+    def SetVirtual(self, context: Context, X: np.ndarray) -> None:
+        """Lets the virtual poses (6n,) begin elsewhere, at rest."""
+        virtual = context.get_mutable_discrete_state(self._groups[0])
+        virtual.SetFromVector(np.concatenate([X, np.zeros(2 * len(X))]))
+
     def _DeclareHeld(self, name: str, values: np.ndarray):
         state = self.DeclareDiscreteState(values)
         if name:

@@ -1,0 +1,72 @@
+"""A policy on a device: what it needs there, and its own motion."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.errors import PolicyError
+from brace_drake.hardware.limits import Limits
+from brace_drake.laws.cubic import calc_cubic
+from brace_drake.learning.policy import Policy
+from brace_drake.learning.policy_systems import PolicySystem
+from brace_drake.learning.task import LearningTask, load_task_scenario
+from brace_drake.operation.diagram_control import DiagramControl
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.twin.motion_library import RATE_HZ, SafeMotion
+
+_ALONG = 1
+
+
+def load_policy_scenario(
+    policy: Policy, path: str | None = None
+) -> BraceScenario:
+    """The brace that a policy drives: the one of its training, or a file's.
+
+    Raises:
+        ScenarioError: The scenario cannot be read, or is none to learn on.
+    """
+    task = policy.task if path is None else replace(policy.task, scenario=path)
+    return load_task_scenario(task)
+
+
+def MakePolicyControl(
+    policy: Policy, scenario: BraceScenario, limits: Limits
+) -> DiagramControl:
+    """The host's control with the stiffness that a policy asks for.
+
+    Bounds and rate are held twice outside of the network: by the policy's own
+    law (`actions.ActionLaw`) and by the limits of the device.
+
+    Raises:
+        PolicyError: The policy is for another number of rings.
+        ScenarioError: The scenario is not the bench's.
+    """
+    size = len(policy.selected)
+    if size != 6:
+        raise PolicyError(
+            f"the policy is for {size // 6} rings; allowed on the bench: 1"
+        )
+    return DiagramControl(scenario, limits, PolicySystem(policy))
+
+
+def motion_of_task(task: LearningTask) -> SafeMotion:
+    """The motion that a policy was trained on, held for a second at its end.
+
+    Raises:
+        PolicyError: It is not along y alone.
+    """
+    way = np.asarray(task.displacement, dtype=float)
+    if way.shape != (6,) or np.delete(way, _ALONG).any():
+        raise PolicyError(
+            "the motion of the training is not of one ring along y alone:"
+            " choose another with --motion"
+        )
+    duration = min(task.motion_time, task.max_steps * task.sample_time)
+    time = np.arange(round((duration + 1.0) * RATE_HZ)) / RATE_HZ
+    samples = np.empty((len(time), 3))
+    for row, t in zip(samples, time, strict=True):
+        calc_cubic(t, task.motion_time, np.zeros(1), way[_ALONG:2], row)
+    meaning = f"{1e3 * abs(way[_ALONG]):g} mm in {task.motion_time:g} s"
+    return SafeMotion("training", meaning, True, "push", time, samples)
