@@ -55,10 +55,12 @@ class Pty:
 
 
 @contextlib.contextmanager
-def emulated(prepare=lambda device: None, scenario=SCENARIO, limits=DEFAULT):
+def emulated(
+    prepare=lambda device: None, scenario=SCENARIO, limits=DEFAULT, uses=()
+):
     """An emulated device that runs in a thread of its own."""
     device = EmulatedDevice(
-        BenchPlant(scenario),
+        BenchPlant(scenario, uses),
         describe_bench(scenario, "test-1"),
         limits,
         host_paced=1.0,

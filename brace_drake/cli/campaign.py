@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import argparse
 import shlex
-import sys
 
 from brace_drake.cli.link_options import (
     AddDevice,
     AddRecording,
     OpenRecorder,
 )
-from brace_drake.errors import StoppedError
 
 _EPILOG = """\
 example:
@@ -47,43 +45,13 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Records what is still missing of a plan."""
     from brace_drake.operation.campaign_plan import LoadPlan, remaining_runs
-    from brace_drake.operation.console import ReadKeys
-    from brace_drake.twin.motion_library import MakeMotion
+    from brace_drake.operation.guide import RecordRuns
 
     plan = LoadPlan(args.plan)
     with OpenRecorder(args) as recorder:
         left = remaining_runs(plan, recorder.journal.runs)
-        contact = None
-        for number, planned in left:
-            motion = MakeMotion(planned.motion)
-            if motion.contact != contact:
-                contact = motion.contact
-                _Ask("Put the torso in" if contact else "Take the torso out")
-            print(
-                f"run {number} of {len(plan)}: {planned.motion}"
-                f" ({planned.split}), {motion.time[-1]:.0f} s",
-                flush=True,
-            )
-            with ReadKeys() as keys:
-                recorder.Record(
-                    motion,
-                    planned.split,
-                    args.countdown,
-                    keys,
-                    None if planned.repeat else "",
-                )
+        RecordRuns(recorder, left, len(plan), args.countdown)
     out = shlex.quote(args.out)
     print(f"campaign: {args.out}, {len(left)} runs recorded")
     print(f"next: brace-drake diagnose {out} --out {out}-results")
     return 0
-
-
-def _Ask(what: str) -> None:
-    """Waits for the operator.
-
-    Raises:
-        StoppedError: There is nobody: standard input has ended.
-    """
-    print(f"{what}, then press Enter: ", end="", flush=True)
-    if not sys.stdin.readline():
-        raise StoppedError("not begun: nobody pressed Enter")

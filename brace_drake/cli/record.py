@@ -12,16 +12,20 @@ from brace_drake.cli.link_options import (
     load_device_motion,
 )
 from brace_drake.cli.options import AddMotion
+from brace_drake.errors import CampaignError
 
 _EPILOG = """\
 example:
   brace-drake record --port /dev/ttyACM0 --motion push --out recordings/monday
 
 The motion is a name of the library (push, stairs, reversal, multisine,
-quiet_hold, free_reversal ...) or a reference (*.csv). What is in the folder
-stays; a motion that is there already is recorded as its repeat. Any key stops;
-so does Ctrl-C. A crash or an unplugged device leaves a shorter recording.
+quiet_hold, free_reversal ...), a reference (*.csv), or a plan of runs (*.yaml,
+see `brace-drake campaign --help`), all of which are recorded. What is in the
+folder stays; a motion that is there already is recorded as its repeat (of a
+plan, where it says so). Any key stops; so does Ctrl-C. A crash or an unplugged
+device leaves a shorter recording.
 """
+_PLANS = (".yaml", ".yml")
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -34,23 +38,45 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
-    AddMotion(parser, required=True)
+    AddMotion(
+        parser,
+        required=True,
+        help="reference (*.csv), motion of the library, or plan (*.yaml)",
+    )
     AddRecording(parser)
     parser.add_argument(
         "--split",
         choices=("fit", "validation"),
-        default="fit",
         help="what the run is for (default: fit)",
     )
     parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
-    """Records one motion."""
+    """Records one motion, or all runs of a plan."""
+    if args.motion.endswith(_PLANS):
+        return _RecordPlan(args)
     from brace_drake.operation.console import ReadKeys
 
-    motion = load_device_motion(args.motion)
+    motion, split = load_device_motion(args.motion), args.split or "fit"
     with ReadKeys() as keys, OpenRecorder(args) as recorder:
-        run = recorder.Record(motion, args.split, args.countdown, keys)
+        run = recorder.Record(motion, split, args.countdown, keys)
     print(f"recorded: {Path(args.out) / run.entry['file']}, {run.rows} rows")
+    return 0
+
+
+def _RecordPlan(args: argparse.Namespace) -> int:
+    from brace_drake.operation.campaign_plan import LoadPlan
+    from brace_drake.operation.guide import RecordRuns
+
+    if args.split is not None:
+        raise CampaignError(
+            f"--split {args.split}: each run of {args.motion} has its own"
+        )
+    plan = LoadPlan(args.motion)
+    with OpenRecorder(args) as recorder:
+        RecordRuns(
+            recorder, list(enumerate(plan, 1)), len(plan), args.countdown
+        )
+    print(f"recorded: {args.out}, {len(plan)} runs")
     return 0

@@ -56,56 +56,78 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Follows the motion once with the twin beside it."""
-    from brace_drake.hardware.words import Cause
     from brace_drake.operation.beside import TwinBeside
     from brace_drake.operation.console import CountDown, ReadKeys
     from brace_drake.operation.control import PicControl
     from brace_drake.operation.page import Page
     from brace_drake.operation.session import Session
     from brace_drake.operation.station import OpenDevice
+    from brace_drake.operation.watch import WatchSession
     from brace_drake.twin.reference import reference_at_ticks
 
     motion = load_device_motion(args.motion)
     scenario, limits = load_device_options(args)
     scenario.torso.present = motion.contact
     beside = TwinBeside(scenario, args.band, args.memory)
-    page = Page(args.host, args.web_port)
-    print(f"page: {page.url}", flush=True)
     with (
+        Page(args.host, args.web_port) as page,
         OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,
         ReadKeys() as keys,
     ):
+        print(f"page: {page.url}", flush=True)
         desired = reference_at_ticks(
             motion.time, motion.samples, link.hello.rate_hz
         )
         session = Session(link, PicControl(scenario), limits)
+        show = _Show(beside, page, session, args.stop_at_alarm)
         if not CountDown(args.countdown, f"{motion.name} moves", keys):
             raise StoppedError(f"{motion.name}: not begun")
         session.Start(desired)
-        shown, told = 0.0, []
-        while not session.is_over or session.rows:
-            time.sleep(0.01)
-            session.CheckAlive()
-            if keys.pressed():
-                session.Stop(Cause.STOP_KEY)
-            while session.rows:
-                row = session.rows.popleft()
-                beside.Take(row, row.y_ring)
-            for name in beside.alarms:
-                if name not in told:
-                    print(f"alarm: {name} leaves its band", flush=True)
-            told = beside.alarms
-            if args.stop_at_alarm and told:
-                session.Stop(Cause.HOST_STOP)
-            if time.monotonic() - shown > _SHOW:
-                shown = time.monotonic()
-                page.Show(beside.describe())
+        WatchSession(session, show.Take, keys.pressed)
         if session.trip is not None:
-            raise StoppedError(f"{motion.name}: stopped: {session.trip}")
+            alarm = ", ".join(show.told) if args.stop_at_alarm else ""
+            cause = f"alarm in {alarm}" if alarm else str(session.trip)
+            raise StoppedError(f"{motion.name}: stopped: {cause}")
         session.Finish()
-    page.Close()
     k, c = beside.contact.values
-    worst = max(beside.describe()["ratio"].items(), key=lambda item: item[1])
     print(f"contact: {k:.0f} N/m, {c:.0f} N s/m")
-    print(f"largest gap: {worst[0]}, {worst[1]:.1f} noise floors")
+    name, ratio = show.largest
+    print(f"largest gap: {name}, {ratio:.1f} noise floors")
     return 0
+
+
+class _Show:
+    """Tells alarms, and the page what there is.
+
+    Attributes:
+        told: Channels that have had an alarm.
+        largest: Channel of the largest gap so far, and that, noise floors.
+    """
+
+    def __init__(self, beside, page, session, stops: bool):
+        self._beside, self._page, self._session = beside, page, session
+        self._stops, self._shown = stops, 0.0
+        self.told: list[str] = []
+        self._present: list[str] = []
+        self.largest = ("none", 0.0)
+
+    def Take(self, rows) -> None:
+        """Takes the device's ticks, in order."""
+        from brace_drake.hardware.words import Cause
+
+        for row in rows:
+            self._beside.Take(row, row.y_ring)
+        said = self._beside.describe()
+        for name in said["alarms"]:
+            if name not in self._present:
+                print(f"alarm: {name} leaves its band", flush=True)
+            if name not in self.told:
+                self.told.append(name)
+        self._present = said["alarms"]
+        worst = max(said["ratio"].items(), key=lambda item: item[1])
+        self.largest = max(self.largest, worst, key=lambda item: item[1])
+        if self._stops and self.told and not self._session.is_over:
+            self._session.Stop(Cause.HOST_STOP)
+        if time.monotonic() - self._shown > _SHOW:
+            self._shown = time.monotonic()
+            self._page.Show(said)

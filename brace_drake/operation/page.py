@@ -65,6 +65,12 @@ class Page:
             self._number += 1
             self._news.notify_all()
 
+    def __enter__(self) -> Page:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.Close()
+
     def Close(self) -> None:
         """Ends the server."""
         with self._news:
