@@ -21,7 +21,9 @@ where monday.map.yaml says which column is which channel:
   - {file: first.csv, motion: push, split: fit}
   - {file: second.tdms, motion: push, split: validation}
 
-Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS. `rate_hz` resamples them.
+Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS, JSON messages of MCAP (options:
+{group: TOPIC}). `rate_hz` resamples them. What `brace-drake export` has written
+(*.mcap) needs no map.
 """
 
 
@@ -29,12 +31,14 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `import`."""
     parser = subparsers.add_parser(
         "import",
-        help="make a campaign from CSV, MATLAB or TDMS files",
+        help="make a campaign from CSV, MATLAB, TDMS or MCAP files",
         description="Turns a lab's own recordings into a campaign.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("map", metavar="MAP", help="*.yaml, see the example")
+    parser.add_argument(
+        "map", metavar="MAP", help="*.yaml, see the example; or *.mcap"
+    )
     parser.add_argument("--out", required=True, metavar="DIR")
     parser.set_defaults(run=Run)
 
@@ -43,8 +47,10 @@ def Run(args: argparse.Namespace) -> int:
     """Imports and writes; prints what to do next."""
     from brace_drake.campaign import WriteCampaign
     from brace_drake.importing.mapped import ImportCampaign
+    from brace_drake.importing.mcap_file import LoadMcapCampaign
 
-    campaign = ImportCampaign(args.map)
+    from_map = not args.map.endswith(".mcap")
+    campaign = (ImportCampaign if from_map else LoadMcapCampaign)(args.map)
     WriteCampaign(campaign, args.out)
     print(f"campaign: {args.out}, {len(campaign.runs)} runs")
     print(f"next: brace-drake check {args.out}")

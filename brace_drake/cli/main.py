@@ -32,6 +32,7 @@ _COMMANDS = (
     "deploy",
     "twin",
     "import_",
+    "export",
 )
 
 

@@ -1,1 +1,1 @@
-"""Recordings that labs have, as campaigns: CSV, MATLAB, NI TDMS."""
+"""Campaigns from and to other files: CSV, MATLAB, NI TDMS, MCAP."""

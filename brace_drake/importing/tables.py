@@ -8,17 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.errors import CampaignError
-
-Columns = dict[str, np.ndarray]
+from brace_drake.importing.mcap_file import Columns, LoadMcapTable
 
 
 def LoadTable(path: str | Path, options: dict) -> Columns:
     """Reads a file's columns, each (N,).
 
     Args:
-        path: *.csv or *.txt, *.mat, *.tdms.
+        path: *.csv or *.txt, *.mat, *.tdms, *.mcap.
         options: Of CSV: `delimiter`, `decimal`, `skip_lines`. Of MATLAB and
-            TDMS: `group`, the struct or group to look in.
+            TDMS: `group`, the struct or group to look in; of MCAP the topic.
 
     Raises:
         CampaignError: One line: file, and what is wrong with it.
@@ -26,6 +25,7 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
     path = Path(path)
     ending = path.suffix.lower()
     readers = {".mat": _LoadMatlab, ".tdms": _LoadTdms}
+    readers[".mcap"] = LoadMcapTable
     readers |= dict.fromkeys((".csv", ".txt", ".tsv"), _LoadText)
     if ending not in readers:
         raise CampaignError(
