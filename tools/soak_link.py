@@ -2,8 +2,10 @@
 
     python tools/soak_link.py --seconds 3600
 
-Device and host are processes of their own. Status 1 where a tick is missing
-without being counted, or memory grows by more than 2 MB over the second half.
+Device and host are processes of their own. Each minute, or tenth of a shorter
+run, a line tells how it goes. Status 1 where a tick is missing without being
+counted, the run is stopped, or the memory of either grows by more than 2 MB
+over the second half.
 """
 
 import argparse
@@ -16,15 +18,29 @@ import numpy as np
 from brace_drake.hardware.limits import DEFAULT
 from brace_drake.operation.session import Session
 from brace_drake.operation.station import MakeControl, OpenDevice
+from brace_drake.operation.watch import WatchSession
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.twin.motion_library import MakeMotion
 from brace_drake.twin.reference import reference_at_ticks
 
+# What the memory of a process may grow by over the second half, MB.
+_MOST_GROWTH = 2.0
 
-def resident_mb() -> float:
-    """Memory of this process, MB."""
-    with open("/proc/self/statm") as file:
+
+def resident_mb(process: int | str = "self") -> float:
+    """Memory of a process, MB."""
+    with open(f"/proc/{process}/statm") as file:
         return int(file.read().split()[1]) * 4096 / 1e6
+
+
+def growth_mb(memory: list[float]) -> float:
+    """What was added over the second half: its last third over its first.
+
+    Means, as a resident size also moves by itself.
+    """
+    half = memory[len(memory) // 2 :]
+    third = max(1, len(half) // 3)
+    return float(np.mean(half[-third:]) - np.mean(half[:third]))
 
 
 def make_reference(seconds: float) -> np.ndarray:
@@ -51,35 +67,60 @@ def main() -> int:
     device = subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
+    try:
+        status = soak(device, args.seconds, args.stale)
+        device.stdin.write("stop\n")
+        device.stdin.close()
+        print("device:", device.stdout.read().strip())
+    finally:
+        device.kill()
+        device.wait()
+    return status
+
+
+def soak(device: subprocess.Popen, seconds: float, stale: float) -> int:
+    """Runs and prints what was seen; the status."""
     port = device.stdout.readline().split()[1]
-    limits = DEFAULT._replace(stale=args.stale, lost_messages=1000.0)
+    limits = DEFAULT._replace(stale=stale, lost_messages=1000.0)
     scenario = BenchScenario()
-    status = 0
     with OpenDevice(port, scenario, limits) as link:
         session = Session(link, MakeControl("pic", scenario), limits)
-        session.Start(make_reference(args.seconds))
-        expected, missing, memory, looked = 0, 0, [], 0.0
+        session.Start(make_reference(seconds))
+        expected, missing, looked, told = 0, 0, 0.0, time.monotonic()
+        memory = {"host": [], "device": []}
         begun = time.monotonic()
-        while not session.is_over:
-            time.sleep(0.05)
-            session.CheckAlive()
-            while session.rows:
-                row = session.rows.popleft()
+
+        def take(rows):
+            nonlocal expected, missing, looked, told
+            for row in rows:
                 missing += row.tick != expected
                 expected = row.tick + 1
-            if time.monotonic() - looked > 1.0:
-                looked = time.monotonic()
-                memory.append(resident_mb())
+            now = time.monotonic()
+            if now - looked > 1.0:
+                looked = now
+                memory["host"].append(resident_mb())
+                memory["device"].append(resident_mb(device.pid))
+            if now - told > min(60.0, seconds / 10.0):
+                told = now
+                sizes = ", ".join(f"{n} {m[-1]:.1f}" for n, m in memory.items())
+                print(
+                    f"{now - begun:6.0f} s: {expected} ticks, missing"
+                    f" {missing}, MB: {sizes}",
+                    flush=True,
+                )
+
+        WatchSession(session, take, pause=0.05)
         took = time.monotonic() - begun
         tally, counts = session.tally, link.counts
-        half = memory[len(memory) // 2 :]
-        growth = half[-1] - half[0]
+        growth = {name: growth_mb(m) for name, m in memory.items()}
         print(f"stopped by       {session.trip}")
         print(f"ticks            {tally.ticks} in {took:.1f} s")
         print(f"missing unseen   {missing}")
         print(f"bridged          {tally.bridged}, lost {counts.lost}")
         print(f"unanswered       {tally.unanswered}, bad {counts.bad}")
-        print(f"memory           {memory[-1]:.1f} MB, grew {growth:.2f}")
+        for name, sizes in memory.items():
+            said = f"{sizes[-1]:.1f} MB, grew {growth[name]:.2f}"
+            print(f"memory of {name:6} {said}")
         for name, spread, scale in (
             ("latency, us", tally.latencies, 1e6),
             ("period, us", tally.periods, 1e6),
@@ -89,14 +130,10 @@ def main() -> int:
             text = ", ".join(f"{value:.0f}" for value in at)
             print(f"{name:16} {text} (50, 99, 99.9 %)")
         print(f"round trip, us   {1e6 * link.clock.round_trip:.0f} at best")
-        status = int(missing > 0 or growth > 2.0 or session.trip is not None)
+        grew = max(growth.values()) > _MOST_GROWTH
         if session.trip is None:
             session.Finish()
-    device.stdin.write("stop\n")
-    device.stdin.close()
-    print("device:", device.stdout.read().strip())
-    device.wait()
-    return status
+    return int(missing > 0 or grew or session.trip is not None)
 
 
 if __name__ == "__main__":
