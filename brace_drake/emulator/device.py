@@ -62,6 +62,7 @@ def describe_bench(scenario: BenchScenario, serial: str) -> Identity:
         rest=tuple(numbers.rest.tolist()),
         lower=tuple(lower.ravel().tolist()),
         upper=tuple(numbers.p_RT.ravel().tolist()),
+        takes_lengths=True,
     )
 
 

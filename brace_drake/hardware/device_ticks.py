@@ -11,9 +11,14 @@ from typing import NamedTuple
 
 from brace_drake.hardware import guards
 from brace_drake.hardware.guards import Trip
+from brace_drake.hardware.length_servo import (
+    ServoMemory,
+    follow_lengths,
+    start_servo,
+)
 from brace_drake.hardware.limits import Limits, shared_values
 from brace_drake.hardware.release import limit_command, release_command
-from brace_drake.hardware.words import Cause, DeviceState, StateFlag
+from brace_drake.hardware.words import Cause, DeviceState, Mode, StateFlag
 
 # Without any accepted message for so long, a session ends, s.
 SESSION = 2.0
@@ -34,6 +39,7 @@ class Identity(NamedTuple):
     lower: tuple[float, ...]
     upper: tuple[float, ...]
     units: str = "m N s rad"
+    takes_lengths: bool = False
 
 
 class Measured(NamedTuple):
@@ -79,6 +85,8 @@ class DeviceTicks:
         self._period = 1.0 / identity.rate_hz
         self._heard = self._fed = self._released = -1e9
         self._start = self._asked = self._command = self.hold
+        self._mode: Mode | None = None
+        self._servo: ServoMemory | None = None
         self._sequence = 0
         self._is_new = self._clamped = False
         self._measured: Measured | None = None
@@ -175,17 +183,32 @@ class DeviceTicks:
         """Whether the command of this tick has come."""
         return self._is_new
 
+    def _wanted(self) -> tuple[tuple[float, ...], bool]:
+        """Leg forces that the command asks for; whether it was cut."""
+        if self._mode != Mode.LENGTH:
+            return self._asked, False
+        length = self._measured.leg_length
+        self._servo, force, is_cut = follow_lengths(
+            self.limits,
+            self._servo or start_servo(length),
+            self._asked,
+            length,
+            self.hold,
+            self._period,
+        )
+        return force, is_cut
+
     def leg_force(self, now: float) -> tuple[float, ...]:
         """What the drives get until the next tick (n,), N."""
         if self.state == DeviceState.FAULT:
             self._start = self.hold
             return (0.0,) * len(self.hold)
         if self.state == DeviceState.ARMED:
-            wanted = self._asked
+            wanted, is_cut = self._wanted()
             self._command = limit_command(
                 self.limits, self._command, wanted, self._period
             )
-            self._clamped = self._command != tuple(wanted)
+            self._clamped = is_cut or self._command != tuple(wanted)
             return self._command
         since = now - self._released
         self._command = release_command(

@@ -47,7 +47,7 @@ class Firmware(DeviceTicks):
         hello = {
             "nonce": packet.values.nonce,
             "state": self.state,
-            "capabilities": 0,
+            "capabilities": int(own.takes_lengths),
         }
         names = ("model", "identity", "firmware", "units", "stages", "rate_hz")
         names += ("length_resolution", "force_resolution", "force_range")
@@ -103,6 +103,7 @@ class Firmware(DeviceTicks):
             reason = Reason.BAD_VALUE
         if reason == Reason.ACCEPTED:
             self._asked, self._sequence = values.values, packet.sequence
+            self._mode = Mode(values.mode)
             self._fed, self._is_new = now, True
             self.accepted += 1
         return [], reason
@@ -112,8 +113,11 @@ class Firmware(DeviceTicks):
             return Reason.WRONG_STATE
         if not seal_fits(packet, self.session):
             return Reason.WRONG_SESSION
-        if packet.values.mode != Mode.FORCE:
+        mode, lengths = packet.values.mode, self.identity.takes_lengths
+        if mode != Mode.FORCE and not (lengths and mode == Mode.LENGTH):
             return Reason.NOT_SUPPORTED
+        if self._mode not in (None, mode):
+            return Reason.BAD_VALUE
         age = self.tick_count - packet.values.tick
         ahead = (packet.sequence - self._sequence) & 0xFFFF
         longest = self.limits.watchdog / self._period
@@ -135,7 +139,7 @@ class Firmware(DeviceTicks):
         if reason == Reason.ACCEPTED:
             self.state = DeviceState.ARMED
             self._fed, self._sequence = now, packet.sequence
-            self._asked = self._command
+            self._asked, self._mode, self._servo = self._command, None, None
         return self._answer(packet, reason)
 
     def _on_disarm(self, packet: Packet, now: float):

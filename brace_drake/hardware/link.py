@@ -6,7 +6,6 @@ import random
 import threading
 import time
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import serial
 
@@ -22,32 +21,10 @@ from brace_drake.hardware.limits import (
 )
 from brace_drake.hardware.messages import BY_NAME, VERSION
 from brace_drake.hardware.ports import BAUD, OpenPort
-from brace_drake.hardware.sequence import SequenceWatch
+from brace_drake.hardware.sequence import Counts, SequenceWatch
 from brace_drake.hardware.words import Cause, Mode, Reason, reason_text
 
 _AGAIN, _HEARTBEAT = 0.2, 0.1
-
-
-class Counts(NamedTuple):
-    """What has come in so far.
-
-    Attributes:
-        messages: Good ones, once each and in order.
-        states: Of these, states.
-        bad: Chunks of bytes that were no message.
-        lost: Missing in their place, by their sequence; late ones too.
-        repeated: Those that came again.
-        late: Those that another had overtaken; not used.
-        bytes_read: Altogether.
-    """
-
-    messages: int
-    states: int
-    bad: int
-    lost: int
-    repeated: int
-    late: int
-    bytes_read: int
 
 
 class Link:
@@ -169,13 +146,21 @@ class Link:
             raise LinkError(f"{self.path}: the device sends no states")
         return self._answers["STATE"].values
 
-    def Command(self, values: Sequence[float], tick: int) -> int:
+    def Command(
+        self, values: Sequence[float], tick: int, mode: Mode = Mode.FORCE
+    ) -> int:
         """Sends leg forces (6 S,), N, in answer to the state of a tick.
+
+        Args:
+            values: With the mode LENGTH, leg lengths, m.
+            tick: Of the state.
+            mode: One from arming to disarming; LENGTH where the device's
+                `capabilities` say so.
 
         Returns:
             The sequence that the device will show as in use.
         """
-        fields = {"mode": Mode.FORCE, "tick": tick, "values": values}
+        fields = {"mode": mode, "tick": tick, "values": values}
         return self.Send("COMMAND", fields)
 
     def Send(self, name: str, values: dict) -> int:

@@ -2,6 +2,30 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+
+class Counts(NamedTuple):
+    """What has come in so far.
+
+    Attributes:
+        messages: Good ones, once each and in order.
+        states: Of these, states.
+        bad: Chunks of bytes that were no message.
+        lost: Missing in their place, by their sequence; late ones too.
+        repeated: Those that came again.
+        late: Those that another had overtaken; not used.
+        bytes_read: Altogether.
+    """
+
+    messages: int
+    states: int
+    bad: int
+    lost: int
+    repeated: int
+    late: int
+    bytes_read: int
+
 
 class SequenceWatch:
     """Counts of one sender's messages, by numbers modulo 2^16.
