@@ -1,6 +1,6 @@
 """Holds and moves an emulated bench for long; looks for losses and leaks.
 
-    python tools/soak_link.py --seconds 3600
+    python tools/soak_link.py --seconds 3600 --watchdog 1
 
 Device and host are processes of their own. Each minute, or tenth of a shorter
 run, a line tells how it goes. Status 1 where a tick is missing without being
@@ -11,11 +11,13 @@ over the second half.
 import argparse
 import subprocess
 import sys
+import tempfile
 import time
+from pathlib import Path
 
 import numpy as np
 
-from brace_drake.hardware.limits import DEFAULT
+from brace_drake.hardware.limits import DEFAULT, Limits
 from brace_drake.operation.session import Session
 from brace_drake.operation.station import MakeControl, OpenDevice
 from brace_drake.operation.watch import WatchSession
@@ -34,9 +36,9 @@ def resident_mb(process: int | str = "self") -> float:
 
 
 def growth_mb(memory: list[float]) -> float:
-    """What was added over the second half: its last third over its first.
+    """The second half's last third less its first, as means.
 
-    Means, as a resident size also moves by itself.
+    A resident size also moves by itself.
     """
     half = memory[len(memory) // 2 :]
     third = max(1, len(half) // 3)
@@ -61,27 +63,38 @@ def main() -> int:
     parser.add_argument(
         "--stale", type=float, default=1.0, help="limit for this machine, s"
     )
+    parser.add_argument(
+        "--watchdog",
+        type=float,
+        default=DEFAULT.watchdog,
+        help="limit of device and host, s: a machine that others share may be"
+        " late by more than 0.05",
+    )
     args = parser.parse_args()
+    limits = DEFAULT._replace(
+        stale=args.stale, lost_messages=1000.0, watchdog=args.watchdog
+    )
     command = [sys.executable, "-m", "brace_drake.cli.main", "emulate"]
     command += ["--host-paced"] if args.host_paced else []
-    device = subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    )
-    try:
-        status = soak(device, args.seconds, args.stale)
-        device.stdin.write("stop\n")
-        device.stdin.close()
-        print("device:", device.stdout.read().strip())
-    finally:
-        device.kill()
-        device.wait()
-    return status
+    with tempfile.TemporaryDirectory() as folder:
+        own = Path(folder) / "limits.yaml"
+        own.write_text(f"watchdog: {args.watchdog}\n")
+        device = subprocess.Popen(
+            [*command, "--limits", str(own)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            return soak(device, args.seconds, limits)
+        finally:
+            device.kill()
+            device.wait()
 
 
-def soak(device: subprocess.Popen, seconds: float, stale: float) -> int:
-    """Runs and prints what was seen; the status."""
+def soak(device: subprocess.Popen, seconds: float, limits: Limits) -> int:
+    """Runs, prints what was seen, ends the device; the status."""
     port = device.stdout.readline().split()[1]
-    limits = DEFAULT._replace(stale=stale, lost_messages=1000.0)
     scenario = BenchScenario()
     with OpenDevice(port, scenario, limits) as link:
         session = Session(link, MakeControl("pic", scenario), limits)
@@ -133,6 +146,9 @@ def soak(device: subprocess.Popen, seconds: float, stale: float) -> int:
         grew = max(growth.values()) > _MOST_GROWTH
         if session.trip is None:
             session.Finish()
+    device.stdin.write("stop\n")
+    device.stdin.close()
+    print("device:", device.stdout.read().strip())
     return int(missing > 0 or grew or session.trip is not None)
 
 
