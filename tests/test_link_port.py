@@ -185,7 +185,7 @@ def rows_on_disk(path):
 class TestDisconnect(unittest.TestCase):
     def pull(self, device, out):
         """Unplugs when more than 50 rows of the second run are on the disk."""
-        wait_for(lambda: rows_on_disk(out / "push_2.csv") > 50, 60.0)
+        wait_for(lambda: rows_on_disk(out / "push_2.csv") > 50, 300.0)
         device.plug(False)
 
     def test_unplugging_ends_the_motion_and_keeps_what_was_recorded(self):
@@ -319,8 +319,10 @@ class TestKill(unittest.TestCase):
                 cwd=ROOT,
                 stderr=subprocess.DEVNULL,
             )  # fmt: skip
+            self.addCleanup(record.wait)
+            self.addCleanup(record.kill)
             file = out / "push.csv"
-            self.assertTrue(wait_for(lambda: rows_on_disk(file) > 20, 60.0))
+            self.assertTrue(wait_for(lambda: rows_on_disk(file) > 20, 300.0))
             # Longer than what may be lost.
             time.sleep(1.3)
             os.kill(record.pid, signal.SIGKILL)
