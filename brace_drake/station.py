@@ -84,8 +84,8 @@ def MakeBenchStation(
     """
     uses = (*scenario_uses(scenario), *uses)
     _check_contact(scenario, uses)
-    plug_ins = stack_effects(uses)
     numbers = modify_numbers(pack_bench(scenario), uses)
+    plug_ins = stack_effects(uses, numbers)
     builder = DiagramBuilder()
     # Bodies, and the forces on them.
     plant = AddBenchPlant(builder, _with_bodies(scenario, numbers))

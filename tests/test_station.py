@@ -39,7 +39,7 @@ def run_both(scenario, noise=None, uses=()):
     """Logs of the diagram and of the rollout for the same push."""
     time, samples = smooth_push()
     numbers = modify_numbers(pack_bench(scenario), uses)
-    plug_ins = stack_effects(uses)
+    plug_ins = stack_effects(uses, numbers)
     station = MakeBenchStation(
         scenario,
         MakeReference(time, samples),

@@ -20,7 +20,8 @@ CARD = Effect(
     " controller; components of b_k, t_k normal with mean 0 and standard"
     " deviation s",
     source="Merlet, Parallel Robots, chapter 10 (calibration); common spread"
-    " by the evidence, MacKay, Bayesian interpolation, Neural Comp. 4, 1992",
+    " of a hierarchical prior, Gelman et al., Bayesian Data Analysis, chapter"
+    " 5",
     parameters=tuple(
         EffectParameter(
             f"{ring}{k}_{axis}_m",

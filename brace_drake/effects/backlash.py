@@ -1,6 +1,9 @@
 """Play between the drive of a leg and the ring."""
 
+import math
+
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.holding import holding_forces
 from brace_drake.laws.hooks import plug
 
 _EQUATION = (
@@ -24,10 +27,15 @@ def _play(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
 
 @plug("drive")
 def _gap_drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    # x[k]: place g of the drive in the gap of leg k.
-    half = 0.5 * p[0]
+    # x[k]: place g of the drive in the gap of leg k; x[n]: whether it is known.
+    # A run begins with the ring held at rest, each leg at an end of its gap.
+    n, half = f.shape[0], 0.5 * p[0]
     if half <= 0.0:
         return
+    if x[n] == 0.0:
+        x[n] = 1.0
+        for k in range(min(n, p.shape[0] - 2)):
+            x[k] = math.copysign(half, p[2 + k])
     for k in range(f.shape[0]):
         free = x[k] + dt * (u[k] / law[k] - l_dot[k])
         x[k] = min(max(free, -half), half)
@@ -45,6 +53,8 @@ def _gap_sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
         if x[2 * n] != 0.0:
             move = l[k] - x[n + k]
             x[k] = min(max(x[k] + h * u[k] / p[1] - move, -half), half)
+        elif p.shape[0] > 2:
+            x[k] = math.copysign(half, p[2 + k])
         x[n + k] = l[k]
         l[k] += x[k]
     x[2 * n] = 1.0
@@ -96,7 +106,8 @@ CARDS = (
             ),
         ),
         laws={"drive": _gap_drive, "sensing": _gap_sensing},
-        num_states={"drive": 6, "sensing": 13},
+        constants=holding_forces,
+        num_states={"drive": 7, "sensing": 13},
         **_COMMON,
     ),
 )

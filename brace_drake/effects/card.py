@@ -72,6 +72,8 @@ class Effect:
         num_states: States that it keeps at each plug point (default 0).
         modify: For effects that are other numbers of the twin rather than a
             law: (numbers, values) -> numbers.
+        constants: What the laws take of the twin's numbers, at the end of p:
+            numbers -> values.
         signature: What it looks like in a recording.
         impostors: Other effects it is taken for, and what tells them apart.
         experiment: The motion that shows it best.
@@ -95,6 +97,7 @@ class Effect:
     laws: Mapping[str, Callable] = field(default_factory=dict)
     num_states: Mapping[str, int] = field(default_factory=dict)
     modify: Callable | None = None
+    constants: Callable | None = None
     devices: tuple[str, ...] = ("bench stage 2",)
     dithered: bool = False
     spread: tuple[str, str] | None = None

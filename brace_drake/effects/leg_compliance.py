@@ -3,14 +3,21 @@
 import math
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.holding import holding_forces
 from brace_drake.laws.hooks import plug
 
 
 @plug("drive")
 def _drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    # x[k]: stretch e = l_drive - l of the leg's spring.
+    # x[k]: stretch e = l_drive - l of the leg's spring; x[n]: whether it is
+    # known. A run begins with the ring held at rest.
+    n = f.shape[0]
     if p[0] <= 0.0:
         return
+    if x[n] == 0.0:
+        x[n] = 1.0
+        for k in range(min(n, p.shape[0] - 2)):
+            x[k] = p[0] * p[2 + k]
     for k in range(f.shape[0]):
         balanced = p[0] * (u[k] - law[k] * l_dot[k])
         rate = dt / max(p[0] * law[k], 1e-12)
@@ -32,6 +39,8 @@ def _sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
         if x[2 * n] != 0.0:
             balanced = p[0] * (u[k] - p[1] * (l[k] - x[n + k]) / h)
             x[k] = balanced + (x[k] - balanced) * decay
+        elif p.shape[0] > 2:
+            x[k] = p[0] * p[2 + k]
         x[n + k] = l[k]
         l[k] += x[k]
     x[2 * n] = 1.0
@@ -61,7 +70,8 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _drive, "sensing": _sensing},
-    num_states={"drive": 6, "sensing": 13},
+    constants=holding_forces,
+    num_states={"drive": 7, "sensing": 13},
     signature="the torso moves less than the encoders say, in proportion to"
     " the force",
     impostors={

@@ -14,8 +14,13 @@ from brace_drake.laws.plug_in import PlugIn
 Use = tuple[Effect, np.ndarray]
 
 
-def stack_effects(uses: Sequence[Use]) -> dict[str, PlugIn]:
+def stack_effects(uses: Sequence[Use], numbers=None) -> dict[str, PlugIn]:
     """Plug-ins of effects with their parameter vectors, by plug point.
+
+    Args:
+        uses: The effects.
+        numbers: Of the twin, for effects that take constants of it; without
+            them they begin at ease, see `Effect.constants`.
 
     Raises:
         EffectError: More effects than the twin carries.
@@ -26,7 +31,7 @@ def stack_effects(uses: Sequence[Use]) -> dict[str, PlugIn]:
         )
     idle = MAX_EFFECTS - len(uses)
     parameters = tuple(
-        [np.ascontiguousarray(p, dtype=float) for _, p in uses]
+        [_vector(effect, values, numbers) for effect, values in uses]
         + [np.zeros(1)] * idle
     )
     return {
@@ -44,6 +49,12 @@ def stack_effects(uses: Sequence[Use]) -> dict[str, PlugIn]:
         )
         for point in PLUG_POINTS
     }
+
+
+def _vector(effect: Effect, values: np.ndarray, numbers) -> np.ndarray:
+    if effect.constants is None or numbers is None:
+        return np.ascontiguousarray(values, dtype=float)
+    return np.concatenate([values, effect.constants(numbers)])
 
 
 def stack_laws(uses: Sequence[Use]) -> dict[str, PlugIn]:

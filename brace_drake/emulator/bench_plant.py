@@ -47,7 +47,7 @@ class BenchPlant:
         self.jammed: set[int] = set()
         self.frozen: set[int] = set()
         self._steps = round(self.period / scenario.time_step)
-        self._plugs = stack_effects(uses)
+        self._plugs = stack_effects(uses, self.numbers)
         self._generator = None
         if seed is not None:
             self._generator = np.random.default_rng(seed)

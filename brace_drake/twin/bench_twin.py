@@ -111,5 +111,5 @@ class BenchTwin:
         if generator is not None:
             noise = draw_noise(numbers, len(motion.desired), generator)
         return simulate_bench(
-            numbers, motion, self.time_step, stack_effects(uses), noise
+            numbers, motion, self.time_step, stack_effects(uses, numbers), noise
         )
