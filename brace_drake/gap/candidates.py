@@ -17,6 +17,7 @@ from brace_drake.fit.gauss_newton import (
 )
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
+from brace_drake.gap.scatter import refit_spread
 
 _STEPS, _FAR_STEPS = 10, 30
 # Relative decrease of the sum of squares that ends the search at the coarse
@@ -123,8 +124,8 @@ def fit_effects(
     for _ in range(_SPREAD_ROUNDS):
         solution = search(problem, z, known)
         z = solution.z
-        # The spread that the evidence prefers; then search again from here.
-        change = np.log(evidence_spread(problem, solution) / problem.spread)
+        # The spread that they show; then search again from here.
+        change = np.log(shown_spread(problem, solution) / problem.spread)
         problem.spread *= np.exp(change)
         known = with_prior(problem, solution)
         if abs(change) < _SAME_SPREAD:
@@ -202,15 +203,15 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     return replace(finish_fit(problem, corrected), refined=True)
 
 
-def evidence_spread(
+def shown_spread(
     problem: CandidateProblem, solution: LeastSquaresSolution
 ) -> float:
-    """Fixed point of the evidence: s^2 = mean of z_i^2 + var z_i."""
+    """Spread that the alike parameters show, scaled, see `scatter`."""
     triangle = np.linalg.qr(solution.jacobian, mode="r")
     inverse = np.linalg.pinv(triangle)
-    variance = np.sum(inverse**2, axis=1)
     alike = problem.alike
-    return float(np.sqrt(np.mean(solution.z[alike] ** 2 + variance[alike])))
+    rows = inverse[alike]
+    return refit_spread(solution.z[alike], rows @ rows.T, problem.spread)
 
 
 def finish_fit(

@@ -20,6 +20,7 @@ from brace_drake.gap.verdict import (
     explains,
     is_near_floor,
     largest_excess,
+    plausible,
     refined,
 )
 
@@ -70,7 +71,7 @@ class SecondEffects:
         Args:
             say: Progress, shares of this search.
         """
-        leader = next(iter(refined(self._singles)))
+        leader = next(iter(plausible(self._singles)), self._nominal)
         # Beside dozens of parameters any other effect looks right, unless
         # they are what explains most.
         partners = [
@@ -121,14 +122,14 @@ class SecondEffects:
         """Excess above which a pair is not worth its second effect."""
         if not self._is_settled():
             return np.inf
-        return _HALF * min(f.excess for f in self._all())
+        return _HALF * min(f.excess for f in plausible(self._all()))
 
     def _try_pairs(self, runners: Sequence[Runner], say: Say) -> None:
         """The pairs that are foreseen from the ways of single effects."""
         bar = self._bar()
         if np.isfinite(bar):
             # As the race has left them: then all are equally unfinished.
-            bar = _HALF * min(f.excess for f in best_fits(self._runners))
+            bar = _HALF * min(f.excess for f in best_fits(runners))
         found = search_pairs(self._ground, runners, _SEARCHED, say, bar)
         self._keep(found, self._nominal.excess, bar)
         for pair in refined(self._found)[:1]:

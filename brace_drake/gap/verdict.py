@@ -14,6 +14,7 @@ from brace_drake.gap.probability import (
     sure_of_no_gap,
     sure_of_outside,
 )
+from brace_drake.gap.scatter import looks_scattered
 from brace_drake.gap.surrogates import NullDistribution
 
 # An explanation must take away this much of the gap's amplitude: more where
@@ -95,6 +96,11 @@ def refined(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     return sorted((f for f in fits if f.refined), key=lambda f: f.excess)
 
 
+def plausible(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+    """Those of the refined fits whose many parameters may be a draw."""
+    return [f for f in refined(fits) if looks_scattered(f)]
+
+
 def smallest_share(evaluator: Evaluator) -> float:
     """Share of the gap's amplitude that an explanation must take away."""
     known = evaluator.twin.instruments_known
@@ -134,13 +140,14 @@ def explains(
     null: NullDistribution,
 ) -> bool:
     """Whether a fit explains the gap: to the floor, as surrogates demand, or
-    by far most of it.
+    by far most of it; and not by an effect whose many parameters are no draw.
     """
     if gain(evaluator, nominal, fit) <= null.gain_threshold:
         return False
     rest = misfit(evaluator, fit)
     most = largest_rest(evaluator, nominal, len(fit.effects))
-    return bool(rest <= max(null.misfit_threshold, most))
+    little = rest <= max(null.misfit_threshold, most)
+    return bool(little) and looks_scattered(fit)
 
 
 def decide(
@@ -157,7 +164,11 @@ def decide(
     good = [f for f in ranked if explains(evaluator, nominal, f, null)]
     if not good:
         best = max(
-            (closed_amplitude(evaluator, nominal, f) for f in ranked), default=0
+            (
+                closed_amplitude(evaluator, nominal, f)
+                for f in plausible(ranked)
+            ),
+            default=0.0,
         )
         short = best / smallest_share(evaluator)
         return Verdict(True, None, True, (), sure_of_outside(short))
@@ -197,7 +208,7 @@ def is_near_floor(
     limit: float,
 ) -> bool:
     """Whether the best of fits leaves at most so many floors, mean square."""
-    best = next(iter(refined(fits)), None)
+    best = next(iter(plausible(fits)), None)
     return best is not None and misfit(evaluator, best) <= limit
 
 
