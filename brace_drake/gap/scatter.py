@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import f as f_law
 from scipy.stats import halfnorm, kstest
 
 if TYPE_CHECKING:
@@ -68,8 +69,10 @@ def looks_scattered(fit: CandidateFit) -> bool:
     """Whether a fit's alike parameters may be a draw from one normal law.
 
     With dozens of parameters an effect can imitate many others; but then a
-    few directions among them carry all, and the rest is nearly nothing. Test
-    of Kolmogorov and Smirnov; True where no effect has such parameters.
+    few directions among them carry all, and the rest is nearly nothing. Two
+    tests: that of Kolmogorov and Smirnov, and, for strays, the mean square,
+    which is about F distributed, the spread being found from as many
+    directions. True where no effect has such parameters.
     """
     places = _places(fit)
     if len(places) == 0:
@@ -83,7 +86,9 @@ def looks_scattered(fit: CandidateFit) -> bool:
     )
     if len(sample) == 0:
         return True
-    return bool(kstest(np.abs(sample), halfnorm.cdf).pvalue > _LEVEL)
+    shape = kstest(np.abs(sample), halfnorm.cdf).pvalue
+    strays = f_law.sf(np.mean(sample**2), len(sample), len(sample))
+    return bool(2.0 * min(shape, strays) > _LEVEL)
 
 
 def _places(fit: CandidateFit) -> np.ndarray:
