@@ -1,11 +1,22 @@
 """Every card of the library, and each law against its closed form."""
 
 import unittest
+from dataclasses import replace
+from importlib.metadata import EntryPoint
+from unittest import mock
 
 import numpy as np
 
+from brace_drake.effects import registry
 from brace_drake.effects.identifiers import BY_BLOCK, IDENTIFIERS
-from brace_drake.effects.registry import all_effects, effects_for, find_effect
+from brace_drake.effects.registry import (
+    ENTRY_POINTS,
+    all_effects,
+    effects_for,
+    find_effect,
+    forget_effect,
+    register_effect,
+)
 from brace_drake.effects.stack import stack_effects
 from brace_drake.errors import EffectError
 from brace_drake.scenario.bench import BenchScenario
@@ -61,6 +72,53 @@ class TestCards(unittest.TestCase):
         card = find_effect("force_bias")
         with self.assertRaisesRegex(EffectError, "at most 2"):
             stack_effects([(card, np.zeros(1))] * 3)
+
+
+class TestOwnEffects(unittest.TestCase):
+    card = replace(find_effect("force_bias"), name="own_bias")
+
+    def test_an_effect_from_outside_is_one_of_all_until_it_is_forgotten(self):
+        register_effect(self.card)
+        try:
+            self.assertIs(find_effect("own_bias"), self.card)
+            self.assertIn("own_bias", effects_for("bench stage 2"))
+            with self.assertRaisesRegex(EffectError, "registered twice"):
+                register_effect(self.card)
+        finally:
+            forget_effect("own_bias")
+        self.assertNotIn("own_bias", all_effects())
+        with self.assertRaisesRegex(EffectError, "not added"):
+            forget_effect("own_bias")
+
+    def test_the_library_can_be_neither_replaced_nor_forgotten(self):
+        with self.assertRaisesRegex(EffectError, "registered twice"):
+            register_effect(find_effect("force_bias"))
+        with self.assertRaisesRegex(EffectError, "not added"):
+            forget_effect("force_bias")
+
+    def test_an_installed_package_adds_its_own(self):
+        self.addCleanup(registry._library.cache_clear)
+        for value, problem in (
+            ("tests.test_effects:OWN_BIAS", None),
+            ("tests.test_effects:push", "no effect's card"),
+            ("tests.test_effects:absent", "absent"),
+        ):
+            point = EntryPoint("own", value, ENTRY_POINTS)
+            registry._library.cache_clear()
+            with (
+                self.subTest(value=value),
+                mock.patch("importlib.metadata.entry_points") as points,
+            ):
+                points.return_value = [point]
+                if problem is None:
+                    self.assertIs(find_effect("own_bias"), OWN_BIAS)
+                else:
+                    with self.assertRaisesRegex(EffectError, problem):
+                        all_effects()
+                points.assert_called_with(group=ENTRY_POINTS)
+
+
+OWN_BIAS = TestOwnEffects.card
 
 
 class TestLibrary(unittest.TestCase):

@@ -1,34 +1,90 @@
-"""All effects: every module in this folder that holds a CARD, or CARDS."""
+"""All effects: the library of this folder, and those that others add.
+
+The library is every module in this folder that holds a CARD, or CARDS. From
+outside, `register_effect` adds a card to this process, and an installed
+package adds its own by entry points of the group `brace_drake.effects`, each
+a card; the command line then knows them too.
+"""
 
 from __future__ import annotations
 
 import difflib
 import importlib
+import importlib.metadata
 import pkgutil
+from collections.abc import Iterator
 from functools import cache
 
 import brace_drake.effects
 from brace_drake.effects.card import Effect
 from brace_drake.errors import EffectError
 
+ENTRY_POINTS = "brace_drake.effects"
 
-@cache
+_registered: dict[str, Effect] = {}
+
+
 def all_effects() -> dict[str, Effect]:
-    """Cards by key (see `Effect.key`), in the order of the files.
+    """Cards by key (see `Effect.key`): the library's, then those added.
 
     Raises:
         EffectError: Two cards have the same key.
     """
+    return {**_library(), **_registered}
+
+
+def register_effect(card: Effect) -> Effect:
+    """Adds an effect to all that this process does from now on.
+
+    Returns:
+        The card.
+
+    Raises:
+        EffectError: There is an effect with this key already.
+    """
+    if card.key in all_effects():
+        raise EffectError(f"effect {card.key} is registered twice")
+    _registered[card.key] = card
+    return card
+
+
+def forget_effect(key: str) -> None:
+    """Takes back what `register_effect` has added.
+
+    Raises:
+        EffectError: No effect with this key was added.
+    """
+    if key not in _registered:
+        raise EffectError(f"effect {key} was not added by register_effect")
+    del _registered[key]
+
+
+@cache
+def _library() -> dict[str, Effect]:
     cards: dict[str, Effect] = {}
+    for form in (*_bundled(), *_of_packages()):
+        if form.key in cards:
+            raise EffectError(f"effect {form.key} is registered twice")
+        cards[form.key] = form
+    return cards
+
+
+def _bundled() -> Iterator[Effect]:
     for module in pkgutil.iter_modules(brace_drake.effects.__path__):
         loaded = importlib.import_module(f"brace_drake.effects.{module.name}")
         card = getattr(loaded, "CARD", None)
-        forms = getattr(loaded, "CARDS", () if card is None else (card,))
-        for form in forms:
-            if form.key in cards:
-                raise EffectError(f"effect {form.key} is registered twice")
-            cards[form.key] = form
-    return cards
+        yield from getattr(loaded, "CARDS", () if card is None else (card,))
+
+
+def _of_packages() -> Iterator[Effect]:
+    for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
+        try:
+            card = point.load()
+        except Exception as error:
+            raise EffectError(f"effect {point.value}: {error}") from error
+        if not isinstance(card, Effect):
+            raise EffectError(f"{point.value} is no effect's card")
+        yield card
 
 
 def effects_for(device: str) -> dict[str, Effect]:
