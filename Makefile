@@ -1,6 +1,7 @@
 # Two targets do everything on a machine with Python 3.11 or newer:
 #   make demo   diagnose the bundled example campaign, write its report
 #   make test   run the whole suite
+# More: make docs, its pages in out/docs; make bench, the table of speed.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -8,7 +9,7 @@ STAMP := $(VENV)/.installed
 EXAMPLE := tests/data/example
 OUT := out/demo
 
-.PHONY: demo test lint bench clean
+.PHONY: demo test lint types docs bench clean
 
 demo: $(STAMP)
 	$(BIN)/brace-drake diagnose $(EXAMPLE) --out $(OUT)
@@ -19,6 +20,9 @@ test: lint
 lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+docs: $(STAMP)
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs
 
 bench: $(STAMP)
 	$(BIN)/python tools/bench.py
