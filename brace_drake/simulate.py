@@ -25,10 +25,16 @@ from brace_drake.twin.reference import (
 
 # Takes the station and its context when a run is over.
 AtEnd = Callable[[BenchStation, Context], None]
+# Called with the simulated time, s.
+OnProgress = Callable[[float], None]
+_PROGRESS_S = 0.1
 
 
 def SimulateBench(
-    station: BenchStation, duration: float, at_end: AtEnd | None = None
+    station: BenchStation,
+    duration: float,
+    at_end: AtEnd | None = None,
+    on_progress: OnProgress | None = None,
 ) -> np.ndarray:
     """Simulates the diagram from rest.
 
@@ -36,6 +42,7 @@ def SimulateBench(
         station: Built for a reference.
         duration: s.
         at_end: See AtEnd; for logs beside the one that is returned.
+        on_progress: Called every 0.1 s of simulated time.
 
     Returns:
         Log (samples, 19): commands (6), N; lengths (6), m; force (3), N;
@@ -49,6 +56,10 @@ def SimulateBench(
         for system in station.diagram.GetSystems()
     ]
     with without_garbage_collection():
+        if on_progress is not None:
+            for time in np.arange(_PROGRESS_S, duration, _PROGRESS_S):
+                simulator.AdvanceTo(time)
+                on_progress(time)
         # A little further, so that the last sample is among the events.
         simulator.AdvanceTo(duration + 1e-6)
     del contexts
@@ -75,6 +86,7 @@ def RecordBench(
     run: Run,
     noise_seed: int | None = None,
     at_end: AtEnd | None = None,
+    on_progress: OnProgress | None = None,
 ) -> Run:
     """A recording that the diagram makes of a reference, from rest.
 
@@ -82,7 +94,7 @@ def RecordBench(
         scenario: Of the bench, with the effects that it carries.
         run: With a reference; its `contact` says whether the torso is there.
         noise_seed: Of the instruments' noise; None: exact readings.
-        at_end: See `SimulateBench`.
+        at_end, on_progress: See `SimulateBench`.
 
     Returns:
         The run with all channels of the bench, every `log_period`.
@@ -100,7 +112,7 @@ def RecordBench(
     scenario = replace(scenario, torso=torso)
     station = MakeBenchStation(scenario, reference, noise=noise)
     try:
-        log = SimulateBench(station, times[-1], at_end)
+        log = SimulateBench(station, times[-1], at_end, on_progress)
     except RuntimeError as error:
         raise BraceError(f"the simulated run broke down: {error}") from error
     if not np.isfinite(log).all():

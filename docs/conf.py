@@ -6,8 +6,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
-from brace_drake.cli.main import make_parser  # noqa: E402
 from reference import WriteReference  # noqa: E402
+
+from brace_drake.cli.main import make_parser  # noqa: E402
 
 project = "brace_drake"
 author = "the brace_drake authors"
@@ -19,8 +20,6 @@ extensions = [
 exclude_patterns = ["_build", "README.md"]
 html_theme = "furo"
 html_title = "brace_drake"
-html_static_path = ["static"]
-html_css_files = ["brace.css"]
 html_theme_options = {"navigation_with_keys": True}
 
 myst_enable_extensions = ["colon_fence"]

@@ -4,11 +4,15 @@ import re
 
 # Lines that napoleon reads as the head of a section.
 _HEAD = re.compile(r"^(Args|Attributes|Raises|Returns|Yields|Example)s?:$")
+_NAMES = re.compile(r"^    \w+(?:, \w+)+(?=:)")
 _MARK = re.compile(r"([*|\\_])")
 
 
 def as_rst(app, what, name, obj, options, lines: list[str]) -> None:
     """Escapes signs of mark-up, and keeps indented blocks as they are."""
+    if what in ("property", "attribute"):
+        # Napoleon takes what is before a colon for the type.
+        lines[:] = [line.replace(": ", " \N{EN DASH} ") for line in lines]
     out: list[str] = []
     in_section = is_literal = False
     for line in lines:
@@ -17,6 +21,9 @@ def as_rst(app, what, name, obj, options, lines: list[str]) -> None:
             in_section, is_literal = True, False
             out += ["", line]
             continue
+        if in_section:
+            # Several names with one meaning are one field.
+            line = _NAMES.sub(lambda m: m.group().replace(", ", ","), line)
         if stripped and not line.startswith(" "):
             in_section = False
             if is_literal:

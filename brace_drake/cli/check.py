@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import asdict
 
 from brace_drake.campaign import CheckCampaign
 from brace_drake.campaign.findings import counted
+from brace_drake.cli.options import AddJson, PrintJson
 
 _EPILOG = """\
 example:
@@ -30,16 +32,22 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         metavar="CAMPAIGN",
         help="folder with campaign.yaml and its recordings",
     )
+    AddJson(parser)
     parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
     """Prints the problems and a summary; 2 when there are errors, else 0."""
     problems = CheckCampaign(args.campaign)
-    for problem in problems:
-        print(problem)
     errors = sum(problem.severity == "error" for problem in problems)
     warnings = len(problems) - errors
+    if args.json:
+        usable = not errors
+        rows = [asdict(problem) for problem in problems]
+        PrintJson({"usable": usable, "problems": rows})
+        return 2 if errors else 0
+    for problem in problems:
+        print(problem)
     verdict = "not usable" if errors else "usable"
     print(
         f"{args.campaign}: {verdict}, {counted(errors, 'error')}, "

@@ -10,7 +10,9 @@ from pathlib import Path
 from brace_drake.campaign import LoadCampaign
 from brace_drake.cli.options import (
     AddJobs,
+    AddJson,
     AddScenario,
+    PrintJson,
     load_scenario_option,
     share_bar,
 )
@@ -50,6 +52,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddScenario(parser)
     AddJobs(parser)
+    AddJson(parser)
     parser.set_defaults(run=Run)
 
 
@@ -61,6 +64,9 @@ def Run(args: argparse.Namespace) -> int:
     out = MakeFolder(Path(args.out))
     scenario = load_scenario_option(args.scenario)
     document = _Diagnose(campaign, scenario, out, args)
+    if args.json:
+        PrintJson(document)
+        return 0
     print(document["verdict"]["sentence"])
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")
@@ -84,14 +90,18 @@ def _RunMany(args: argparse.Namespace) -> int:
             folder = MakeFolder(out / name)
             document = _Diagnose(campaign, scenario, folder, args)
             rows.append(summary_row(name, document))
-            print(f"{name}: {document['verdict']['sentence']}")
+            if not args.json:
+                print(f"{name}: {document['verdict']['sentence']}")
         except BraceError as error:
             text = " ".join(str(error).split())
             rows.append(failed_row(name, text))
             print(f"brace-drake: {name}: {text}", file=sys.stderr)
         # After each, so that a long list stopped in its middle leaves one.
         WriteSummary(out, rows)
-    print(f"summary: {out / 'summary.html'}")
+    if args.json:
+        PrintJson({"campaigns": rows})
+    else:
+        print(f"summary: {out / 'summary.html'}")
     return 2 if any(row["error"] for row in rows) else 0
 
 

@@ -12,7 +12,9 @@ from brace_drake.campaign import LoadCampaign
 from brace_drake.cli.options import (
     AddCampaign,
     AddJobs,
+    AddJson,
     AddScenario,
+    PrintJson,
     load_scenario_option,
 )
 from brace_drake.output import MakeFolder, WriteJson
@@ -46,6 +48,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddScenario(parser)
     AddJobs(parser)
+    AddJson(parser)
     parser.set_defaults(run=Run)
 
 
@@ -55,9 +58,13 @@ def Run(args: argparse.Namespace) -> int:
     out = MakeFolder(Path(args.out)) if args.out else None
     scenario = load_scenario_option(args.scenario)
     found = fit_with_bar(campaign, scenario, args.jobs, args.seed, args.solver)
-    _print(found)
     if out is not None:
         WriteJson(out / "fit.json", found)
+    if args.json:
+        PrintJson(found)
+        return 0
+    _print(found)
+    if out is not None:
         print(f"fit: {out / 'fit.json'}")
     return 0
 

@@ -33,13 +33,31 @@ _COMMANDS = (
     "twin",
     "import_",
     "export",
+    "doctor",
+    "completion",
 )
+_EPILOG = """\
+exit codes:
+  0    done
+  2    a problem with input, machine or result; one line on standard error
+  130  stopped by Ctrl-C; what was done until then is kept
+
+examples:
+  brace-drake check tests/data/example
+  brace-drake diagnose tests/data/example --out out/demo
+  brace-drake doctor
+"""
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs one command; 0 when it went well, 2 with one line otherwise."""
-    args = make_parser().parse_args(argv)
+    """Runs one command.
+
+    Returns:
+        0 when it went well, 2 with one line on standard error otherwise, 130
+        after Ctrl-C.
+    """
     try:
+        args = make_parser().parse_args(argv)
         return args.run(args)
     except BraceError as error:
         print(f"brace-drake: {' '.join(str(error).split())}", file=sys.stderr)
@@ -60,6 +78,8 @@ def make_parser() -> argparse.ArgumentParser:
         description="Digital twin of a robotic scoliosis brace that says why"
         " it differs from the real one. Research software, not a medical"
         " device.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "--version",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -47,6 +48,20 @@ def AddScenario(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="of the nominal bench (default: the one of the package)",
     )
+
+
+def AddJson(parser: argparse.ArgumentParser) -> None:
+    """Adds --json."""
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print one JSON document on standard output, and nothing else",
+    )
+
+
+def PrintJson(document: dict) -> None:
+    """Prints what --json asks for."""
+    print(json.dumps(document, indent=1, allow_nan=False))
 
 
 def load_scenario_option(path: str | None):

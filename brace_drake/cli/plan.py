@@ -7,7 +7,9 @@ from pathlib import Path
 
 from brace_drake.cli.options import (
     AddJobs,
+    AddJson,
     AddScenario,
+    PrintJson,
     load_scenario_option,
     share_bar,
 )
@@ -51,6 +53,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument("--out", metavar="DIR", help="folder for plan.json")
     AddScenario(parser)
     AddJobs(parser)
+    AddJson(parser)
     parser.set_defaults(run=Run)
 
 
@@ -84,9 +87,13 @@ def Run(args: argparse.Namespace) -> int:
             args.seed,
             progress,
         )
-    print(format_plan(plan))
     if out is not None:
         WriteJson(out / "plan.json", plan)
+    if args.json:
+        PrintJson(plan)
+        return 0
+    print(format_plan(plan))
+    if out is not None:
         print(f"plan: {out / 'plan.json'}")
     return 0
 

@@ -118,7 +118,10 @@ def _record_bench(scenario, args, at_end):
     if args.torso:
         raise ScenarioError(f"{args.scenario}: --torso is for a brace")
     run = load_motion(args.motion)
-    recorded = RecordBench(scenario, run, args.noise_seed, at_end)
+    with MakeBar(run) as on_progress:
+        recorded = RecordBench(
+            scenario, run, args.noise_seed, at_end, on_progress
+        )
     return recorded, scenario.device, ()
 
 

@@ -1,0 +1,178 @@
+"""The command `brace-drake doctor`: what is missing on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import ctypes.util
+import glob
+import importlib.metadata
+import os
+import platform
+import re
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from brace_drake.cli.options import AddJson, PrintJson
+
+_EPILOG = """\
+example:
+  brace-drake doctor
+  brace-drake doctor --json
+
+Ends with status 2 when something is missing that is needed, and with 0 when
+only optional things are.
+"""
+_OK, _OPTIONAL, _MISSING = "ok", "optional", "missing"
+_LEAST_MEMORY, _LEAST_DISK = 4.0, 2.0
+_PYTHONS = (3, 11), (3, 14)
+
+
+class Finding(NamedTuple):
+    """One thing that was looked at.
+
+    Attributes:
+        what: Its name.
+        status: ok, optional (missing, and not needed by most) or missing.
+        text: What was found, and what to do.
+    """
+
+    what: str
+    status: str
+    text: str
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `doctor`."""
+    parser = subparsers.add_parser(
+        "doctor",
+        help="say what is missing on this machine",
+        description="Looks at Python, packages, programs, ports and folders.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    AddJson(parser)
+    parser.set_defaults(run=Run)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Prints a line for each thing; 2 when one that is needed is missing."""
+    found = examine_machine()
+    if args.json:
+        PrintJson({f.what: {"status": f.status, "text": f.text} for f in found})
+    else:
+        width = max(len(f.what) for f in found)
+        for f in found:
+            print(f"{f.status:8}  {f.what:{width}}  {f.text}")
+    return 2 if any(f.status == _MISSING for f in found) else 0
+
+
+def examine_machine() -> list[Finding]:
+    """All findings, in the order of what a newcomer meets."""
+    return [
+        _python(),
+        *_packages(importlib.metadata.requires("brace_drake") or []),
+        _program("dot", "its own layout of drawings; ours needs none"),
+        _program("chromium", "to look at reports; any browser does"),
+        _serial_ports(sorted(glob.glob("/dev/tty[AU][CS][MB]*"))),
+        _law_cache(),
+        _cores(),
+        _memory(),
+        _disk(),
+    ]
+
+
+def _python() -> Finding:
+    version, low, high = sys.version_info[:2], *_PYTHONS
+    text = f"{platform.python_version()}, {platform.machine()}"
+    if low <= version <= high:
+        return Finding("python", _OK, text)
+    allowed = f"{low[0]}.{low[1]} to {high[0]}.{high[1]}"
+    return Finding("python", _MISSING, f"{text}; allowed: {allowed}")
+
+
+def _packages(requirements: list[str]) -> Iterator[Finding]:
+    """What the package requires, each extra's lines behind the others."""
+    seen: set[str] = set()
+    for line in requirements:
+        name = re.split(r"[\s;\[<>=!~(]", line, maxsplit=1)[0]
+        extra = re.search(r"extra\s*==\s*['\"](\w+)", line)
+        if name in seen or name == "brace_drake":
+            continue
+        seen.add(name)
+        yield _package(name, extra.group(1) if extra else "")
+    if "libglib" not in seen and platform.system() == "Linux":
+        there = ctypes.util.find_library("glib-2.0") is not None
+        hint = "there" if there else "apt-get install libglib2.0-0"
+        yield Finding("libglib-2.0", _OK if there else _MISSING, hint)
+
+
+def _package(name: str, extra: str) -> Finding:
+    try:
+        return Finding(name, _OK, importlib.metadata.version(name))
+    except importlib.metadata.PackageNotFoundError:
+        wanted = f"brace_drake[{extra}]" if extra else name
+        status = _OPTIONAL if extra else _MISSING
+        return Finding(name, status, f"pip install '{wanted}'")
+
+
+def _program(name: str, what_for: str) -> Finding:
+    path = shutil.which(name)
+    if path:
+        return Finding(name, _OK, path)
+    return Finding(name, _OPTIONAL, f"not on the path: {what_for}")
+
+
+def _serial_ports(ports: list[str]) -> Finding:
+    if not ports:
+        return Finding(
+            "serial", _OPTIONAL, "no port; brace-drake emulate makes one"
+        )
+    closed = [p for p in ports if not os.access(p, os.R_OK | os.W_OK)]
+    if closed:
+        text = f"{', '.join(closed)}: no permission; join the group dialout"
+        return Finding("serial", _OPTIONAL, text)
+    return Finding("serial", _OK, ", ".join(ports))
+
+
+def _law_cache() -> Finding:
+    """Where compiled laws are kept; without it each start compiles anew."""
+    base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
+        os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache",
+        "brace_drake",
+    )
+    folder = Path(base)
+    while not folder.exists():
+        folder = folder.parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            return Finding("compiled laws", _OK, f"kept in {base}")
+    except OSError as error:
+        text = f"{folder}: {error.strerror}; set XDG_CACHE_HOME elsewhere"
+        return Finding("compiled laws", _MISSING, text)
+
+
+def _cores() -> Finding:
+    return Finding("cores", _OK, f"{os.cpu_count() or 1}")
+
+
+def _memory() -> Finding:
+    try:
+        size = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (ValueError, OSError, AttributeError):
+        return Finding("memory", _OPTIONAL, "not known on this system")
+    return _amount("memory", size / 2**30, _LEAST_MEMORY)
+
+
+def _disk() -> Finding:
+    return _amount("disk", shutil.disk_usage(".").free / 2**30, _LEAST_DISK)
+
+
+def _amount(what: str, gigabytes: float, least: float) -> Finding:
+    if gigabytes >= least:
+        return Finding(what, _OK, f"{gigabytes:.1f} GB")
+    text = f"{gigabytes:.1f} GB; a diagnosis wants {least:g}"
+    return Finding(what, _OPTIONAL, text)
