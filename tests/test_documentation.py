@@ -1,4 +1,4 @@
-"""What is written down holds: commands parse, drawings and pages are current."""
+"""What is written down holds: commands parse, drawings are current."""
 
 import argparse
 import contextlib

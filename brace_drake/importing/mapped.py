@@ -11,6 +11,11 @@ import yaml
 from brace_drake.campaign.columns import DEVICES
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.errors import CampaignError
+from brace_drake.importing.options import (
+    check_options,
+    check_rate,
+    check_run,
+)
 from brace_drake.importing.tables import Columns, LoadTable
 
 FORMAT = "brace-import/1"
@@ -34,19 +39,23 @@ def ImportCampaign(path: str | Path) -> Campaign:
     path = Path(path)
     content = _LoadMap(path)
     device = content.get("device")
-    if device not in DEVICES:
+    if not isinstance(device, str) or device not in DEVICES:
         raise CampaignError(
             f"{path}: device is {device!r}; allowed: {', '.join(DEVICES)}"
         )
+    columns = content.get("columns") or {}
+    if not isinstance(columns, dict):
+        raise CampaignError(f"{path}: columns must be a map of channels")
     rules = {
         name: _parse_rule(path, name, rule, device)
-        for name, rule in (content.get("columns") or {}).items()
+        for name, rule in columns.items()
     }
     needed = [c.name for c in DEVICES[device].values() if c.required]
     missing = [name for name in needed if name not in rules]
     if missing:
         raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
-    options, rate = content.get("options") or {}, content.get("rate_hz")
+    options = check_options(str(path), content.get("options") or {})
+    rate = check_rate(str(path), content.get("rate_hz"))
     runs = [
         _ImportRun(path, item, rules, options, rate)
         for item in _list_runs(path, content)
@@ -82,15 +91,14 @@ def _list_runs(path: Path, content: dict) -> list[dict]:
     if not isinstance(runs, list) or not runs:
         raise CampaignError(f"{path}: runs must be a list of runs")
     for number, run in enumerate(runs, 1):
-        if not isinstance(run, dict) or "file" not in run:
-            raise CampaignError(f"{path}: run {number} has no file")
+        check_run(str(path), number, run)
         _check_keys(path, f"run {number}: ", run, _RUN_KEYS)
     return runs
 
 
 def _parse_rule(path: Path, name: str, rule, device: str) -> dict:
     if name not in DEVICES[device]:
-        close = difflib.get_close_matches(name, DEVICES[device], n=1)
+        close = difflib.get_close_matches(str(name), DEVICES[device], n=1)
         hint = f", did you mean {close[0]}?" if close else ""
         raise CampaignError(f"{path}: no channel {name!r}{hint}")
     if isinstance(rule, str):
@@ -101,6 +109,10 @@ def _parse_rule(path: Path, name: str, rule, device: str) -> dict:
             " scale, offset), or constant"
         )
     _check_keys(path, f"columns.{name}: ", rule, _RULE_KEYS)
+    if not isinstance(rule.get("from", ""), str):
+        raise CampaignError(
+            f"{path}: columns.{name}.from is {rule['from']!r}; allowed: a name"
+        )
     for key in ("scale", "offset", "constant"):
         value = rule.get(key, 1.0)
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -44,11 +44,15 @@ def _LoadText(path: Path, options: dict) -> Columns:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise CampaignError(f"{path}: cannot be read: {error}") from error
-    lines = lines[int(options.get("skip_lines", 0)) :]
+    lines = lines[options.get("skip_lines", 0) :]
     if len(lines) < 2:
         raise CampaignError(f"{path}: no rows below a header")
     default = "\t" if path.suffix == ".tsv" else ","
-    rows = list(csv.reader(lines, delimiter=options.get("delimiter", default)))
+    delimiter = options.get("delimiter", default)
+    try:
+        rows = list(csv.reader(lines, delimiter=delimiter))
+    except (csv.Error, TypeError, ValueError) as error:
+        raise CampaignError(f"{path}: not a table: {error}") from error
     header, decimal = [c.strip() for c in rows[0]], options.get("decimal", ".")
     values = {name: [] for name in header}
     for number, row in enumerate(rows[1:], 1):

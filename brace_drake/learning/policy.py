@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
+from yaml import YAMLError
 
 from brace_drake.errors import PolicyError
 from brace_drake.learning.actions import ActionLaw
@@ -87,10 +88,11 @@ def LoadPolicy(path: str | Path) -> Policy:
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)
-    except (OSError, ValueError) as error:
+    # What zip files and their decoders raise on a broken one is not foreseen.
+    except Exception as error:
         raise PolicyError(f"{path}: cannot be read: {error}") from error
-    if int(arrays.get("format", -1)) != FORMAT:
-        found = arrays.get("format", "none")
+    found = arrays.get("format", np.array("none"))
+    if found.ndim or found.tolist() != FORMAT:
         raise PolicyError(f"{path}: format {found}; allowed: {FORMAT}")
     layers = sum(1 for name in arrays if name[0] == "W" and name[1:].isdigit())
     try:
@@ -110,7 +112,7 @@ def LoadPolicy(path: str | Path) -> Policy:
             selected=arrays["selected"],
             task=yaml_load_typed(schema=LearningTask, data=str(arrays["task"])),
         )
-    except (KeyError, RuntimeError, ValueError, TypeError) as error:
+    except (KeyError, RuntimeError, ValueError, TypeError, YAMLError) as error:
         line = " ".join(str(error).split())
         raise PolicyError(f"{path}: not a policy: {line}") from error
     _check(policy, path)

@@ -18,6 +18,8 @@ def fail(source: str, path: str, value, allowed: str) -> NoReturn:
     shown = " ".join(repr(value).split())
     if len(shown) > 60:
         shown = shown[:57] + "..."
+    # Keys of a file may be anything, even line breaks.
+    path = path if path.isprintable() else repr(path)
     raise ScenarioError(f"{source}: {path} is {shown}; allowed: {allowed}")
 
 

@@ -108,9 +108,17 @@ def _read(path: Path) -> trimesh.Trimesh:
         raise TorsoError(f"{path}: cannot be read: {error}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise TorsoError(f"{path}: 0 triangles; allowed: a closed surface")
+    if mesh.vertices.ndim != 2 or mesh.vertices.shape[1] != 3:
+        raise TorsoError(f"{path}: vertices have not three coordinates each")
     if not np.isfinite(mesh.vertices).all():
         bad = int(np.sum(~np.isfinite(mesh.vertices).all(axis=1)))
         raise TorsoError(f"{path}: {bad} vertices are not finite; allowed: 0")
+    corners, faces = len(mesh.vertices), mesh.faces
+    if faces.ndim != 2 or faces.min() < 0 or faces.max() >= corners:
+        raise TorsoError(
+            f"{path}: a triangle names vertex {int(faces.max())}; allowed:"
+            f" 0 to {corners - 1}"
+        )
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     return mesh
 
