@@ -17,9 +17,12 @@ demo: $(STAMP)
 test: lint
 	$(BIN)/python -m unittest discover -s tests -t . -b
 
-lint: $(STAMP)
+lint: types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+types: $(STAMP)
+	$(BIN)/python -m mypy
 
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs

@@ -38,12 +38,12 @@ def check_rate(place: str, rate: object) -> float | None:
     """
     if rate is None:
         return None
-    is_number = isinstance(rate, int | float) and not isinstance(rate, bool)
-    if not is_number or not 0.0 < rate <= 1e6:
-        raise CampaignError(
-            f"{place}: rate_hz is {rate!r}; allowed: above 0 up to 1e6"
-        )
-    return float(rate)
+    if isinstance(rate, int | float) and not isinstance(rate, bool):
+        if 0.0 < rate <= 1e6:
+            return float(rate)
+    raise CampaignError(
+        f"{place}: rate_hz is {rate!r}; allowed: above 0 up to 1e6"
+    )
 
 
 def check_run(place: str, number: int, run: object) -> None:
@@ -55,7 +55,8 @@ def check_run(place: str, number: int, run: object) -> None:
     if not isinstance(run, dict) or not run.get("file"):
         raise CampaignError(f"{place}: run {number} has no file")
     for key, value in run.items():
-        kind, allowed = str, "a word"
+        kind: type = str
+        allowed = "a word"
         if key == "contact":
             kind, allowed = bool, "true or false"
         may_be_absent = key == "repeat_of" and value is None

@@ -54,7 +54,7 @@ def _LoadText(path: Path, options: dict) -> Columns:
     except (csv.Error, TypeError, ValueError) as error:
         raise CampaignError(f"{path}: not a table: {error}") from error
     header, decimal = [c.strip() for c in rows[0]], options.get("decimal", ".")
-    values = {name: [] for name in header}
+    values: dict[str, list[float]] = {name: [] for name in header}
     for number, row in enumerate(rows[1:], 1):
         if not row:
             continue

@@ -45,11 +45,12 @@ class Share:
         }
 
     def __str__(self) -> str:
-        if not self.count:
+        share = self.value
+        if share is None:
             return "no such case"
         low, high = wilson_interval(self.hits, self.count)
         return (
-            f"{self.hits:3d} of {self.count:3d}  {100 * self.value:5.1f} %"
+            f"{self.hits:3d} of {self.count:3d}  {100 * share:5.1f} %"
             f"  (95 %: {100 * low:.1f} to {100 * high:.1f})"
         )
 

@@ -58,9 +58,10 @@ class Judged:
     @property
     def answers(self) -> list[str]:
         """The verdict and all it calls possible, each a word like `given`."""
-        if self.given in ("none", "outside", "failed"):
+        verdict = self.verdict
+        if verdict is None or self.given in ("none", "outside", "failed"):
             return []
-        rivals = self.verdict.get("ambiguous_with", [])
+        rivals = verdict.get("ambiguous_with", [])
         others = ("+".join(sorted(r.split("+"))) for r in rivals)
         return list(dict.fromkeys([self.given, *others]))
 

@@ -43,8 +43,8 @@ def chest_expansion(
     wander = coloured(rng, (len(knots), 2), _WANDER, memory)
     rate = torso.breath_rate * (1.0 + np.interp(t, knots, wander[:, 0]))
     depth = torso.breath * (1.0 + np.interp(t, knots, wander[:, 1]))
-    phase = rng.uniform(0.0, 2.0 * np.pi)
-    phase = phase + 2.0 * np.pi * numbers.TICK * np.cumsum(rate)
+    start = rng.uniform(0.0, 2.0 * np.pi)
+    phase = start + 2.0 * np.pi * numbers.TICK * np.cumsum(rate)
     wave = np.sin(phase) + torso.breath_second * np.sin(
         2.0 * phase + torso.breath_phase
     )
