@@ -8,8 +8,10 @@ import re
 import shlex
 import subprocess
 import sys
+import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
+from importlib.util import find_spec
 from pathlib import Path
 
 import yaml
@@ -152,6 +154,25 @@ class TestFamily(unittest.TestCase):
         self.assertEqual(ended.returncode, 130, ended.stderr)
         self.assertIn("brace-drake: stopped", ended.stderr)
         self.assertNotIn("Traceback", ended.stderr)
+
+
+@unittest.skipUnless(find_spec("sphinx"), "sphinx is not installed")
+class TestBuild(unittest.TestCase):
+    def test_the_documentation_builds_without_a_warning(self):
+        words = ("-q", "-W", "--keep-going", "-b", "html", "docs")
+        with tempfile.TemporaryDirectory() as out:
+            ended = subprocess.run(
+                [sys.executable, "-m", "sphinx", *words, out],
+                capture_output=True,
+                text=True,
+                cwd=ROOT,
+                timeout=900,
+            )
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            first = (Path(out) / "index.html").read_text()
+            self.assertIn("says <strong>why</strong>", first)
+            effects = (Path(out) / "reference" / "effects.html").read_text()
+            self.assertIn("register_effect", effects)
 
 
 class TestPages(unittest.TestCase):
