@@ -47,3 +47,7 @@ class StoppedError(BraceError, RuntimeError):
 
 class PolicyError(BraceError, ValueError):
     """A policy, or what is needed to train or to use one, is not there."""
+
+
+class ClusterError(BraceError, RuntimeError):
+    """A cluster cannot be reached, or has lost its workers."""

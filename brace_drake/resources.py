@@ -23,3 +23,8 @@ def example_campaign_path() -> Path:
 def scenario_path(name: str) -> Path:
     """Path of a scenario in `diagrams/`, source tree or wheel."""
     return _data_root("diagrams") / name
+
+
+def policy_path(name: str = "rlpic.npz") -> Path:
+    """Path of a trained policy in `policies/`, source tree or wheel."""
+    return _data_root("policies") / name

@@ -9,7 +9,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "brace_drake"
 # Upper rows know nothing of lower ones; a row's members may know each other.
 LAYERS = (
     ("errors", "resources"),
-    ("output", "laws", "campaign"),
+    ("output", "laws", "campaign", "parallel"),
     ("hardware", "importing"),
     ("kinematics",),
     ("effects",),

@@ -14,6 +14,7 @@ from brace_drake.cli.options import (
     AddScenario,
     PrintJson,
     load_scenario_option,
+    open_workers_option,
     share_bar,
 )
 from brace_drake.errors import BraceError
@@ -128,17 +129,18 @@ def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
     from brace_drake.gap.traces import MakeTraces
     from brace_drake.report import WriteReport
 
-    with share_bar() as progress:
-        found = diagnose(
-            campaign, args.jobs, args.seed, scenario, progress=progress
-        )
-        progress("where", 0.96)
-        next_run = choose_next_run(found)
-        document = MakeDocument(found, next_run)
-    WriteReport(document, MakeTraces(found), out / "report.html")
-    WriteRepairedScenario(found, out)
-    WriteNextRun(next_run, out)
-    WriteJson(out / "diagnosis.json", document)
+    with open_workers_option(args) as workers:
+        with share_bar() as progress:
+            found = diagnose(
+                campaign, workers, args.seed, scenario, progress=progress
+            )
+            progress("where", 0.96)
+            next_run = choose_next_run(found)
+            document = MakeDocument(found, next_run)
+        WriteReport(document, MakeTraces(found), out / "report.html")
+        WriteRepairedScenario(found, out)
+        WriteNextRun(next_run, out)
+        WriteJson(out / "diagnosis.json", document)
     return document
 
 

@@ -16,8 +16,10 @@ from brace_drake.cli.options import (
     AddScenario,
     PrintJson,
     load_scenario_option,
+    open_workers_option,
 )
 from brace_drake.output import MakeFolder, WriteJson
+from brace_drake.parallel import Workers
 
 _EPILOG = """\
 example:
@@ -57,7 +59,10 @@ def Run(args: argparse.Namespace) -> int:
     campaign = LoadCampaign(args.campaign)
     out = MakeFolder(Path(args.out)) if args.out else None
     scenario = load_scenario_option(args.scenario)
-    found = fit_with_bar(campaign, scenario, args.jobs, args.seed, args.solver)
+    with open_workers_option(args) as workers:
+        found = fit_with_bar(
+            campaign, scenario, workers, args.seed, args.solver
+        )
     if out is not None:
         WriteJson(out / "fit.json", found)
     if args.json:
@@ -70,7 +75,7 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def fit_with_bar(
-    campaign, scenario, jobs: int, seed: int, solver: str = "snopt"
+    campaign, scenario, jobs: Workers, seed: int, solver: str = "snopt"
 ) -> dict:
     """`fit_campaign` under a bar of its evaluations."""
     from brace_drake.fit.campaign_fit import fit_campaign

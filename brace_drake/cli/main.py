@@ -25,6 +25,7 @@ _COMMANDS = (
     "personalize",
     "train",
     "predict",
+    "evaluate",
     "withheld",
     "emulate",
     "record",

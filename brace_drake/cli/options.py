@@ -11,6 +11,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from brace_drake.parallel import Workers, open_workers
+
 _BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"
 
 
@@ -24,7 +26,7 @@ def AddCampaign(parser: argparse.ArgumentParser) -> None:
 
 
 def AddJobs(parser: argparse.ArgumentParser) -> None:
-    """Adds --jobs and --seed."""
+    """Adds --jobs, --cluster and --seed."""
     parser.add_argument(
         "--jobs",
         type=positive,
@@ -33,12 +35,23 @@ def AddJobs(parser: argparse.ArgumentParser) -> None:
         help="threads (default: all cores); results do not depend on it",
     )
     parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="of a Dask scheduler whose workers do the work, as in"
+        " tcp://host:8786; same results",
+    )
+    parser.add_argument(
         "--seed",
         type=int,
         default=0,
         metavar="S",
         help="of all random draws (default: 0)",
     )
+
+
+def open_workers_option(args: argparse.Namespace) -> Workers:
+    """Workers of --jobs or --cluster; a context manager."""
+    return open_workers(args.jobs, args.cluster)
 
 
 def AddScenario(parser: argparse.ArgumentParser) -> None:

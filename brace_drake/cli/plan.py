@@ -11,6 +11,7 @@ from brace_drake.cli.options import (
     AddScenario,
     PrintJson,
     load_scenario_option,
+    open_workers_option,
     share_bar,
 )
 from brace_drake.errors import CampaignError
@@ -77,13 +78,13 @@ def Run(args: argparse.Namespace) -> int:
     if args.effects:
         effects = [find_effect(name) for name in args.effects.split(",")]
     runs = _runs(args)
-    with share_bar() as progress:
+    with open_workers_option(args) as workers, share_bar() as progress:
         plan = plan_campaign(
             BenchTwin(scenario),
             runs,
             common_rate(runs),
             effects,
-            args.jobs,
+            workers,
             args.seed,
             progress,
         )

@@ -6,7 +6,12 @@ import argparse
 import json
 from pathlib import Path
 
-from brace_drake.cli.options import AddJobs, AddScenario, load_scenario_option
+from brace_drake.cli.options import (
+    AddJobs,
+    AddScenario,
+    load_scenario_option,
+    open_workers_option,
+)
 from brace_drake.errors import CampaignError
 from brace_drake.output import MakeFolder, WriteBytes, WriteJson
 
@@ -92,7 +97,8 @@ def Run(args: argparse.Namespace) -> int:
 def _fit(campaign, scenario, args) -> dict:
     from brace_drake.cli.fit import fit_with_bar
 
-    return fit_with_bar(campaign, scenario, args.jobs, args.seed)
+    with open_workers_option(args) as workers:
+        return fit_with_bar(campaign, scenario, workers, args.seed)
 
 
 def _load_fit(path: str) -> dict:

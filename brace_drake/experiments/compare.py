@@ -44,6 +44,9 @@ class PaperTable:
 TABLE_1_PIC = PaperTable(
     0.31054e-3, 0.95586e-3, 0.072539e-3, 0.067516e-3, 0.1526
 )
+TABLE_1_RLPIC = PaperTable(
+    0.15245e-3, 0.22340e-3, 0.054103e-3, 0.049757e-3, 0.0163
+)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +11,7 @@ from brace_drake.campaign.recording import Run
 from brace_drake.effects.stack import Use
 from brace_drake.errors import BraceError
 from brace_drake.gap.floor import NoiseFloor
+from brace_drake.parallel import Workers, open_workers
 
 # Faster than this a brace and a torso do not move; noise alone is above.
 HIGHEST_HZ = 50.0
@@ -110,7 +110,7 @@ def replay(
 
 
 class Evaluator:
-    """Evaluates a twin on runs, in parallel threads.
+    """Evaluates a twin on runs, in parallel threads or on a cluster.
 
     The compiled rollout releases the interpreter lock, so that threads scale
     with cores and share one compiled twin. Results do not depend on their
@@ -120,12 +120,14 @@ class Evaluator:
     a search has cost, the same on any machine.
     """
 
-    def __init__(self, twin, prepared: Sequence[PreparedRun], jobs: int):
+    def __init__(
+        self, twin, prepared: Sequence[PreparedRun], jobs: int | Workers
+    ):
         self.twin = twin
         self._coarse_twin, self._fine_twin = twin.coarse(), twin.finer()
         self.prepared, self.jobs = list(prepared), jobs
         self.replays = 0
-        self._pool = ThreadPoolExecutor(max_workers=max(1, jobs))
+        self._workers = open_workers(jobs)
 
     @property
     def count(self) -> int:
@@ -140,7 +142,7 @@ class Evaluator:
 
     def map(self, function: Callable, tasks: Sequence) -> list:
         """Results of `function(*task)` in order."""
-        return list(self._pool.map(lambda task: function(*task), tasks))
+        return self._workers.map(function, tasks)
 
     def simulate(
         self,

@@ -12,7 +12,7 @@ from pathlib import Path
 import torch
 from pydrake.common.yaml import yaml_dump_typed
 
-from brace_drake.errors import PolicyError
+from brace_drake.errors import BraceError, PolicyError
 from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.output import MakeFolder, WriteBytes, WriteJson, WriteText
 from brace_drake.scenario.load import LoadRecord
@@ -76,8 +76,19 @@ def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
                 f" {here.get(name)}: a run goes on with the same alone"
             )
     task = LoadRecord(LearningTask(), folder / "task.yaml")
-    task.scenario = str(folder / "used.scenario.yaml")
+    kept = folder / "used.scenario.yaml"
+    if not _is_same(task, kept):
+        task.scenario = str(kept)
     return task, LoadRecord(TrainingNumbers(), folder / "training.yaml")
+
+
+def _is_same(task: LearningTask, kept: Path) -> bool:
+    """Whether the scenario that a task names is still the one that it kept."""
+    try:
+        text = yaml_dump_typed(load_task_scenario(task))
+    except BraceError:
+        return False
+    return text == kept.read_text(encoding="utf-8")
 
 
 def WriteCheckpoint(folder: Path, state: dict) -> None:

@@ -1,0 +1,109 @@
+"""An evaluation as one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+import math
+from pathlib import Path
+
+from brace_drake.experiments.evaluate import Evaluation
+from brace_drake.experiments.evaluation_table import (
+    MORE,
+    TABLE_1,
+    summarize,
+    table_1,
+)
+from brace_drake.experiments.evaluation_words import explain
+from brace_drake.experiments.scores import Spread
+from brace_drake.output import WriteText
+from brace_drake.report import page as report_page
+
+_TEMPLATE = "evaluation.html.j2"
+_CAPTIONS = {
+    "figure_8": "Figure 8: position along y",
+    "figure_9": "Figure 9: velocity along y",
+    "figure_10": "Figure 10: position along x",
+    "figure_11": "Figure 11: position along z",
+    "figure_12": "Figure 12: force along y",
+    "figure_13": "Figure 13: desired stiffness",
+}
+
+
+def WritePage(
+    folder: Path, evaluation: Evaluation, figures: dict[str, bytes]
+) -> None:
+    """Writes evaluation.html.
+
+    Args:
+        folder: It exists.
+        evaluation: What is told.
+        figures: PNG by name, from `WriteFigures`.
+    """
+    text = render_page(evaluation, figures)
+    WriteText(folder / "evaluation.html", text)
+
+
+def render_page(evaluation: Evaluation, figures: dict[str, bytes]) -> str:
+    """The page as HTML text."""
+    from jinja2 import Environment, FileSystemLoader
+
+    places = (Path(__file__).parent, Path(report_page.__file__).parent)
+    environment = Environment(
+        loader=FileSystemLoader(places),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    columns = [title for _, _, title, _ in (*TABLE_1, *MORE)]
+    names = [column for _, column, _, _ in (*TABLE_1, *MORE)]
+    policies = list(dict.fromkeys(c.name for c in evaluation.policies))
+    return environment.get_template(_TEMPLATE).render(
+        subjects=len(evaluation.subjects),
+        policies=policies,
+        seeds=len(evaluation.policies),
+        sentences=explain(evaluation),
+        columns=columns,
+        nominal=[
+            {
+                "name": row["controller"],
+                "seed": row.get("seed", ""),
+                "cells": [_cell(row.get(name)) for name in names],
+                "bound": row.get("at_upper_bound"),
+            }
+            for row in table_1(evaluation)
+        ],
+        unseen=[_shown(row) for row in summarize(evaluation)],
+        figures=[(_CAPTIONS[name], _uri(figures[name])) for name in _CAPTIONS],
+        picture=_uri(figures["unseen"]),
+    )
+
+
+def _shown(row: dict) -> dict:
+    return {
+        "name": row["controller"],
+        "seeds": row["seeds"],
+        "median": _interval(row["median"]),
+        "median_seeds": _interval(row["median_seeds"]),
+        "violating": _interval(row["violating"], 100.0),
+        "violations_seeds": _interval(row["violations_seeds"]),
+        "force": _interval(row["largest_force"]),
+        "better": f"{100 * row['better_than_pic']:.0f}",
+        "total": _interval(row["total"]),
+    }
+
+
+def _interval(spread: Spread, factor: float = 1.0) -> dict:
+    interval = ""
+    if not math.isnan(spread.lower):
+        low, high = factor * spread.lower, factor * spread.upper
+        interval = f"{low:.3g} to {high:.3g}"
+    return {"value": f"{factor * spread.value:.4g}", "interval": interval}
+
+
+def _cell(value) -> str:
+    return "" if value is None else f"{value:.4g}"
+
+
+def _uri(png: bytes) -> str:
+    text = base64.b64encode(png).decode("ascii")
+    return f"data:image/png;base64,{text}"

@@ -1,0 +1,160 @@
+"""What an evaluation says, in sentences made of its numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brace_drake.experiments.compare import SPRING_SHARE, TABLE_1_RLPIC
+from brace_drake.experiments.evaluate import Evaluation
+from brace_drake.experiments.evaluation_table import nominal_of
+
+# A policy that tracks better than the best constant by less than this share is
+# as good as it.
+_MATTERS = 0.05
+
+
+def explain(evaluation: Evaluation) -> list[str]:
+    """Whether learning was needed, and how the paper's numbers are met."""
+    names = list(dict.fromkeys(c.name for c in evaluation.policies))
+    said = [_on_force(evaluation)]
+    for name in names:
+        said += [
+            _on_paper(evaluation, name),
+            _on_bound(evaluation, name),
+            _on_nominal_need(evaluation, name),
+            _on_unseen_need(evaluation, name),
+        ]
+    if not names:
+        said.append(_on_constant(evaluation))
+    return said
+
+
+def _on_force(evaluation: Evaluation) -> str:
+    score = nominal_of(evaluation, "pic")[0]
+    return (
+        "RMSE of the force, about its final value as the paper defines it, is"
+        " no measure of smoothness for a torso that is pushed against a"
+        f" spring along a cubic: it is near sqrt(13/35) = {SPRING_SHARE:.3f}"
+        " of the final force whatever the controller (here"
+        f" {score.force_rms:.2f} N of {score.peak_force:.2f} N with PIC). The paper's"
+        f" {TABLE_1_RLPIC.force_rms} N need a force that is there from the"
+        " start."
+    )
+
+
+def _on_paper(evaluation: Evaluation, name: str) -> str:
+    scores = nominal_of(evaluation, name)
+    pic = nominal_of(evaluation, "pic")[0]
+    parts = []
+    for field, words, factor, unit in (
+        ("y_rms", "y", 1e3, "mm"),
+        ("vy_rms", "y'", 1e3, "mm/s"),
+        ("x_rms", "x", 1e3, "mm"),
+        ("z_rms", "z", 1e3, "mm"),
+    ):
+        worst = max(getattr(s, field) for s in scores)
+        paper = getattr(TABLE_1_RLPIC, field)
+        met = "at or below" if worst <= paper else "above"
+        parts.append(
+            f"{words} {factor * worst:.3g} {unit}, {met} the paper's"
+            f" {factor * paper:.3g} (PIC here"
+            f" {factor * getattr(pic, field):.3g})"
+        )
+    start = 1e3 * max(s.start_rate for s in scores)
+    force = max(s.peak_force for s in scores)
+    return (
+        f"{name} on the nominal subject, the worst of {len(scores)}"
+        f" seed{'s' if len(scores) > 1 else ''}: {'; '.join(parts)}. Start of"
+        f" y' within {start:.2f} mm/s; force up to {force:.2f} N."
+    )
+
+
+def _on_bound(evaluation: Evaluation, name: str) -> str:
+    law = evaluation.arena.law
+    scores = nominal_of(evaluation, name)
+    means = [s.stiffness for s in scores]
+    bound = sum(s.at_upper for s in scores)
+    words = f"{min(means):.0f}"
+    if len(means) > 1:
+        words += f" to {max(means):.0f}"
+    text = (
+        f"{name} settles on {words} N/m on the nominal subject, of"
+        f" {law.lower:.0f} to {law.upper:.0f} that it may choose from"
+    )
+    if bound == len(scores):
+        return text + (
+            ": the upper bound. The bound decides the stiffness, not the"
+            " policy; the paper's 49 990 N/m look the same."
+        )
+    if bound:
+        return f"{text}; {bound} of {len(scores)} seeds at the upper bound."
+    return f"{text}; no seed at a bound."
+
+
+def _on_constant(evaluation: Evaluation) -> str:
+    own = evaluation.nominal_search
+    where = ", the upper bound of its range" if own.at_upper else ""
+    score = nominal_of(evaluation, "constant")[0]
+    return (
+        f"The best constant on the nominal subject is {own.best:.0f}"
+        f" N/m{where}: {1e3 * score.y_rms:.4f} mm along y."
+    )
+
+
+def _on_nominal_need(evaluation: Evaluation, name: str) -> str:
+    scores = nominal_of(evaluation, name)
+    constant = nominal_of(evaluation, "constant")[0]
+    error = float(np.mean([s.y_rms for s in scores]))
+    gain = 1.0 - error / constant.y_rms
+    text = (
+        f"{_on_constant(evaluation)} {name} has {1e3 * error:.4f} mm. For the"
+        " nominal subject learning was "
+    )
+    if gain > _MATTERS:
+        return text + f"of use: {100 * gain:.0f} % less than any constant."
+    does = "as well" if gain > -_MATTERS else "better"
+    return text + f"not needed: a search over one number does {does}."
+
+
+def _on_unseen_need(evaluation: Evaluation, name: str) -> str:
+    def count(who):
+        return evaluation.collect(who, "violates").sum(axis=1)
+
+    def middle(who):
+        return 1e3 * np.median(evaluation.collect(who, "y_rms"), axis=1)
+
+    n = len(evaluation.subjects)
+    lines = [
+        f"{words} {np.mean(count(who)):.1f} of {n} pushes beyond a limit,"
+        f" median {np.mean(middle(who)):.3f} mm"
+        for words, who in (
+            (name, name),
+            ("PIC", "pic"),
+            (f"the best constant, {evaluation.search.best:.0f} N/m",
+             "constant"),
+        )
+    ]  # fmt: skip
+    better = all(
+        np.mean(count(name)) < np.mean(count(who))
+        and np.mean(middle(name)) < np.mean(middle(who))
+        for who in ("pic", "constant")
+    )
+    dominated = [
+        K
+        for K, row in evaluation.sweep.items()
+        if sum(s.violates for s in row) <= np.mean(count(name))
+        and 1e3 * np.median([s.y_rms for s in row]) <= np.mean(middle(name))
+    ]
+    verdict = (
+        "It is better than both in both."
+        if better
+        else "It is not better than both in both."
+    )
+    if dominated:
+        verdict += (
+            f" A constant of {dominated[0]:.0f} N/m violates no more and"
+            " tracks no worse."
+        )
+    else:
+        verdict += " No constant of the sweep does as well in both."
+    return f"On unseen subjects: {'; '.join(lines)}. {verdict}"

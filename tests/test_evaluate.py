@@ -1,0 +1,239 @@
+"""Policies beside controllers: same numbers as env and diagram, intervals."""
+
+import contextlib
+import csv
+import io
+import tempfile
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.cli.main import main
+from brace_drake.errors import PolicyError
+from brace_drake.experiments import best_constant, evaluate
+from brace_drake.experiments.compare import LoadPush, compare_controllers
+from brace_drake.experiments.rollouts import SAMPLES, Arena, Contestant
+from brace_drake.experiments.scores import (
+    median_over,
+    over_seeds,
+    score_rollout,
+    share_of,
+)
+from brace_drake.learning.env import RlpicEnv
+from brace_drake.learning.episodes import run_episode
+from brace_drake.learning.policy import SavePolicy
+from brace_drake.learning.rewards import improved
+from brace_drake.learning.subjects import (
+    NOMINAL,
+    Subject,
+    between_patients,
+)
+from brace_drake.parallel import open_workers
+from tests.learning_tasks import random_policy, short_task
+
+
+class TestRollouts(unittest.TestCase):
+    def test_a_policy_does_in_the_arena_what_it_does_in_its_env(self):
+        task = short_task(8, reward=improved(), subjects=between_patients())
+        policy, subject = random_policy(task), Subject({"preload": 1.2})
+        log = run_episode(RlpicEnv(task), policy, options={"subject": subject})
+        rollout = Arena(task).run(Contestant("rlpic", policy=policy), subject)
+        at = slice(SAMPLES - 1, None, SAMPLES)
+        for name in ("position", "rate", "force", "desired"):
+            np.testing.assert_array_equal(
+                getattr(rollout, name)[at], log.stack(name)
+            )
+        np.testing.assert_array_equal(rollout.stiffness[at], log.stiffness)
+        self.assertAlmostEqual(rollout.total, log.total, places=9)
+
+    def test_controllers_do_what_they_do_in_their_diagram(self):
+        task = short_task(6)
+        arena, push = Arena(task), LoadPush()
+        for tag in ("pic", "npic", "mraic", "vpic"):
+            with self.subTest(tag=tag):
+                (there,) = compare_controllers(
+                    arena.scenario, _cut(push, 0.31), (tag,)
+                )
+                here = arena.run(Contestant(tag, tag), NOMINAL)
+                period = arena.scenario.sensors.log_period
+                every = round(period / (task.sample_time / SAMPLES))
+                mine = here.position[every - 1 :: every, 1]
+                X = there.log.X[1 : len(mine) + 1, 0, 1]
+                np.testing.assert_allclose(mine[: len(X)], X, atol=2e-7)
+
+    def test_a_stiffer_constant_gives_way_as_its_spring_says(self):
+        arena = Arena(short_task(20, displacement=np.array(
+            [0, -0.002, 0, 0, 0, 0.0]), motion_time=0.5))  # fmt: skip
+        ends = []
+        for K in (3000.0, 30000.0):
+            out = arena.run(Contestant("", "pic", stiffness=K), NOMINAL)
+            virtual = out.force[-1, 1] / K
+            ends.append((out.desired - out.position)[-1, 1])
+            self.assertAlmostEqual(abs(ends[-1]), virtual, delta=0.3 * virtual)
+        self.assertGreater(abs(ends[0]), 5.0 * abs(ends[1]))
+
+    def test_a_push_beyond_a_limit_goes_on_and_is_counted(self):
+        task = short_task(6)
+        task.limits.speed[1] = 1e-9
+        rollout = Arena(task).run(Contestant("pic"), NOMINAL)
+        self.assertEqual(len(rollout.time), 6 * SAMPLES)
+        self.assertIn("speed", rollout.cause)
+        score = score_rollout(Arena(task), rollout)
+        self.assertTrue(score.broke and score.violates)
+        self.assertFalse(score.over_force)
+
+
+def _cut(run, end):
+    keep = run.time_s <= end
+    return replace(run, channels={k: v[keep] for k, v in run.channels.items()})
+
+
+class TestSearch(unittest.TestCase):
+    def test_it_finds_the_top_of_a_curve_between_its_grid(self):
+        class Curve:
+            law = Arena(short_task()).law
+
+            def run(self, contestant, subject):
+                off = np.log(contestant.stiffness / subject)
+                return type("R", (), {"total": -float(off**2)})
+
+        with open_workers(1) as workers:
+            found = best_constant.search_constant(Curve(), (2900.0,), workers)
+            self.assertAlmostEqual(np.log(found.best / 2900.0), 0, delta=0.04)
+            self.assertFalse(found.at_upper)
+            end = best_constant.search_constant(Curve(), (1e9,), workers)
+        self.assertTrue(end.at_upper)
+        self.assertEqual(end.best, Curve.law.upper)
+
+
+class TestIntervals(unittest.TestCase):
+    def test_students_interval_covers_as_often_as_it_says(self):
+        rng = np.random.default_rng(2)
+        hits = 0
+        for _ in range(2000):
+            found = over_seeds(rng.normal(3.0, 2.0, 3))
+            hits += found.lower <= 3.0 <= found.upper
+        self.assertAlmostEqual(hits / 2000, 0.95, delta=0.015)
+        self.assertTrue(np.isnan(over_seeds([1.0]).lower))
+
+    def test_wilsons_and_the_bootstraps_intervals_cover(self):
+        rng, share, median = np.random.default_rng(3), 0, 0
+        for i in range(200):
+            found = share_of(rng.random(50) < 0.2)
+            share += found.lower <= 0.2 <= found.upper
+            found = median_over(rng.normal(size=50), seed=i)
+            median += found.lower <= 0.0 <= found.upper
+        self.assertGreater(share / 200, 0.91)
+        self.assertGreater(median / 200, 0.89)
+
+
+class TestEvaluate(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        task = short_task(5, reward=improved(), subjects=between_patients())
+        cls.files = []
+        for seed in range(3):
+            file = cls.folder / f"seed{seed}.npz"
+            SavePolicy(random_policy(task, seed), file)
+            cls.files.append(str(file))
+        cls.out = cls.folder / "out"
+        cls.printed = io.StringIO()
+        with (
+            contextlib.redirect_stdout(cls.printed),
+            contextlib.redirect_stderr(io.StringIO()),
+        ):
+            cls.status = main(
+                ["evaluate", *cls.files, "--out", str(cls.out), "--subjects",
+                 "4", "--searched", "2", "--seeds", "2", "--jobs", "1"]
+            )  # fmt: skip
+
+    def rows(self, name):
+        with (self.out / name).open() as file:
+            return list(csv.DictReader(file))
+
+    def test_it_writes_table_figures_and_a_page_that_needs_nothing_else(self):
+        self.assertEqual(self.status, 0)
+        names = {p.name for p in self.out.iterdir()}
+        figures = {f"figure_{i}.png" for i in range(8, 14)}
+        self.assertLessEqual(figures | {"unseen.png"}, names)
+        page = (self.out / "evaluation.html").read_text()
+        self.assertEqual(page.count("data:image/png"), 7)
+        self.assertNotRegex(page, r'(src|href)="(?!data:)')
+        self.assertIn("learning was", self.printed.getvalue())
+
+    def test_table_1_has_the_papers_rows_and_one_for_each_seed(self):
+        rows = self.rows("table_1.csv")
+        names = [r["controller"] for r in rows]
+        expected = ["pic", "npic", "mraic", "vpic", "constant"]
+        papers = ["pic, the paper", "rlpic, the paper"]
+        self.assertEqual(names, [*expected, "rlpic", "rlpic", *papers])
+        self.assertEqual(float(rows[-1]["y_rmse_mm"]), 0.15245)
+        self.assertEqual(rows[-1]["peak_force_N"], "")
+
+    def test_all_meet_the_same_subjects_and_the_summary_is_of_the_pushes(self):
+        pushes = self.rows("pushes.csv")
+        self.assertEqual(len(pushes), 7 * 4)
+        factors = {
+            (r["subject"], r["contact_stiffness"], r["preload"]) for r in pushes
+        }
+        self.assertEqual(len(factors), 4)
+        summary = {r["controller"]: r for r in self.rows("unseen.csv")}
+        errors = np.array(
+            [[float(r["y_rms"]) for r in pushes if r["controller"] == "rlpic"
+              and r["seed"] == str(s)] for s in range(2)]
+        )  # fmt: skip
+        medians = 1e3 * np.median(errors, axis=1)
+        row = summary["rlpic"]
+        self.assertAlmostEqual(float(row["median"]), medians.mean(), delta=1e-5)
+        half = 12.706 * medians.std(ddof=1) / 2**0.5
+        self.assertAlmostEqual(
+            float(row["median_seeds_upper95"]),
+            medians.mean() + half,
+            delta=1e-4,
+        )
+
+    def test_a_push_is_the_same_however_many_there_are(self):
+        ranges = between_patients()
+        few = evaluate.draw_subjects(ranges, 2, 7)
+        many = evaluate.draw_subjects(ranges, 5, 7)
+        self.assertEqual(few, many[:2])
+        others = evaluate.draw_subjects(ranges, 2, 7, stream=1)
+        self.assertNotEqual(few, others)
+
+    def test_policies_of_one_task_are_seeds_others_are_rivals(self):
+        task = short_task(5)
+        same = [random_policy(task, s) for s in range(2)]
+        other = random_policy(short_task(5, subjects=between_patients()), 2)
+        found = evaluate.gather_policies([same[0], other, same[1]])
+        self.assertEqual([c.seed for c in found], [0, 1, 0])
+        self.assertEqual(len({c.name for c in found}), 2)
+        drawn = evaluate.make_task(found).subjects
+        np.testing.assert_array_equal(drawn.preload, [0.7, 1.5])
+
+    def test_policies_of_other_motions_are_refused(self):
+        policies = [
+            random_policy(short_task(5)),
+            random_policy(short_task(5, motion_time=6.0)),
+        ]
+        with self.assertRaisesRegex(PolicyError, "policy 2: of another"):
+            evaluate.gather_policies(policies)
+
+    def test_a_file_that_is_no_policy_is_named_in_one_line(self):
+        errors = io.StringIO()
+        with contextlib.redirect_stderr(errors):
+            status = main(
+                ["evaluate", "nothing.npz", "--out", str(self.folder / "o")]
+            )
+        self.assertEqual(status, 2)
+        self.assertTrue(
+            re.match(r"brace-drake: nothing.npz: ", errors.getvalue())
+        )
+
+
+if __name__ == "__main__":
+    unittest.main()
