@@ -31,6 +31,7 @@ LAYERS = (
     ("report",),
     ("experiments",),
     ("withheld",),
+    ("transfer",),
     ("cli",),
 )
 LEVEL = {name: i for i, row in enumerate(LAYERS) for name in row}

@@ -129,6 +129,12 @@ class Cluster:
             )
         ]  # fmt: skip
         self.workers = [self.add() for _ in range(count)]
+        # A busy machine is slow to start it.
+        for _ in range(1200):
+            with contextlib.suppress(OSError):
+                socket.create_connection(("127.0.0.1", port), 1.0).close()
+                break
+            time.sleep(0.1)
 
     def start(self, what, *words):
         command = [sys.executable, "-m", "distributed.cli.dask_" + what, *words]
@@ -166,7 +172,7 @@ class TestCluster(unittest.TestCase):
         cls.addClassCleanup(cls.cluster.end)
         cls.remote = open_workers(cluster=cls.cluster.address)
         cls.addClassCleanup(cls.remote.close)
-        cls.remote._client.wait_for_workers(2, timeout=60)
+        cls.remote._client.wait_for_workers(2, timeout=120)
 
     def test_a_killed_worker_costs_its_tasks_alone(self):
         seen, victim = self.folder / "seen", self.cluster.workers[0].pid
@@ -194,7 +200,7 @@ class TestCluster(unittest.TestCase):
         runs = len(list(seen.iterdir()))
         self.assertLessEqual(runs - 60, 4, "parts at hand when it was killed")
         self.cluster.workers[0] = self.cluster.add()
-        self.remote._client.wait_for_workers(2, timeout=60)
+        self.remote._client.wait_for_workers(2, timeout=120)
 
     def test_rollouts_are_the_same_bit_for_bit_wherever_they_run(self):
         from brace_drake.experiments.evaluate import (
@@ -261,7 +267,7 @@ class TestCluster(unittest.TestCase):
         self.addCleanup(cluster.end)
         remote = open_workers(cluster=cluster.address)
         self.addCleanup(remote.close)
-        remote._client.wait_for_workers(4, timeout=60)
+        remote._client.wait_for_workers(4, timeout=120)
         with self.assertRaisesRegex(ClusterError, "one after the other"):
             remote.map(end, [()])
 

@@ -13,8 +13,8 @@ from brace_drake.parallel.workers import Workers
 
 # Results depend on these to the last bit.
 PACKAGES = ("brace_drake", "drake", "numba", "numpy", "scipy")
-_CONNECT_S = 10.0
-_WORKERS_S = 30.0
+_CONNECT_S = 30.0
+_WORKERS_S = 60.0
 # Parts of the tasks for each thread: a lost worker costs no more than a part.
 _PARTS = 16
 
@@ -91,7 +91,7 @@ class ClusterWorkers(Workers):
         results: list[list] = [[] for _ in parts]
         done = 0
         try:
-            for future in as_completed(list(futures)):
+            for future in as_completed(list(futures), loop=self._client.loop):
                 i = futures[future]
                 results[i] = _result_of(future, self.address)
                 done += len(parts[i])
