@@ -230,9 +230,7 @@ class TestEvaluate(unittest.TestCase):
                 ["evaluate", "nothing.npz", "--out", str(self.folder / "o")]
             )
         self.assertEqual(status, 2)
-        self.assertTrue(
-            re.match(r"brace-drake: nothing.npz: ", errors.getvalue())
-        )
+        self.assertRegex(errors.getvalue(), r"^brace-drake: nothing.npz: ")
 
 
 if __name__ == "__main__":

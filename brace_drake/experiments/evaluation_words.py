@@ -36,9 +36,9 @@ def _on_force(evaluation: Evaluation) -> str:
         " no measure of smoothness for a torso that is pushed against a"
         f" spring along a cubic: it is near sqrt(13/35) = {SPRING_SHARE:.3f}"
         " of the final force whatever the controller (here"
-        f" {score.force_rms:.2f} N of {score.peak_force:.2f} N with PIC). The paper's"
-        f" {TABLE_1_RLPIC.force_rms} N need a force that is there from the"
-        " start."
+        f" {score.force_rms:.2f} N of {score.peak_force:.2f} N with PIC). The"
+        f" paper's {TABLE_1_RLPIC.force_rms} N need a force that is there from"
+        " the start."
     )
 
 

@@ -43,6 +43,10 @@ class ActorCritic(ActorCriticPolicy):
     The actor goes on with a layer and tanh, the mean, in parallel with a layer
     for the deviation (softplus). Actor and critic share nothing and have an L2
     weight each.
+
+    The deviation is cut at `largest_deviation`. An env cuts actions at +-1, so
+    beyond that a wider one changes nothing but the entropy that is paid for:
+    without a limit it grows over all bounds and the actions become noise.
     """
 
     def __init__(
@@ -52,9 +56,11 @@ class ActorCritic(ActorCriticPolicy):
         critic_l2: float = 2e-4,
         threshold: float = 1.0,
         start_deviation: float = 0.5,
+        largest_deviation: float = 1.0,
         **options,
     ):
         self._own = (actor_l2, critic_l2, threshold, start_deviation)
+        self._largest = largest_deviation
         super().__init__(*args, **options)
 
     def _build(self, lr_schedule) -> None:
@@ -96,6 +102,7 @@ class ActorCritic(ActorCriticPolicy):
         mean = torch.tanh(self.action_net(latent_pi))
         raw = self.deviation_net(latent_pi)
         deviation = nn.functional.softplus(raw) + _LEAST_DEVIATION
+        deviation = deviation.clamp(max=self._largest)
         return self.action_dist.proba_distribution(mean, deviation.log())
 
     def layers(self) -> tuple[list[np.ndarray], list[np.ndarray]]:

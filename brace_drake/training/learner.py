@@ -17,12 +17,16 @@ from stable_baselines3.common.vec_env import (
 )
 
 from brace_drake.learning.env import RlpicEnv
+from brace_drake.learning.episodes import run_episode
 from brace_drake.learning.make import EnvMaker
 from brace_drake.learning.policy import Policy
+from brace_drake.learning.subjects import NOMINAL, Subject, draw_subject
 from brace_drake.learning.task import LearningTask
 from brace_drake.training.actor_critic import ActorCritic
 from brace_drake.training.numbers import TrainingNumbers
 
+# Of the draws of subjects that evaluations have.
+_EVALUATED = 20_003
 # Observations in SI are small: a micrometre counts.
 _EPSILON = 1e-16
 _CLIP = 10.0
@@ -61,6 +65,7 @@ class Learner:
         )
         self.updates = 0
         self._reference = RlpicEnv(replace(task, readings="exact"))
+        self._evaluated = _subjects_of(task, numbers.evaluated_subjects)
 
     def close(self) -> None:
         """Ends the envs' processes."""
@@ -115,10 +120,12 @@ class Learner:
         )
 
     def evaluate(self) -> float:
-        """Return of the mean actions on the nominal subject, noise off."""
-        from brace_drake.learning.episodes import run_episode
-
-        return run_episode(self._reference, self.policy()).total
+        """Mean return of the mean actions on subjects, noise off."""
+        policy, env = self.policy(), self._reference
+        return _mean(
+            run_episode(env, policy, options={"subject": subject}).total
+            for subject in self._evaluated
+        )
 
     def state(self) -> dict:
         """Everything, for a file."""
@@ -171,6 +178,21 @@ class Learner:
         torch.set_rng_state(state["random"][2])
 
 
+def _subjects_of(task: LearningTask, count: int) -> list[Subject]:
+    """Subjects of an evaluation, none twice: the nominal one, and drawn ones.
+
+    Where subjects have effects the nominal one, who has none, is left out.
+    """
+    drawn = [
+        draw_subject(task.subjects, np.random.default_rng([_EVALUATED, i]))
+        for i in range(max(1, count - 1))
+    ]
+    if not task.subjects.effects:
+        drawn = [NOMINAL, *drawn[: count - 1]]
+    alike = {repr((s.factors, [*map(list, s.effects)])): s for s in drawn}
+    return list(alike.values())
+
+
 def _make_ppo(envs: VecNormalize, numbers: TrainingNumbers) -> PPO:
     return PPO(
         ActorCritic,
@@ -197,6 +219,7 @@ def _make_ppo(envs: VecNormalize, numbers: TrainingNumbers) -> PPO:
             "critic_l2": numbers.critic_l2,
             "threshold": numbers.gradient_threshold,
             "start_deviation": numbers.start_deviation,
+            "largest_deviation": numbers.largest_deviation,
         },
         seed=numbers.seed,
         device="cpu",

@@ -15,10 +15,13 @@ class TrainingNumbers:
         envs: That are stepped side by side, in processes of their own where
             there are several [ours]. Results depend on their number.
         gradient_threshold: Of the L2 norm of each parameter's gradient.
-        start_deviation: Of the actor's normal distribution [ours].
+        start_deviation, largest_deviation: Of the actor's normal distribution
+            [ours].
         scale_observations, scale_rewards: By their running deviation [ours].
-        evaluate_every: Updates between evaluations on the nominal subject,
-            noise and randomness off [ours].
+        evaluate_every: Updates between evaluations, noise and randomness off
+            [ours].
+        evaluated_subjects: Of an evaluation, always the same: the nominal
+            one, and where subjects are drawn the rest of their ranges [ours].
         patience: Evaluations without a better one that end a run; 0: never
             [ours].
         checkpoint_every: Updates between checkpoints [ours].
@@ -39,18 +42,20 @@ class TrainingNumbers:
     critic_l2: float = 2e-4
     gradient_threshold: float = 1.0
     start_deviation: float = 0.5
+    largest_deviation: float = 1.0
     envs: int = 1
     scale_observations: bool = True
     scale_rewards: bool = True
     evaluate_every: int = 10
+    evaluated_subjects: int = 6
     patience: int = 0
     checkpoint_every: int = 1
 
 
 _POSITIVE = (
     "episodes", "horizon", "batch_size", "epochs", "gamma", "learning_rate",
-    "hidden", "gradient_threshold", "start_deviation", "envs",
-    "evaluate_every", "checkpoint_every",
+    "hidden", "gradient_threshold", "start_deviation", "largest_deviation",
+    "envs", "evaluate_every", "evaluated_subjects", "checkpoint_every",
 )  # fmt: skip
 
 

@@ -124,7 +124,7 @@ def DrawCurve(folder: Path, rows: list[dict[str, float]]) -> None:
     steps = [row["steps"] for row in rows]
     for name, label, style in (
         ("episode_return", "while training", "-"),
-        ("evaluation", "mean actions, nominal subject", "o"),
+        ("evaluation", "mean actions, the same subjects", "o"),
     ):
         axes.plot(steps, [row[name] for row in rows], style, label=label)
     axes.set_xlabel("decisions")

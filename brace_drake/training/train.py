@@ -76,6 +76,25 @@ def ResumeTraining(folder: Path, progress: Progress | None = None) -> dict:
     return _train(folder, learner, state["rows"], best, progress)
 
 
+def TrainPolicy(
+    folder: Path, task: LearningTask, numbers: TrainingNumbers
+) -> Path:
+    """Trains into a folder, or goes on with what it holds; the best policy.
+
+    A run that is finished is not run again.
+
+    Raises:
+        PolicyError: Other versions have begun it.
+        ScenarioError: Task or numbers are not allowed.
+    """
+    folder = Path(folder)
+    if (folder / run_folder.CHECKPOINT).exists():
+        ResumeTraining(folder)
+    else:
+        StartTraining(folder, task, numbers)
+    return folder / "best.npz"
+
+
 def _train(
     folder: Path,
     learner: Learner,
