@@ -26,6 +26,7 @@ _COMMANDS = (
     "train",
     "predict",
     "evaluate",
+    "payoff",
     "withheld",
     "emulate",
     "record",

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
+
 import numpy as np
 
-from brace_drake.withheld.stand_in import numbers
+from brace_drake.withheld.stand_in import control, numbers
 from brace_drake.withheld.stand_in.chance import draw
 from brace_drake.withheld.stand_in.flaws import Flaws
 from brace_drake.withheld.stand_in.numbers import Subject
-from brace_drake.withheld.stand_in.recorder import record
+from brace_drake.withheld.stand_in.recorder import NUM_COLUMNS, advance_run
+from brace_drake.withheld.stand_in.run import Run, begin_run
 
 COLUMNS = (
     *(f"leg{k}_force_command_N" for k in range(1, 7)),
@@ -23,6 +27,9 @@ REFERENCE = (
     "ring2_ay_desired_m_s2",
 )
 
+# From a tick and the run after it to the desired stiffness along y, N/m.
+Decide = Callable[[int, Run], float]
+
 
 def run_bench(
     wanted: np.ndarray,
@@ -32,6 +39,8 @@ def run_bench(
     rng: np.random.Generator,
     noise: bool = True,
     steps: int = numbers.STEPS,
+    decide: Decide | None = None,
+    every: int = 50,
 ) -> np.ndarray:
     """Records a run at 200 Hz.
 
@@ -43,6 +52,9 @@ def run_bench(
         rng: Of everything random; the same one gives the same run.
         noise: False for ideal instruments, which do not round either.
         steps: Of the integration in a tick.
+        decide: Sets the desired stiffness along y after every `every` ticks,
+            the first included; until then it is the data sheet's.
+        every: Ticks between decisions.
 
     Returns:
         (n / 5, 19) in the order of COLUMNS.
@@ -50,19 +62,42 @@ def run_bench(
     nominal = np.stack([numbers.lower_joints(), numbers.upper_joints()])
     real = nominal + np.array([flaws.ring.lower, flaws.ring.upper])
     run_rng, marker_rng = rng.spawn(2)
-    log = record(
-        np.ascontiguousarray(wanted),
-        contact,
-        subject,
-        flaws,
-        real,
-        nominal,
-        noise,
-        steps,
-        draw(run_rng, len(wanted), flaws, noise),
+    n = len(wanted)
+    random = draw(run_rng, n, flaws, noise)
+    log = np.empty(
+        ((n + numbers.LOG_EVERY - 1) // numbers.LOG_EVERY, NUM_COLUMNS)
     )
+    wanted = np.ascontiguousarray(wanted)
+    run = begin_run(n, contact, subject, flaws, real, random[2])
+    ends = [n] if decide is None else [*range(1, n, every), n]
+    for first, last in pairwise([0, *ends]):
+        if decide is not None and first > 0:
+            _set_stiffness(run, decide(first - 1, run))
+        advance_run(
+            first,
+            last,
+            run,
+            wanted,
+            contact,
+            subject,
+            flaws,
+            real,
+            nominal,
+            noise,
+            steps,
+            random,
+            log,
+        )
     if noise:
         log[:, 15:18] += numbers.MARKER_NOISE * marker_rng.standard_normal(
             (len(log), 3)
         )
     return log
+
+
+def _set_stiffness(run: Run, stiffness: float) -> None:
+    """Another spring along y, and the damper that is critical for it."""
+    run.memory[control.STIFFNESS] = stiffness
+    run.memory[control.DAMPING] = 2.0 * np.sqrt(
+        numbers.DESIRED_MASS * stiffness
+    )

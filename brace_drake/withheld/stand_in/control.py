@@ -34,17 +34,27 @@ from brace_drake.withheld.stand_in.turning import logarithm
 
 RATE_GAIN = 1.0 - math.exp(-2.0 * math.pi * CUTOFF_HZ * TICK)
 FORCE_GAIN = 1.0 - math.exp(-TICK / FORCE_TAU)
-# Places of the memory: pose (6), its rate (6), force, virtual y, its rate.
+# Places of the memory: pose (6), its rate (6), force, virtual y, its rate,
+# desired stiffness and damping along y.
 POSE, RATE, FORCE, VIRTUAL, VIRTUAL_RATE = 0, 6, 12, 13, 14
-NUM_MEMORY = 15
+STIFFNESS, DAMPING = 15, 16
+NUM_MEMORY = 17
+
+
+@njit(cache=True, error_model="numpy")
+def make_memory():
+    """The memory before the first tick, with the data sheet's impedance."""
+    memory = np.zeros(NUM_MEMORY)
+    memory[STIFFNESS], memory[DAMPING] = DESIRED_STIFFNESS, DESIRED_DAMPING
+    return memory
 
 
 @njit(cache=True, error_model="numpy")
 def give_way(wanted, reading, memory):
     """One step of the impedance along y; returns its acceleration."""
     memory[FORCE] += FORCE_GAIN * (reading - memory[FORCE])
-    spring = DESIRED_STIFFNESS * (wanted[0] - memory[VIRTUAL])
-    damper = DESIRED_DAMPING * (wanted[1] - memory[VIRTUAL_RATE])
+    spring = memory[STIFFNESS] * (wanted[0] - memory[VIRTUAL])
+    damper = memory[DAMPING] * (wanted[1] - memory[VIRTUAL_RATE])
     a = wanted[2] + (damper + spring - memory[FORCE]) / DESIRED_MASS
     memory[VIRTUAL_RATE] += TICK * a
     memory[VIRTUAL] += TICK * memory[VIRTUAL_RATE]

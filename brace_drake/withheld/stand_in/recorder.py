@@ -13,31 +13,22 @@ from numba import njit
 from brace_drake.withheld.stand_in import control as controller
 from brace_drake.withheld.stand_in.drives import (
     delivered,
-    joint_stretch,
 )
 from brace_drake.withheld.stand_in.frame import (
     inverse_mass,
-    leg_geometry,
-    screws,
 )
 from brace_drake.withheld.stand_in.instruments import sense
 from brace_drake.withheld.stand_in.motion import (
-    DRIVE,
     NUM_STATE,
-    TISSUE,
     TORSO,
     calc_rates,
-    make_scratch,
 )
 from brace_drake.withheld.stand_in.numbers import (
-    GRAVITY,
     LOG_EVERY,
-    RING_HEIGHTS,
     RING_INERTIA,
     RING_MASS,
     TICK,
 )
-from brace_drake.withheld.stand_in.pads import rest_compression, start_memory
 from brace_drake.withheld.stand_in.turning import turn
 
 # Columns of a log: commands (6), lengths (6), force (3), torso (3), virtual y.
@@ -85,29 +76,6 @@ def advance(
         b = 12 * i + 3
         turn(x[b : b + 3], R[i])
         x[b : b + 3] = 0.0
-
-
-@njit(cache=True, error_model="numpy")
-def begin(x, R, subject, flaws, expansion, contact, g):
-    """Writes the state at rest: ring and torso at their rest poses."""
-    x[:] = 0.0
-    x[2] = RING_HEIGHTS[1]
-    for i in range(2):
-        R[i] = np.eye(3)
-    length, arm, along = np.empty(6), np.empty((6, 3)), np.empty((6, 3))
-    J = np.empty((6, 6))
-    leg_geometry(x[0:3], R[0], g[0], g[1], length, arm, along)
-    screws(arm, along, J)
-    weight = np.zeros(6)
-    weight[2] = (RING_MASS + flaws.ring.mass) * GRAVITY
-    carried = np.linalg.solve(np.ascontiguousarray(J.T), weight)
-    for k in range(6):
-        x[DRIVE + k] = length[k] + joint_stretch(carried[k], flaws.legs)
-    if contact:
-        for pad in range(2):
-            first = TISSUE + 3 * pad
-            d = rest_compression(pad, subject, flaws.pads) + expansion[pad]
-            start_memory(d, flaws.pads, x[first : first + 3])
 
 
 @njit(cache=True, error_model="numpy")
@@ -183,12 +151,26 @@ def move(
 
 
 @njit(cache=True, error_model="numpy")
-def record(
-    wanted, contact, subject, flaws, g, nominal, rounding, steps, random
+def advance_run(
+    first,
+    last,
+    run,
+    wanted,
+    contact,
+    subject,
+    flaws,
+    g,
+    nominal,
+    rounding,
+    steps,
+    random,
+    log,
 ):
-    """Runs the bench.
+    """Performs ticks from `first` to before `last`, the machine in between.
 
     Args:
+        first, last: Ticks.
+        run: From `begin_run`, updated.
         wanted: Reference y, y', y'' at 1 kHz (n, 3).
         contact: Whether the torso is there.
         subject, flaws: Subject, Flaws.
@@ -198,25 +180,14 @@ def record(
         steps: Of the integration in a tick.
         random: Noise of lengths (n, 6) and force (n, 3), chest expansion of
             both pads (n + 1, 2), lost commands (n, 6).
-
-    Returns:
-        (n / LOG_EVERY, NUM_COLUMNS), without the marker's noise.
+        log: Output (n / LOG_EVERY, NUM_COLUMNS), without the marker's noise.
     """
     length_noise, force_noise, expansion, lost = random
     noise = (length_noise, force_noise)
-    n = len(wanted)
-    log = np.empty(((n + LOG_EVERY - 1) // LOG_EVERY, NUM_COLUMNS))
-    x, R = np.empty(NUM_STATE), np.empty((2, 3, 3))
-    begin(x, R, subject, flaws, expansion[0], contact, g)
-    p_found, R_found = x[0:3].copy(), R[0].copy()
-    memory = np.zeros(controller.NUM_MEMORY)
-    sent, past = np.zeros((n, 6)), np.zeros((n, 2))
-    held, u, lagged = np.zeros(6), np.zeros(6), np.zeros(3)
-    scratch, stages = make_scratch(), np.zeros((5, NUM_STATE))
     reading, breath = np.empty(9), np.zeros((2, 2))
-    W, push = np.eye(6), 0.0
     mass = RING_MASS + flaws.ring.mass
-    for tick in range(n):
+    x, R, W, scratch = run.x, run.R, run.W, run.scratch
+    for tick in range(first, last):
         t, row = tick * TICK, log[tick // LOG_EVERY]
         # The force at this instant, of the rates that are not used.
         expansion_at(expansion, tick, 0.0, breath)
@@ -224,17 +195,17 @@ def record(
             t,
             x,
             R,
-            u,
+            run.u,
             W,
             breath,
-            push,
+            run.push[0],
             contact,
             subject,
             flaws,
             g,
             scratch,
             scratch.on,
-            stages[0],
+            run.stages[0],
         )
         sense(
             tick,
@@ -246,7 +217,7 @@ def record(
             noise,
             rounding,
             scratch,
-            lagged,
+            run.lagged,
             reading,
         )
         W[:, :] = inverse_mass(
@@ -262,34 +233,34 @@ def record(
             reading[0:6],
             reading[7],
             wanted[tick],
-            p_found,
-            R_found,
+            run.p_found,
+            run.R_found,
             nominal,
-            memory,
-            sent[tick],
+            run.memory,
+            run.sent[tick],
         )
-        past[tick, 0], past[tick, 1] = x[TORSO + 1], x[TORSO + 7]
-        push = reflex(tick, past, flaws.torso, push)
-        drive(tick, sent, lost, flaws.legs, held, u)
+        run.past[tick, 0] = x[TORSO + 1]
+        run.past[tick, 1] = x[TORSO + 7]
+        run.push[0] = reflex(tick, run.past, flaws.torso, run.push[0])
+        drive(tick, run.sent, lost, flaws.legs, run.held, run.u)
         if tick % LOG_EVERY == 0:
-            row[0:6] = sent[tick]
+            row[0:6] = run.sent[tick]
             row[6:15] = reading
             row[15:18] = x[TORSO : TORSO + 3]
-            row[18] = memory[controller.VIRTUAL]
+            row[18] = run.memory[controller.VIRTUAL]
         move(
             tick,
             steps,
             x,
             R,
-            u,
+            run.u,
             W,
             expansion,
-            push,
+            run.push[0],
             contact,
             subject,
             flaws,
             g,
             scratch,
-            stages,
+            run.stages,
         )
-    return log

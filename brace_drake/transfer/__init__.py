@@ -1,0 +1,1 @@
+"""Does closing the gap pay? Policies of twins on the machine they stand for."""

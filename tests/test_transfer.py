@@ -1,0 +1,192 @@
+"""Policies of a bench's twin on the stand-in of the bench."""
+
+import tempfile
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.errors import BraceError
+from brace_drake.experiments.rollouts import Arena, Contestant
+from brace_drake.learning.env import RlpicEnv
+from brace_drake.learning.policy import SavePolicy
+from brace_drake.learning.subjects import NOMINAL, Subject
+from brace_drake.parallel import open_workers
+from brace_drake.resources import scenario_path
+from brace_drake.scenario.bench import EffectUse
+from brace_drake.scenario.load import LoadScenario, SaveScenario
+from brace_drake.transfer import payoff
+from brace_drake.transfer.bench_task import MakeBenchTask
+from brace_drake.transfer.on_stand_in import cubic_push, push_stand_in
+from brace_drake.transfer.payoff_table import (
+    conclude,
+    format_csv,
+    format_markdown,
+)
+from brace_drake.twin.bench_rollout import Motion
+from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.withheld.stand_in.bench import run_bench
+from brace_drake.withheld.stand_in.flaws import Flaws
+from brace_drake.withheld.stand_in.numbers import Subject as Wearer
+from tests.learning_tasks import random_policy
+
+_TIME = 0.4
+
+
+class TestBenchTask(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.file = Path(folder.name) / "brace.scenario.yaml"
+        self.bench = LoadScenario(scenario_path("bench.scenario.yaml"))
+        # Fine enough to tell small differences.
+        self.bench.sensors.force_resolution = 1e-9
+        self.bench.sensors.leg_length_resolution = 1e-12
+
+    def task(self, bench):
+        task = MakeBenchTask(bench, self.file)
+        return replace(
+            task, max_steps=8, motion_time=_TIME, readings="exact",
+            displacement=np.array([0, -4e-4, 0, 0, 0, 0.0]),
+        )  # fmt: skip
+
+    def replayed(self, bench):
+        twin = BenchTwin(bench)
+        wanted = cubic_push(-4e-4, _TIME, 401)
+        values = np.array([p.nominal for p in twin.subject])
+        return twin.simulate(Motion(wanted, True, 5), values)
+
+    def compare(self, bench, subject):
+        rollout = Arena(self.task(bench)).run(Contestant("pic"), subject)
+        log = self.replayed(bench)
+        np.testing.assert_allclose(
+            -rollout.force[:75, 1], log[1:76, 13], atol=1e-5
+        )
+        return rollout
+
+    def test_the_task_is_the_bench_that_diagnoses_replay(self):
+        self.compare(self.bench, NOMINAL)
+
+    def test_effects_of_a_repaired_bench_are_those_of_every_subject(self):
+        card = find_effect("relaxation")
+        values = card.starts()[0]
+        named = dict(zip(card.parameter_names, map(float, values), strict=True))
+        bench = replace(self.bench, effects=[EffectUse("relaxation", named)])
+        task = self.task(bench)
+        env = RlpicEnv(task)
+        env.reset(seed=5)
+        drawn = env._episode.uses
+        self.assertEqual([c.name for c, _ in drawn], ["relaxation"])
+        np.testing.assert_array_equal(drawn[0][1], values)
+        with_it = self.compare(bench, Subject({}, (values,)))
+        without = Arena(self.task(self.bench)).run(Contestant("pic"), NOMINAL)
+        self.assertGreater(np.abs(with_it.force - without.force).max(), 0.01)
+
+
+class TestStandIn(unittest.TestCase):
+    def test_a_constant_decision_changes_nothing_of_a_run(self):
+        wanted = cubic_push(-4e-4, 0.2, 201)
+        logs = [
+            run_bench(
+                wanted, True, Wearer(), Flaws(), np.random.default_rng(1),
+                decide=decide,
+            )
+            for decide in (None, lambda tick, run: 6000.0)
+        ]  # fmt: skip
+        np.testing.assert_array_equal(*logs)
+
+    def test_decisions_see_the_tick_before_and_act_from_the_next(self):
+        wanted, told = cubic_push(-4e-4, 0.2, 201), []
+
+        def decide(tick, run):
+            told.append((tick, run.sent[tick].any(), run.sent[tick + 1].any()))
+            return 6000.0
+
+        run_bench(
+            wanted, True, Wearer(), Flaws(), np.random.default_rng(1),
+            decide=decide,
+        )  # fmt: skip
+        ticks, seen, ahead = zip(*told, strict=True)
+        self.assertEqual(ticks, (0, 50, 100, 150))
+        self.assertTrue(all(seen) and not any(ahead))
+
+    def test_a_nominal_policy_does_there_what_it_does_in_its_twin(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bench = LoadScenario(scenario_path("bench.scenario.yaml"))
+            task = MakeBenchTask(bench, Path(folder) / "b.scenario.yaml")
+            task = replace(
+                task, max_steps=8, motion_time=_TIME, readings="exact",
+                displacement=np.array([0, -4e-4, 0, 0, 0, 0.0]),
+            )  # fmt: skip
+            policy = random_policy(task)
+            here = Arena(task).run(Contestant("rlpic", policy=policy), NOMINAL)
+        there = push_stand_in(
+            Wearer(), Flaws(), policy, -4e-4, _TIME, noise=False
+        )
+        # Rows of the stand-in are decisions, before what follows on them.
+        mine = here.stiffness[9::10, 0]
+        self.assertGreater(np.ptp(mine), 500.0)
+        np.testing.assert_allclose(there.stiffness[:7], mine[:7], rtol=0.05)
+        np.testing.assert_allclose(
+            there.position[1:8, 1], here.position[9:79:10, 1], atol=5e-6
+        )
+
+
+class TestPayoff(unittest.TestCase):
+    def test_what_a_folder_has_is_not_made_again_and_all_meet_there(self):
+        trained = []
+
+        def train(folder, task):
+            file = folder / "best.npz"
+            if not file.exists():
+                folder.mkdir(parents=True)
+                trained.append(task)
+                SavePolicy(random_policy(task), file)
+            return file
+
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            open_workers(1) as workers,
+        ):
+            out = Path(folder)
+            bench = LoadScenario(scenario_path("bench.scenario.yaml"))
+            use = EffectUse("command_delay", {"delay_s": 0.008})
+            (out / "command_delay").mkdir()
+            SaveScenario(
+                replace(bench, effects=[use]),
+                out / "command_delay" / payoff.FILE,
+            )
+            first = payoff.run_payoff(
+                out, train, workers, ["command_delay"], pushes=1
+            )
+            again = payoff.run_payoff(
+                out, train, workers, ["command_delay"], pushes=1
+            )
+        self.assertEqual(len(trained), 2)
+        self.assertEqual([len(t.subjects.effects) for t in trained], [0, 1])
+        self.assertEqual(
+            [o.controller for o in first], ["pic", "nominal", "repaired"]
+        )
+        self.assertEqual(first, again)
+        # The same network on the same machine.
+        self.assertEqual(first[1].y_rms, first[2].y_rms)
+        self.assertNotEqual(first[0].y_rms, first[1].y_rms)
+
+    def test_the_table_says_how_much_better_it_is(self):
+        rows = [
+            payoff.Outcome("relaxation", name, y, 1e-3, 1e-5, 9.0, 0.5, 1e4)
+            for name, y in (("nominal", 2e-4), ("repaired", 1e-4))
+        ]
+        self.assertIn("50.0 % less error", conclude(rows)[0])
+        self.assertEqual(format_csv(rows).count("\n"), 3)
+        self.assertIn("| relaxation | repaired | 0.1 |", format_markdown(rows))
+
+    def test_an_unknown_cause_is_named(self):
+        with self.assertRaisesRegex(BraceError, "'rust'; allowed: coulomb"):
+            payoff.make_case("rust", "large", 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
