@@ -13,7 +13,11 @@ import numpy as np
 from brace_drake.cli.main import main
 from brace_drake.errors import PolicyError
 from brace_drake.experiments import best_constant, evaluate
-from brace_drake.experiments.compare import LoadPush, compare_controllers
+from brace_drake.experiments.compare import (
+    TABLE_1_RLPIC,
+    LoadPush,
+    compare_controllers,
+)
 from brace_drake.experiments.rollouts import SAMPLES, Arena, Contestant
 from brace_drake.experiments.scores import (
     median_over,
@@ -23,7 +27,7 @@ from brace_drake.experiments.scores import (
 )
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.episodes import run_episode
-from brace_drake.learning.policy import SavePolicy
+from brace_drake.learning.policy import LoadPolicy, SavePolicy
 from brace_drake.learning.rewards import improved
 from brace_drake.learning.subjects import (
     NOMINAL,
@@ -31,6 +35,7 @@ from brace_drake.learning.subjects import (
     between_patients,
 )
 from brace_drake.parallel import open_workers
+from brace_drake.resources import policy_path
 from tests.learning_tasks import random_policy, short_task
 
 
@@ -88,6 +93,20 @@ class TestRollouts(unittest.TestCase):
 def _cut(run, end):
     keep = run.time_s <= end
     return replace(run, channels={k: v[keep] for k, v in run.channels.items()})
+
+
+class TestPackagedPolicy(unittest.TestCase):
+    def test_it_tracks_within_the_papers_table_1_and_below_4_N(self):
+        policy = LoadPolicy(policy_path())
+        arena = Arena(policy.task)
+        push = arena.run(Contestant("rlpic", policy=policy), NOMINAL)
+        score = score_rollout(arena, push)
+        for name in ("y_rms", "vy_rms", "x_rms", "z_rms"):
+            self.assertLessEqual(
+                getattr(score, name), getattr(TABLE_1_RLPIC, name)
+            )
+        self.assertLess(score.start_rate, 0.6e-3)
+        self.assertFalse(score.violates)
 
 
 class TestSearch(unittest.TestCase):

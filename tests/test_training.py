@@ -17,7 +17,12 @@ import numpy as np
 from brace_drake.cli.main import main
 from brace_drake.errors import PolicyError, ScenarioError
 from brace_drake.learning.policy import LoadPolicy
-from brace_drake.learning.subjects import between_patients
+from brace_drake.learning.subjects import (
+    NOMINAL,
+    EffectRange,
+    SubjectRanges,
+    between_patients,
+)
 from tests.learning_tasks import short_task
 
 try:
@@ -25,7 +30,7 @@ try:
     from stable_baselines3 import PPO
 
     from brace_drake.training.actor_critic import ThresholdAdam
-    from brace_drake.training.learner import Learner
+    from brace_drake.training.learner import Learner, _subjects_of
     from brace_drake.training.numbers import TrainingNumbers
     from brace_drake.training.train import ResumeTraining, StartTraining
 except ImportError as error:
@@ -92,6 +97,7 @@ class TestResume(Folder):
                 strict=True,
             ):
                 np.testing.assert_array_equal(x, y)
+        self.assertEqual(a.task.scenario, b.task.scenario)
         curves = [(f / "curve.csv").read_text() for f in (whole, killed)]
         self.assertEqual(*curves)
 
@@ -114,6 +120,32 @@ class TestResume(Folder):
         a, b = straight.model.policy, part.model.policy
         for x, y in zip(a.parameters(), b.parameters(), strict=True):
             self.assertTrue(torch.equal(x, y))
+
+    def test_the_deviation_has_an_end_and_no_pay_moves_it_further(self):
+        numbers = tiny_numbers(
+            largest_deviation=0.6, entropy_weight=50.0, learning_rate=0.05
+        )
+        learner = Learner(tiny_task(), numbers)
+        self.addCleanup(learner.close)
+        for _ in range(4):
+            learner.advance()
+        observation = torch.randn((20, 7)) * 3.0
+        spread = learner.model.policy.get_distribution(observation)
+        deviation = spread.distribution.stddev
+        self.assertLessEqual(float(deviation.max()), 0.6 + 1e-6)
+        self.assertGreater(float(deviation.median()), 0.59)
+
+    def test_evaluations_see_the_same_subjects_of_their_ranges(self):
+        wide = _subjects_of(tiny_task(), 4)
+        self.assertEqual(len(wide), 4)
+        self.assertIs(wide[0], NOMINAL)
+        self.assertEqual(wide, _subjects_of(tiny_task(), 4))
+        self.assertEqual(_subjects_of(short_task(5), 4), [NOMINAL])
+        use = EffectRange("coulomb_friction", parameters={
+            "coulomb_N": np.array([0.3, 0.3])})  # fmt: skip
+        fixed = short_task(5, subjects=SubjectRanges(effects=[use]))
+        (one,) = _subjects_of(fixed, 4)
+        np.testing.assert_array_equal(one.effects[0], [0.3])
 
     def test_patience_ends_a_run_and_the_best_is_kept(self):
         numbers = tiny_numbers(
