@@ -32,6 +32,7 @@ try:
     from brace_drake.training.actor_critic import ThresholdAdam
     from brace_drake.training.learner import Learner, _subjects_of
     from brace_drake.training.numbers import TrainingNumbers
+    from brace_drake.training.run_folder import LoadCheckpoint
     from brace_drake.training.train import ResumeTraining, StartTraining
 except ImportError as error:
     raise unittest.SkipTest("stable-baselines3 is not installed") from error
@@ -155,6 +156,16 @@ class TestResume(Folder):
         self.assertTrue(result["stopped"])
         self.assertLess(result["updates"], 25)
         self.assertTrue((self.folder / "best.npz").exists())
+
+    def test_a_checkpoint_that_could_run_code_is_refused(self):
+        class Trap:
+            def __reduce__(self):
+                return print, ("the trap has sprung",)
+
+        for what in ({"learner": Trap()}, {"learner": {"random": [Trap()]}}):
+            torch.save(what, self.folder / "checkpoint.pt")
+            with self.assertRaisesRegex(PolicyError, "no checkpoint"):
+                LoadCheckpoint(self.folder)
 
     def test_folders_are_checked(self):
         with self.assertRaisesRegex(PolicyError, "no training run"):

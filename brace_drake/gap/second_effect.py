@@ -158,9 +158,10 @@ class SecondEffects:
         place of one that is taken for it.
         """
         pairs = [f for f in refined(self._found) if len(f.effects) == 2]
+        if not pairs:
+            return
         cards = effects_for(self._evaluator.twin.device).values()
-        uses = pairs[0].uses if pairs else ()
-        for (out, _), kept in itertools.permutations(uses):
+        for (out, _), kept in itertools.permutations(pairs[0].uses):
             for card in cards:
                 if card.spread is None or out.name not in card.impostors:
                     continue

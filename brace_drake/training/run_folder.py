@@ -5,10 +5,12 @@ from __future__ import annotations
 import csv
 import io
 import json
+import pickle
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+import numpy as np
 import torch
 from pydrake.common.yaml import yaml_dump_typed
 
@@ -23,6 +25,17 @@ PACKAGES = (
     "stable-baselines3",
 )  # fmt: skip
 CHECKPOINT = "checkpoint.pt"
+# What a checkpoint is made of beside tensors and plain values.
+_ARRAYS = (
+    np._core.multiarray.scalar,
+    np._core.multiarray._reconstruct,
+    np.ndarray,
+    np.dtype,
+    *(
+        type(np.dtype(kind))
+        for kind in ("bool", "f4", "f8", "i4", "i8", "u4", "u8")
+    ),
+)
 
 
 def versions() -> dict[str, str]:
@@ -99,11 +112,19 @@ def WriteCheckpoint(folder: Path, state: dict) -> None:
 
 
 def LoadCheckpoint(folder: Path) -> dict:
-    """Reads what `WriteCheckpoint` has written.
+    """Reads what `WriteCheckpoint` has written: arrays and plain values alone.
 
-    Checkpoints hold random states and may run code: load your own alone.
+    Raises:
+        PolicyError: The file is damaged, or holds anything that could run code.
     """
-    return torch.load(folder / CHECKPOINT, weights_only=False)
+    path = folder / CHECKPOINT
+    try:
+        with torch.serialization.safe_globals(_ARRAYS):
+            return torch.load(path, weights_only=True)
+    except (pickle.UnpicklingError, RuntimeError, EOFError, OSError) as error:
+        raise PolicyError(
+            f"{path}: no checkpoint of a training run"
+        ) from error
 
 
 def WriteCurve(folder: Path, rows: list[dict[str, float]]) -> None:
