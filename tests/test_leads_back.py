@@ -1,7 +1,11 @@
 """A recording with any effect of the library leads back to that effect."""
 
+import math
 import unittest
 
+import numpy as np
+
+from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.alike import ALIKE
 from brace_drake.gap.candidates import fit_nominal
@@ -10,7 +14,27 @@ from brace_drake.gap.contenders import best_fits
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.screen import race
 from brace_drake.gap.verdict import decide
+from brace_drake.laws.hooks import plug
 from tests.synthetic_bench import DEVICE, SyntheticBench
+
+
+@plug("torso")
+def _shake(t, dt, p_T, r_T, V, law, F, p, x):
+    F[4] += p[0] * math.sin(2.0 * math.pi * 6.0 * t)
+
+
+TREMOR = Effect(
+    name="tremor",
+    block="torso",
+    title="a trembling torso",
+    equation="f = A sin(2 pi 6 Hz t)",
+    source="none: unknown to the library",
+    parameters=(EffectParameter("amplitude_N", "N", 0.0, 10.0, (0.3,), "A"),),
+    laws={"torso": _shake},
+    signature="a line in the spectrum",
+    impostors={},
+    experiment="quiet hold",
+)
 
 
 def answer(evaluator):
@@ -58,15 +82,15 @@ class TestRegistry(unittest.TestCase):
                 self.check(self.cards[name], -1.0)
 
     def test_two_effects_at_once_lead_back_to_both(self):
-        for names in (
-            ("command_delay", "force_bias"),
-            ("ring_mass", "breathing"),
-        ):
-            cards = [self.cards[n] for n in names]
-            uses = [(c, self.bench.values_of_a_gap(c)) for c in cards]
-            with self.subTest(effects=names):
-                verdict = answer(self.bench.evaluator(uses))
-                self.assertEqual(set(verdict.winner.identifiers), set(names))
+        names = "command_delay", "force_bias"
+        cards = [self.cards[n] for n in names]
+        uses = [(c, self.bench.values_of_a_gap(c)) for c in cards]
+        verdict = answer(self.bench.evaluator(uses))
+        self.assertEqual(set(verdict.winner.identifiers), set(names))
+
+    def test_what_no_effect_explains_is_outside_the_library(self):
+        verdict = answer(self.bench.evaluator([(TREMOR, np.array([0.3]))]))
+        self.assertTrue(verdict.gap and verdict.outside_library)
 
 
 if __name__ == "__main__":
