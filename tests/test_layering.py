@@ -8,7 +8,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "brace_drake"
 
 # Upper rows know nothing of lower ones; a row's members may know each other.
 LAYERS = (
-    ("errors", "resources"),
+    ("errors", "resources", "versions"),
     ("output", "laws", "campaign", "parallel"),
     ("hardware", "importing"),
     ("kinematics",),

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import platform
 from collections.abc import Callable, Sequence
-from importlib.metadata import PackageNotFoundError, version
 
 from brace_drake.errors import ClusterError
 from brace_drake.parallel.parcels import Parcel, run_parcel
 from brace_drake.parallel.workers import Workers
+from brace_drake.versions import installed_versions
 
 # Results depend on these to the last bit.
 PACKAGES = ("brace_drake", "drake", "numba", "numpy", "scipy")
@@ -17,17 +16,6 @@ _CONNECT_S = 30.0
 _WORKERS_S = 60.0
 # Parts of the tasks for each thread: a lost worker costs no more than a part.
 _PARTS = 16
-
-
-def versions() -> dict[str, str]:
-    """What a worker runs."""
-    found = {"python": platform.python_version()}
-    for name in PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "absent"
-    return found
 
 
 def keep(data: bytes) -> bytes:
@@ -139,7 +127,7 @@ def _connect(address: str):
         ) from error
     try:
         client.wait_for_workers(1, timeout=_WORKERS_S)
-        there = client.run(versions)
+        there = client.run(installed_versions, PACKAGES)
     except (OSError, TimeoutError) as error:
         client.close()
         raise ClusterError(
@@ -151,7 +139,7 @@ def _connect(address: str):
         raise ClusterError(
             f"--cluster {address}: a worker cannot run brace_drake: {line}"
         ) from error
-    here = versions()
+    here = installed_versions(PACKAGES)
     for worker, found in there.items():
         for name, value in here.items():
             if found[name] != value:

@@ -6,8 +6,6 @@ import csv
 import io
 import json
 import pickle
-import platform
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +17,7 @@ from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.output import MakeFolder, WriteBytes, WriteJson, WriteText
 from brace_drake.scenario.load import LoadRecord
 from brace_drake.training.numbers import TrainingNumbers
+from brace_drake.versions import installed_versions
 
 PACKAGES = (
     "brace_drake", "drake", "numpy", "numba", "gymnasium", "torch",
@@ -36,17 +35,6 @@ _ARRAYS = (
         for kind in ("bool", "f4", "f8", "i4", "i8", "u4", "u8")
     ),
 )
-
-
-def versions() -> dict[str, str]:
-    """Versions that a run's numbers depend on."""
-    found = {"python": platform.python_version()}
-    for name in PACKAGES:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "absent"
-    return found
 
 
 def WriteStart(
@@ -67,7 +55,7 @@ def WriteStart(
         WriteText(folder / name, yaml_dump_typed(record))
     WriteJson(
         folder / "manifest.json",
-        {"seed": numbers.seed, "versions": versions()},
+        {"seed": numbers.seed, "versions": installed_versions(PACKAGES)},
     )
 
 
@@ -81,7 +69,10 @@ def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
     manifest = folder / "manifest.json"
     if not (manifest.is_file() and (folder / CHECKPOINT).is_file()):
         raise PolicyError(f"{folder}: no training run to go on with")
-    begun, here = json.loads(manifest.read_text())["versions"], versions()
+    begun, here = (
+        json.loads(manifest.read_text())["versions"],
+        installed_versions(PACKAGES),
+    )
     for name, value in begun.items():
         if here.get(name) != value:
             raise PolicyError(
@@ -122,9 +113,7 @@ def LoadCheckpoint(folder: Path) -> dict:
         with torch.serialization.safe_globals(_ARRAYS):
             return torch.load(path, weights_only=True)
     except (pickle.UnpicklingError, RuntimeError, EOFError, OSError) as error:
-        raise PolicyError(
-            f"{path}: no checkpoint of a training run"
-        ) from error
+        raise PolicyError(f"{path}: no checkpoint of a training run") from error
 
 
 def WriteCurve(folder: Path, rows: list[dict[str, float]]) -> None:
