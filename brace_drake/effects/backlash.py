@@ -53,7 +53,7 @@ def _gap_sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
         if x[2 * n] != 0.0:
             move = l[k] - x[n + k]
             x[k] = min(max(x[k] + h * u[k] / p[1] - move, -half), half)
-        elif p.shape[0] > 2:
+        elif k < p.shape[0] - 2:
             x[k] = math.copysign(half, p[2 + k])
         x[n + k] = l[k]
         l[k] += x[k]

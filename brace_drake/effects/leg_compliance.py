@@ -39,7 +39,7 @@ def _sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
         if x[2 * n] != 0.0:
             balanced = p[0] * (u[k] - p[1] * (l[k] - x[n + k]) / h)
             x[k] = balanced + (x[k] - balanced) * decay
-        elif p.shape[0] > 2:
+        elif k < p.shape[0] - 2:
             x[k] = p[0] * p[2 + k]
         x[n + k] = l[k]
         l[k] += x[k]

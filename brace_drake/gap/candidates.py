@@ -70,6 +70,11 @@ class CandidateFit:
         return tuple(e.name for e in self.effects)
 
     @property
+    def kinds(self) -> frozenset[str]:
+        """Names of the effects, in no order."""
+        return frozenset(self.identifiers)
+
+    @property
     def uses(self) -> tuple[Use, ...]:
         """The effects with their fitted parameters."""
         return tuple(zip(self.effects, self.values, strict=True))
@@ -128,6 +133,8 @@ def fit_effects(
         change = np.log(shown_spread(problem, solution) / problem.spread)
         problem.spread *= np.exp(change)
         known = with_prior(problem, solution)
+        # The fit's rows of the prior are those of its spread.
+        solution = replace(solution, residual=known[0], jacobian=known[1])
         if abs(change) < _SAME_SPREAD:
             break
     return correct_step(problem, finish_fit(problem, solution))

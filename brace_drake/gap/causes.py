@@ -21,7 +21,7 @@ from brace_drake.gap.verdict import (
 
 # A flexible effect has to leave less than half of the gap, and may leave so
 # many times what the best has left.
-_HALF, _UNFINISHED = 0.5, 2.0
+_HALF, _BEHIND = 0.5, 2.0
 
 
 def try_causes(
@@ -75,7 +75,7 @@ def _refine_flexible(evaluator, nominal, fits, flexible) -> list[CandidateFit]:
     """
     best = min((f.excess for f in fits), default=nominal.excess)
     most = largest_excess(evaluator, nominal, 1)
-    bar = min(_HALF * nominal.excess, max(best, min(_UNFINISHED * best, most)))
+    bar = min(_HALF * nominal.excess, max(best, min(_BEHIND * best, most)))
     good = [f for f in flexible if f.excess < bar]
     rest = [f for f in flexible if f.excess >= bar]
     return [*refine(evaluator, good, nominal.excess), *rest]

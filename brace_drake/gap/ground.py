@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
@@ -26,6 +27,9 @@ class Ground:
     Args:
         evaluator: Over the fit runs.
         leader: The nominal fit, or one whose effects stay in.
+
+    Raises:
+        BraceError: The twin breaks down there at the coarse plant step.
     """
 
     def __init__(self, evaluator: Evaluator, leader: CandidateFit):
@@ -36,6 +40,8 @@ class Ground:
         z = leader.solution.z
         self._room = problem.lower - z, problem.upper - z
         (residual,) = problem.batch([z], coarse=True)
+        if residual is None:
+            raise BraceError("the twin breaks down at the fit of its causes")
         self.residual = residual[: self.rows]
         self._gram = self.sensitivities.T @ self.sensitivities
         self._slope = self.sensitivities.T @ self.residual

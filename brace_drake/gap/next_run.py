@@ -14,6 +14,7 @@ from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.evaluation import Evaluator, PreparedRun
 from brace_drake.gap.planned import planned_runs, predict, subject_columns
+from brace_drake.gap.scatter import looks_scattered
 from brace_drake.gap.separation import (
     PairSeparation,
     choose_best,
@@ -122,8 +123,11 @@ def open_rivals(d: Diagnosis) -> list[Rival]:
     lies outside the library, the explanations that come nearest.
     """
     best: dict[str, CandidateFit] = {}
+    seen: set[frozenset[str]] = set()
     for fit in refined(d.fits):
-        best.setdefault("+".join(fit.identifiers), fit)
+        if looks_scattered(fit) and fit.kinds not in seen:
+            seen.add(fit.kinds)
+            best["+".join(fit.identifiers)] = fit
     verdict = d.verdict
     if verdict.winner is not None and verdict.ambiguous_with:
         name = "+".join(verdict.winner.identifiers)

@@ -24,7 +24,7 @@ _TOLD = 0.5
 _MEDIAN = 0.4549
 # Standard deviations beyond which a direction does not count for the spread.
 _STRAY = 3.0
-# Once in a thousand campaigns of an effect its own parameters look otherwise.
+# Level of each test, at most.
 _LEVEL = 1e-3
 
 
@@ -61,6 +61,8 @@ def refit_spread(
         # Nothing is told: the prior alone, from which nothing is learnt.
         return spread
     typical = np.median(squares) / _MEDIAN
+    if typical == 0.0:
+        return spread
     kept = squares[squares <= _STRAY**2 * typical]
     return spread * float(np.sqrt(np.mean(kept)))
 
@@ -70,15 +72,19 @@ def looks_scattered(fit: CandidateFit) -> bool:
 
     With dozens of parameters an effect can imitate many others; but then a
     few directions among them carry all, and the rest is nearly nothing. Two
-    tests: that of Kolmogorov and Smirnov, and, for strays, the mean square,
-    which is about F distributed, the spread being found from as many
-    directions. True where no effect has such parameters.
+    tests: that of Kolmogorov and Smirnov, and, for strays, the mean square
+    held against an F law of as many directions. As the spread is found from
+    the same directions, both refuse a true draw less often than their level.
+    True where no effect has such parameters.
     """
     places = _places(fit)
     if len(places) == 0:
         return True
     jacobian = fit.solution.jacobian
     posterior = np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)
+    # What the twin leaves beyond noise makes its parameters less sure.
+    residual = fit.solution.residual[: len(jacobian) - fit.num_prior]
+    posterior *= max(1.0, float(np.mean(residual**2)))
     sample = whiten(
         fit.solution.z[places],
         posterior[np.ix_(places, places)],

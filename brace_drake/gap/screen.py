@@ -27,6 +27,8 @@ _STEPS = 5
 # Rounds of so many steps, as long as one leaves less than this share of what
 # the one before has left.
 _ROUNDS, _WORTH_A_ROUND = 4, 0.7
+# Of what a search leaves, a promise of less than this share was not kept.
+_BROKEN = 0.5
 # Who is searched: this many, and all that promise to leave at most this many
 # times what the best has left so far.
 _PLACES, _FACTOR = 5, 2.0
@@ -140,24 +142,37 @@ def _search(ground: Ground, runner: Runner, least: float, trust: float) -> bool:
 
     Who would not come near the best at the rate of the last round gives up.
     """
-    before = ground.there
+    before = np.inf
     for done in range(1, _ROUNDS + 1):
         if not step(ground, runner, _STEPS):
             return False
         left = runner.fit().excess
-        rate = left / before if before > 0.0 else 1.0
-        if left < trust or (done > 1 and rate > _WORTH_A_ROUND):
+        rate = left / before
+        if left < trust or rate > _WORTH_A_ROUND:
             break
-        if left * rate ** (_ROUNDS - done) > _FACTOR * (least + trust):
+        # The first round may have begun far behind the leader.
+        hoped = left * rate ** (_ROUNDS - done) if done > 1 else 0.0
+        if hoped > _FACTOR * (least + trust):
             break
         before = left
+    if runner.promise < _BROKEN * left and left > trust:
+        # Far from the leader his sensitivities may lead nowhere.
+        return step(ground, runner, _STEPS, own=True)
     return True
 
 
-def step(ground: Ground, runner: Runner, count: int) -> bool:
-    """Steps of a search; False where its twin breaks down."""
+def step(ground: Ground, runner: Runner, count: int, own: bool = False) -> bool:
+    """Steps of a search; False where its twin breaks down.
+
+    With sensitivities of the leader's parameters that are the leader's, or
+    `own` ones of where the search is.
+    """
     problem = runner.problem
-    kept = runner.jacobian if problem.num_free > _FEW else None
+    differentiate = ground.differentiate(problem)
+    if own:
+        differentiate = partial(_differentiate, problem)
+    keeps = problem.num_free > _FEW and not own
+    kept = runner.jacobian if keeps else None
     try:
         solution = solve_gauss_newton(
             partial(problem.batch, coarse=True),
@@ -166,7 +181,7 @@ def step(ground: Ground, runner: Runner, count: int) -> bool:
             problem.upper,
             problem.steps,
             problem.radius,
-            differentiate=ground.differentiate(problem),
+            differentiate=differentiate,
             known=(runner.residual, kept),
             max_iterations=count,
             tolerance=1e-3,
@@ -176,6 +191,10 @@ def step(ground: Ground, runner: Runner, count: int) -> bool:
     runner.z, runner.residual = solution.z, solution.residual
     runner.jacobian = solution.jacobian
     return True
+
+
+def _differentiate(problem: CandidateProblem, z, residual):
+    return problem.columns(z, base=residual)
 
 
 def line_up(ground: Ground, card: Effect) -> list[Runner]:
@@ -203,12 +222,15 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
             found.append(runner)
             if card.spread is not None:
                 # The way to no error at all says nothing.
-                step(ground, runner, 1)
+                if step(ground, runner, 1):
+                    runner.promise = runner.fit().excess
                 break
             if card.run_parameters or _ENOUGH < far < 1.0 / _ENOUGH:
                 break
             if ground.is_exact:
                 return found
+            if runner.promise > _HOPELESS * ground.there:
+                break
             factor = np.copysign(max(abs(far), _WEAKEST), far)
             rescaled = card.scaled(values, factor)
             if np.allclose(rescaled, values, rtol=0.1, atol=0.0):

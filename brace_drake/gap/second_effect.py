@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from brace_drake.effects.registry import effects_for
+from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, refine, try_refine
 from brace_drake.gap.evaluation import is_dithered
@@ -33,7 +34,7 @@ _ENOUGH = 0.5
 # Pairs that are searched inside the twin, of all that are foreseen.
 _SEARCHED = 4
 # Replays of all runs after which no other search is begun.
-_DEAR = 700
+_DEAR = 500
 # Steps from a pair to either effect alone.
 _STEPS = 4
 
@@ -48,7 +49,7 @@ class SecondEffects:
 
     Args:
         ground: The nominal fit.
-        fits: Of single effects, one refined at least.
+        fits: Of single effects.
         runners: Of the race that they are from.
         null: What noise alone gives.
     """
@@ -63,6 +64,7 @@ class SecondEffects:
         self._ground, self._runners, self._null = ground, runners, null
         self._evaluator, self._nominal = ground.evaluator, ground.leader
         self._singles, self._found = list(fits), []
+        self._begun = ground.evaluator.replays
         self._most = largest_excess(self._evaluator, self._nominal, 2)
 
     def search(self, say: Say) -> list[CandidateFit]:
@@ -82,15 +84,30 @@ class SecondEffects:
         self._try_pairs(partners, lambda w, share: say(w, 0.3 * share))
         if not self._is_done():
             self._try_richer(lambda w, share: say(w, 0.3 + 0.2 * share))
+        # On the way a better single one may have shown.
+        singles = [f for f in plausible(self._all()) if len(f.effects) == 1]
+        leader = next(iter(singles), self._nominal)
         half = closed_amplitude(self._evaluator, self._nominal, leader) >= _HALF
         if half and not self._is_done():
+            self._try_all_beside(leader, say)
+        return self._best_of_each()
+
+    def _best_of_each(self) -> list[CandidateFit]:
+        """Fits found, of the same effects the best one."""
+        best: dict[frozenset[str], CandidateFit] = {}
+        for fit in refined(self._found):
+            best.setdefault(frozenset(e.key for e in fit.effects), fit)
+        return list(best.values())
+
+    def _try_all_beside(self, leader: CandidateFit, say: Say) -> None:
+        """Second effects beside a single one, those of few parameters first."""
+        try:
             beside = Ground(self._evaluator, leader)
-            self._try_beside(beside, False, lambda w, s: say(w, 0.5 + 0.2 * s))
-            if not (self._is_done(_ENOUGH) or self._is_rough(leader)):
-                self._try_beside(
-                    beside, True, lambda w, s: say(w, 0.7 + 0.3 * s)
-                )
-        return refined(self._found)
+        except BraceError:
+            return
+        self._try_beside(beside, False, lambda w, s: say(w, 0.5 + 0.2 * s))
+        if not (self._is_done(_ENOUGH) or self._is_rough(leader)):
+            self._try_beside(beside, True, lambda w, s: say(w, 0.7 + 0.3 * s))
 
     def _all(self) -> list[CandidateFit]:
         return [*self._singles, *self._found]
@@ -101,16 +118,17 @@ class SecondEffects:
             for f in refined(self._all())
         )
 
-    def _is_done(self, least: float = 0.0) -> bool:
-        if self._evaluator.replays > _DEAR:
+    def _is_done(self, limit: float = 0.0) -> bool:
+        """Whether what is left is little, `limit` floors at most."""
+        if self._evaluator.replays > self._begun + _DEAR:
             return True
-        enough = max(least, self._null.misfit_threshold)
+        enough = max(limit, self._null.misfit_threshold)
         return self._is_settled() and is_near_floor(
             self._evaluator, self._all(), enough
         )
 
     def _is_rough(self, leader: CandidateFit) -> bool:
-        """Whether a single effect that explains the gap leaves a rough rest.
+        """Whether the gap is explained, but for a rough rest of the leader's.
 
         Where drives stick, replays come to no floor: what is left is no sign
         of effects of dozens of parameters, and their search would be dear.
@@ -163,7 +181,9 @@ class SecondEffects:
         cards = effects_for(self._evaluator.twin.device).values()
         for (out, _), kept in itertools.permutations(pairs[0].uses):
             for card in cards:
-                if card.spread is None or out.name not in card.impostors:
+                if card.spread is None or card.name == kept[0].name:
+                    continue
+                if out.name not in card.impostors:
                     continue
                 effects, values = zip(kept, (card, card.off()), strict=True)
                 runner = make_runner(

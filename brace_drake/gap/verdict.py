@@ -23,8 +23,8 @@ from brace_drake.gap.surrogates import NullDistribution
 # alone.
 MAJOR_KNOWN = 0.80
 MAJOR_REAL = 0.75
-# Root mean square, in floors, up to which a repaired twin counts as good: the
-# noise itself is 1, what is left may not be more than the noise.
+# Mean square above the floor's, in floors, up to which a repaired twin counts
+# as good: what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
 # A race leaves this many times what the end of a search will leave, or less.
 _UNFINISHED = 2.0
@@ -174,22 +174,27 @@ def decide(
         return Verdict(True, None, True, (), sure_of_outside(short))
     winner = simplest_of_fewest(evaluator, good)
     number = len(winner.effects)
+    refused = [f for f in ranked if not looks_scattered(f)]
     rivals = [
         f
         for f in fits
-        if f.identifiers != winner.identifiers and len(f.effects) == number
+        if f.kinds != winner.kinds
+        and len(f.effects) == number
+        and not any(f is other for other in refused)
     ]
     limit = _TIED * left_over(evaluator, winner)
-    near = dict.fromkeys(
-        "+".join(f.identifiers)
-        for f in refined(rivals)
+    near = {
+        f.kinds: "+".join(f.identifiers)
+        for f in reversed(refined(rivals))
         if left_over(evaluator, f) < limit
-    )
+    }
     second = min((left_over(evaluator, f) for f in rivals), default=np.inf)
     contrast = second / left_over(evaluator, winner)
-    rest = 1.0 - closed_amplitude(evaluator, nominal, winner)
+    rest = 0.0
+    if misfit(evaluator, winner) > null.misfit_threshold:
+        rest = 1.0 - closed_amplitude(evaluator, nominal, winner)
     sure = sure_of_effects(contrast, rest, number)
-    return Verdict(True, winner, False, tuple(near), sure)
+    return Verdict(True, winner, False, tuple(reversed(near.values())), sure)
 
 
 def left_over(evaluator: Evaluator, fit: CandidateFit) -> float:

@@ -1,0 +1,93 @@
+"""Verdicts on fits whose rests are known."""
+
+import unittest
+from types import SimpleNamespace
+
+import numpy as np
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.gap.probability import sure_of_effects
+from brace_drake.gap.verdict import decide, largest_rest
+
+COUNT = 1000
+NULL = SimpleNamespace(misfit_threshold=0.1, gain_threshold=0.03)
+EVALUATOR = SimpleNamespace(
+    count=COUNT, twin=SimpleNamespace(instruments_known=True)
+)
+
+
+def fit(rest, *names, refined=True):
+    """A fit that leaves `rest` floors above noise."""
+    cards = tuple(find_effect(name) for name in names)
+    kinds = tuple(card.name for card in cards)
+    return SimpleNamespace(
+        effects=cards,
+        identifiers=kinds,
+        kinds=frozenset(kinds),
+        name="+".join(names),
+        excess=rest * COUNT,
+        refined=refined,
+        freedom=sum(len(card.parameters) for card in cards),
+        subject=np.zeros(6),
+        num_runs=8,
+    )
+
+
+def verdict(gap, *fits):
+    return decide(EVALUATOR, fit(gap), fits, NULL)
+
+
+class TestVerdict(unittest.TestCase):
+    def test_a_rest_within_noise_is_no_gap(self):
+        self.assertFalse(verdict(0.05, fit(0.04, "force_bias")).gap)
+
+    def test_the_effect_that_leaves_least_is_named(self):
+        found = verdict(50.0, fit(0.01, "force_bias"), fit(20.0, "ring_mass"))
+        self.assertEqual(found.winner.identifiers, ("force_bias",))
+        self.assertEqual(found.ambiguous_with, ())
+        self.assertGreater(found.probability, 0.9)
+
+    def test_what_leaves_as_little_is_tied(self):
+        found = verdict(50.0, fit(0.01, "force_gain"), fit(0.012, "ring_mass"))
+        self.assertEqual(found.ambiguous_with, ("ring_mass",))
+        self.assertLess(found.probability, 0.5)
+
+    def test_a_gap_that_nothing_explains_is_outside(self):
+        found = verdict(50.0, fit(20.0, "force_bias"))
+        self.assertTrue(found.outside_library)
+
+    def test_a_second_effect_has_to_pay(self):
+        single = fit(0.5, "force_bias")
+        poor = fit(0.3, "force_bias", "ring_mass")
+        good = fit(0.01, "force_bias", "ring_mass")
+        self.assertEqual(len(verdict(50.0, single, poor).winner.effects), 1)
+        self.assertEqual(len(verdict(50.0, single, good).winner.effects), 2)
+
+    def test_a_pair_is_no_rival_of_itself(self):
+        one = fit(0.01, "force_bias", "ring_mass")
+        same = fit(0.011, "ring_mass", "force_bias")
+        found = verdict(50.0, fit(20.0, "force_bias"), one, same)
+        self.assertEqual(found.ambiguous_with, ())
+        self.assertGreater(found.probability, 0.8)
+
+    def test_a_rest_within_noise_takes_nothing_of_the_probability(self):
+        small = verdict(0.3, fit(0.08, "force_bias"), fit(0.28, "ring_mass"))
+        bare = verdict(50.0, fit(0.08, "force_bias"), fit(0.28, "ring_mass"))
+        self.assertAlmostEqual(small.probability, bare.probability)
+
+    def test_one_may_leave_a_share_of_the_gap_and_two_no_more_than_noise(self):
+        gap = fit(99.0)
+        # sqrt(1 + 99) - 1 = 9 floors of amplitude, a fifth of them is 1.8.
+        one = largest_rest(EVALUATOR, gap, 1)
+        self.assertAlmostEqual(one, 2.8**2 - 1.0)
+        self.assertEqual(largest_rest(EVALUATOR, gap, 2), 1.0)
+
+    def test_probability_falls_with_rivals_and_with_what_is_left(self):
+        of_contrast = [sure_of_effects(c, 0.0, 1) for c in (1.0, 3.0, 30.0)]
+        self.assertEqual(of_contrast, sorted(of_contrast))
+        of_rest = [sure_of_effects(30.0, r, 1) for r in (0.0, 0.1, 0.2)]
+        self.assertEqual(of_rest, sorted(of_rest, reverse=True))
+
+
+if __name__ == "__main__":
+    unittest.main()
