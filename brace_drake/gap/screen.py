@@ -155,7 +155,8 @@ def _search(ground: Ground, runner: Runner, least: float, trust: float) -> bool:
         if hoped > _FACTOR * (least + trust):
             break
         before = left
-    if runner.promise < _BROKEN * left and left > trust:
+    could_lead = runner.promise < _FACTOR * (least + trust)
+    if could_lead and trust < left and runner.promise < _BROKEN * left:
         # Far from the leader his sensitivities may lead nowhere.
         return step(ground, runner, _STEPS, own=True)
     return True
