@@ -18,9 +18,11 @@ import yaml
 from brace_drake.cli.main import main
 from brace_drake.effects.registry import find_effect
 from brace_drake.hardware.words import Cause, DeviceState
+from brace_drake.learning.policy import SavePolicy
 from brace_drake.twin.motion_library import MakeMotion, SafeMotion
 from brace_drake.twin.motion_parts import ramp
 from brace_drake.twin.reference_file import format_reference
+from tests.learning_tasks import random_policy, short_task
 from tests.test_link_port import emulated, wait_for
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -177,6 +179,30 @@ class TestPlans(Folder):
             ],
         )
         self.assertTrue(all(r["complete"] for r in runs))
+
+    def test_no_command_moves_a_device_further_than_any_may(self):
+        time = np.arange(600) / 200.0
+        far = SafeMotion(
+            "far", "", True, "push", time, ramp(time, 0.5, 1.0, -0.013)
+        )
+        file = self.folder / "far.csv"
+        file.write_text(format_reference(far.run))
+        policy = self.folder / "policy.npz"
+        way = np.array([0.0, -0.013, 0.0, 0.0, 0.0, 0.0])
+        task = short_task(40, motion_time=2.0, displacement=way)
+        SavePolicy(random_policy(task), policy)
+        options = ("--port", "/dev/null", "--limits", self.limits)
+        for words in (
+            ("record", "--motion", file, "--out", self.folder / "c"),
+            ("deploy", "--motion", file),
+            ("deploy", "--policy", policy),
+            ("deploy", "--policy", policy, "--motion", file),
+            ("twin", "--motion", file),
+        ):
+            with self.subTest(words=words):
+                status, _, errors = self.run_command(*words, *options)
+                self.assertEqual((status, errors.count("\n")), (2, 1), errors)
+                self.assertRegex(errors, r"reaches 13.0 mm, allowed 12 mm")
 
     def test_a_split_beside_a_plan_and_a_bad_plan_have_one_line(self):
         plan = self.folder / "plan.yaml"

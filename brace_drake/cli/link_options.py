@@ -75,13 +75,18 @@ def load_device_motion(text: str):
 
     Raises:
         CampaignError: Neither.
+        LimitsError: It reaches further than any may.
     """
     from brace_drake.twin.motion_library import MakeMotion, motion_of_run
+    from brace_drake.twin.motion_limits import check_reach
     from brace_drake.twin.reference_file import LoadReference
 
     if names_file(text):
-        return motion_of_run(LoadReference(text), f"from {text}")
-    return MakeMotion(text)
+        motion = motion_of_run(LoadReference(text), f"from {text}")
+    else:
+        motion = MakeMotion(text)
+    check_reach(motion.name, motion.samples[:, 0])
+    return motion
 
 
 def load_device_options(args: argparse.Namespace):

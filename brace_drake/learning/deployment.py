@@ -15,6 +15,7 @@ from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.operation.diagram_control import DiagramControl
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.twin.motion_library import RATE_HZ, SafeMotion
+from brace_drake.twin.motion_limits import check_reach
 
 _ALONG = 1
 
@@ -56,6 +57,7 @@ def motion_of_task(task: LearningTask) -> SafeMotion:
 
     Raises:
         PolicyError: It is not along y alone.
+        LimitsError: It reaches further than any may.
     """
     way = np.asarray(task.displacement, dtype=float)
     if way.shape != (6,) or np.delete(way, _ALONG).any():
@@ -68,5 +70,6 @@ def motion_of_task(task: LearningTask) -> SafeMotion:
     samples = np.empty((len(time), 3))
     for row, t in zip(samples, time, strict=True):
         calc_cubic(t, task.motion_time, np.zeros(1), way[_ALONG:2], row)
+    check_reach("training", samples[:, 0])
     meaning = f"{1e3 * abs(way[_ALONG]):g} mm in {task.motion_time:g} s"
     return SafeMotion("training", meaning, True, "push", time, samples)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from brace_drake.errors import LimitsError, StoppedError
+from brace_drake.errors import StoppedError
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.ports import BAUD
 from brace_drake.operation.console import (
@@ -19,7 +19,7 @@ from brace_drake.operation.session import Session
 from brace_drake.operation.station import MakeControl, OpenDevice
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.twin.motion_library import SafeMotion
-from brace_drake.twin.motion_limits import EXCURSION
+from brace_drake.twin.motion_limits import check_reach
 
 
 class Recorder:
@@ -79,12 +79,7 @@ class Recorder:
             LimitsError: The motion reaches further than any may.
             StoppedError: The operator, the supervisor or the device stopped.
         """
-        reach = float(abs(motion.samples[:, 0]).max())
-        if reach > EXCURSION:
-            raise LimitsError(
-                f"motion {motion.name} reaches {1e3 * reach:.1f} mm, allowed"
-                f" {1e3 * EXCURSION:.0f} mm"
-            )
+        check_reach(motion.name, motion.samples[:, 0])
         if repeat_of is None:
             repeat_of = self._Original(motion, split)
         control = MakeControl("pic", self._scenario)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from brace_drake.errors import LimitsError
 from brace_drake.twin.bench_rollout import CHANNELS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.motion_library import SafeMotion
@@ -11,10 +12,30 @@ from brace_drake.twin.reference import COLUMNS
 from brace_drake.twin.subject import with_subject
 
 EXCURSION = 0.012  # m, of the reference
+_ROUNDING = 1e-9
 PAD_FORCE = 50.0  # N, of one pad
 
 _FORCE_Y = CHANNELS.index("ring2_force_y_N")
 _COMMANDS = slice(0, 6)
+
+
+def check_reach(name: str, y: np.ndarray) -> None:
+    """Refuses a reference that no device may follow.
+
+    Args:
+        name: Of the motion.
+        y: Displacements of the ring along y (N,), m.
+
+    Raises:
+        LimitsError: It reaches beyond `EXCURSION`, or is no number somewhere.
+    """
+    reach = float(np.abs(y).max(initial=0.0))
+    # Written so that what is no number is refused.
+    if not reach <= EXCURSION + _ROUNDING:
+        raise LimitsError(
+            f"motion {name} reaches {1e3 * reach:.1f} mm, allowed"
+            f" {1e3 * EXCURSION:.0f} mm"
+        )
 
 
 def exceeded_limit(
