@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.emulator.bench_plant import BenchPlant
+from brace_drake.errors import LimitsError
 from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT, shared_values
 from brace_drake.hardware.words import Cause, DeviceState, Mode, Reason
@@ -77,6 +78,40 @@ class TestStates(unittest.TestCase):
         self.assertEqual(bench.firmware.state, DeviceState.ARMED)
         bench.Disarm()
         self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+
+    def test_a_lost_request_to_disarm_is_no_stop(self):
+        bench, session = start(seconds=0.2)
+        while not session.done:
+            bench.run(1)
+        disarm = bench.Disarm
+
+        def lose_the_first():
+            # So long the link waits for an answer, and the watchdog less.
+            self.assertLess(DEFAULT.watchdog, 0.2)
+            bench.run(200)
+            self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+            disarm()
+
+        bench.Disarm = lose_the_first
+        session.Finish()
+        accepted = bench.firmware.accepted
+        bench.run(100)
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+        self.assertEqual(bench.firmware.trip.cause, Cause.NONE)
+        self.assertIsNone(session.trip)
+        self.assertEqual(bench.firmware.accepted, accepted)
+
+    def test_a_reference_beyond_the_reach_never_arms(self):
+        for y in (0.013, -0.0121, math.nan):
+            bench = Lockstep()
+            bench.agree()
+            session = Session(bench, PicControl(SCENARIO), DEFAULT)
+            desired = np.zeros((500, 3))
+            desired[250, 0] = y
+            with self.assertRaisesRegex(LimitsError, "allowed 12 mm"):
+                session.Start(desired)
+            bench.run(100)
+            self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
 
     def test_nothing_but_a_sealed_arm_of_this_session_arms(self):
         bench = Lockstep()

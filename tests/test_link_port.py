@@ -22,6 +22,7 @@ from brace_drake.emulator.bench_plant import BenchPlant
 from brace_drake.emulator.device import EmulatedDevice, describe_bench
 from brace_drake.errors import LimitsError, LinkError, StoppedError
 from brace_drake.hardware.clock import ClockSync
+from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT
 from brace_drake.hardware.link import Link
 from brace_drake.hardware.ports import OpenPort
@@ -164,6 +165,30 @@ class TestStrangers(unittest.TestCase):
             with self.assertRaisesRegex(LimitsError, "pad_force is 60"):
                 Recorder(device.terminal.path, SCENARIO, wide, folder)
             self.assertEqual(device.firmware.state, DeviceState.HELLO)
+
+    def test_an_answer_to_somebody_else_is_waited_out(self):
+        wrong, asked = 3, []
+        answer = Firmware._on_hello_request
+
+        def answer_others_first(firmware, packet, now):
+            asked.append(packet.values.nonce)
+            answers, reason = answer(firmware, packet, now)
+            if len(asked) <= wrong:
+                answers[0][1]["nonce"] ^= 1
+            return answers, reason
+
+        with (
+            mock.patch.object(
+                Firmware, "_on_hello_request", answer_others_first
+            ),
+            emulated() as device,
+            Link(device.terminal.path) as link,
+        ):
+            link.Connect(10.0)
+            self.assertEqual(link.hello.nonce, asked[0])
+        # One more for each, but where this machine was late.
+        self.assertGreater(len(asked), wrong)
+        self.assertLess(len(asked), 2 * wrong + 2)
 
     def test_noise_before_hello_does_not_keep_them_apart(self):
         def prepare(device):

@@ -84,6 +84,8 @@ class Link:
                     self._codec = make_codec(self.hello.stages)
                     self._decoder.follows_hello = False
                     return
+                # The answer to somebody before us.
+                self._Forget(*names)
             self._CheckAlive()
         raise LinkError(f"{self.path}: {self._DescribeStranger()}")
 

@@ -16,6 +16,7 @@ from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
 from brace_drake.hardware.words import Cause, DeviceState, StateFlag
 from brace_drake.operation.spread import Spread
+from brace_drake.twin.motion_limits import check_reach
 
 # More missing ticks than this are not bridged: the supervisor has stopped.
 _MOST_BRIDGED = 100
@@ -106,8 +107,10 @@ class Session:
             settle: s; in its first part the ring comes home.
 
         Raises:
+            LimitsError: The reference reaches further than any may.
             LinkError: The device refuses to arm.
         """
+        check_reach("asked for", desired[:, 0])
         self._desired = desired
         self._at = -round(settle / self._setup.period)
         self._control.Reset()
@@ -126,13 +129,18 @@ class Session:
     def Finish(self) -> None:
         """Releases the ring without a latched stop.
 
+        States are answered until the device has disarmed: where the first
+        request is lost, its watchdog must not take the silence for a crash.
+
         Raises:
-            LinkError: The device does not answer.
+            LinkError: The device does not answer, or has stopped meanwhile.
         """
-        self._moving = False
-        self._memory = safety.disarm(self._memory, self._now)
-        if not self._dry and self.trip is None:
-            self._link.Disarm()
+        try:
+            if not self._dry and self.trip is None:
+                self._link.Disarm()
+        finally:
+            self._moving = False
+            self._memory = safety.disarm(self._memory, self._now)
 
     def CheckAlive(self) -> None:
         """Stops where no state has come for longer than `stale`.
