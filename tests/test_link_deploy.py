@@ -1,11 +1,13 @@
 """Controllers on a device; plans of campaigns."""
 
 import contextlib
+import csv
 import io
 import json
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from brace_drake.errors import (
     LinkError,
     StoppedError,
 )
-from brace_drake.hardware.words import DeviceState
+from brace_drake.hardware.words import Cause, DeviceState
 from brace_drake.operation.campaign_plan import (
     STANDARD_PLAN,
     LoadPlan,
@@ -113,6 +115,51 @@ class TestDeploy(unittest.TestCase):
             self.assertTrue(
                 wait_for(lambda: device.firmware.state == DeviceState.STOPPED)
             )
+
+    def test_a_run_that_is_stopped_leaves_its_ticks_and_the_cause(self):
+        class Pressed:
+            """Lets the dry run pass, and stops the armed one."""
+
+            is_terminal = False
+
+            def __enter__(self):
+                return self
+
+            def __exit__(self, *_):
+                pass
+
+            def pressed(self):
+                return device.firmware.accepted > 1500
+
+        with (
+            emulated() as device,
+            tempfile.TemporaryDirectory() as folder,
+            mock.patch("brace_drake.operation.console.ReadKeys", Pressed),
+            # A machine that tests share is late at times.
+            mock.patch("brace_drake.operation.deploy.check_dry_run"),
+        ):
+            limits, out = Path(folder) / "limits.yaml", Path(folder) / "o"
+            limits.write_text("stale: 5.0\n")
+            status, _, error = run(
+                "deploy", "--port", device.terminal.path, "--countdown", 0,
+                "--motion", "push", "--limits", limits, "--out", out,
+            )  # fmt: skip
+            self.assertEqual(status, 2)
+            self.assertIn("stop key", error)
+            with open(out / "ticks.csv", newline="") as text:
+                ticks = [int(row["tick"]) for row in csv.DictReader(text)]
+            timing = json.loads((out / "timing.json").read_text())
+        self.assertEqual(device.firmware.trip.cause, Cause.STOP_KEY)
+        # A second to settle, then each tick until the key.
+        self.assertEqual(ticks, list(range(len(ticks))))
+        self.assertGreater(len(ticks), 500)
+        self.assertLess(len(ticks), 12000)
+        self.assertNotIn("stopped", timing["dry_run"])
+        self.assertEqual(
+            timing["armed"]["stopped"],
+            f"stopped after {len(ticks)} ticks: stop key",
+        )
+        self.assertIn(timing["armed"]["stopped"], error)
 
     def test_a_run_is_logged_tick_by_tick(self):
         with emulated() as device:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import asdict
 from pathlib import Path
 
 from brace_drake.cli.link_options import (
@@ -14,7 +13,7 @@ from brace_drake.cli.link_options import (
 )
 from brace_drake.cli.options import AddMotion
 from brace_drake.errors import StoppedError
-from brace_drake.output import MakeFolder, WriteJson, WriteText
+from brace_drake.output import MakeFolder
 
 _EPILOG = """\
 example:
@@ -28,6 +27,9 @@ and a dry run of two seconds must have kept its time. --dry-run ends there.
 A policy (of `train`) sets the stiffness of the variable impedance control; its
 bounds and its rate are enforced outside of the network, and once more by the
 limits of the device. Its scenario is a brace of stage 2 alone.
+
+--out gets ticks.csv of the last run and timing.json of both, of a run that was
+stopped too, with the cause. A motion beyond 12 mm is refused.
 """
 _DRY_SECONDS = 2.0
 
@@ -43,7 +45,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddDevice(parser)
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--controller", default="pic", metavar="NAME", help="pic")
+    what.add_argument(
+        "--controller", default="pic", choices=("pic",), help="default: pic"
+    )
     what.add_argument("--policy", metavar="FILE", help="*.npz of a training")
     AddMotion(parser, help="default: push; of a policy, that of its training")
     parser.add_argument("--dry-run", action="store_true", help="never arm")
@@ -59,15 +63,26 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.operation.console import CountDown, ReadKeys
     from brace_drake.operation.deploy import (
         RunController,
+        RunLog,
         check_dry_run,
         measure_timing,
     )
     from brace_drake.operation.station import OpenDevice
     from brace_drake.twin.reference import reference_at_ticks
 
-    out = MakeFolder(Path(args.out)) if args.out else None
     load = _load_controller if args.policy is None else _load_policy
     motion, scenario, limits, control = load(args)
+    log = RunLog(MakeFolder(Path(args.out))) if args.out else None
+
+    def run(name, desired, is_dry):
+        keep = {"keep": log.keep(name)} if log else {}
+        session, _ = RunController(
+            link, control, limits, desired, is_dry, keys.pressed, **keep
+        )
+        timing = measure_timing(session)
+        print(f"{name.replace('_', ' ')}: {timing}", flush=True)
+        return timing
+
     with (
         OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,
         ReadKeys() as keys,
@@ -75,24 +90,13 @@ def Run(args: argparse.Namespace) -> int:
         rate = link.hello.rate_hz
         desired = reference_at_ticks(motion.time, motion.samples, rate)
         still = np.zeros((round(_DRY_SECONDS * rate), 3))
-        dry, log = RunController(
-            link, control, limits, still, True, keys.pressed
-        )
-        timing = {"dry_run": asdict(measure_timing(dry))}
-        print(f"dry run: {measure_timing(dry)}", flush=True)
-        check_dry_run(measure_timing(dry))
+        check_dry_run(run("dry_run", still, True))
         if not args.dry_run:
             if not CountDown(args.countdown, f"{motion.name} moves", keys):
                 raise StoppedError(f"{motion.name}: not begun")
-            armed, log = RunController(
-                link, control, limits, desired, False, keys.pressed
-            )
-            timing["armed"] = asdict(measure_timing(armed))
-            print(f"armed: {measure_timing(armed)}")
-    if out is not None:
-        WriteText(out / "ticks.csv", log)
-        WriteJson(out / "timing.json", timing)
-        print(f"log: {out / 'ticks.csv'}")
+            run("armed", desired, False)
+    if log:
+        print(f"log: {Path(args.out) / 'ticks.csv'}")
     return 0
 
 

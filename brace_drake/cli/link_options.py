@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import argparse
 
-from brace_drake.cli.options import names_file
+from brace_drake.cli.options import AddScenario, names_file
 from brace_drake.errors import ScenarioError
+from brace_drake.hardware.messages import BAUD
 
 
 def AddDevice(parser: argparse.ArgumentParser) -> None:
-    """Adds --port, --baud, --limits and --scenario."""
+    """Adds --port, --baud, --clear, --limits and --scenario."""
     parser.add_argument(
         "--port", required=True, metavar="P", help="such as /dev/ttyACM0"
     )
     parser.add_argument(
-        "--baud", type=int, default=1_000_000, metavar="N", help="bits a second"
+        "--baud", type=int, default=BAUD, metavar="N", help="bits a second"
     )
     parser.add_argument(
         "--clear",
@@ -26,11 +27,7 @@ def AddDevice(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="limits to agree on (default: diagrams/limits.yaml)",
     )
-    parser.add_argument(
-        "--scenario",
-        metavar="FILE",
-        help="of the twin (default: the nominal bench)",
-    )
+    AddScenario(parser, "of the twin (default: the nominal bench)")
 
 
 def AddCountdown(parser: argparse.ArgumentParser) -> None:

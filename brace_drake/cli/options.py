@@ -54,13 +54,12 @@ def open_workers_option(args: argparse.Namespace) -> Workers:
     return open_workers(args.jobs, args.cluster)
 
 
-def AddScenario(parser: argparse.ArgumentParser) -> None:
+def AddScenario(
+    parser: argparse.ArgumentParser,
+    help_text: str = "of the nominal bench (default: the one of the package)",
+) -> None:
     """Adds --scenario."""
-    parser.add_argument(
-        "--scenario",
-        metavar="FILE",
-        help="of the nominal bench (default: the one of the package)",
-    )
+    parser.add_argument("--scenario", metavar="FILE", help=help_text)
 
 
 def AddJson(parser: argparse.ArgumentParser) -> None:
@@ -109,7 +108,7 @@ def AddMotion(parser: argparse.ArgumentParser, **options) -> None:
 
 def names_file(text: str) -> bool:
     """Whether a --motion is a reference's file, not a name of the library."""
-    return text.endswith(".csv") or Path(text).exists()
+    return text.endswith(".csv") or Path(text).is_file()
 
 
 def load_motion(text: str, rings: tuple[int, ...] = (2,)):

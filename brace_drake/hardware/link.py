@@ -19,8 +19,8 @@ from brace_drake.hardware.limits import (
     refuse_wider,
     shared_values,
 )
-from brace_drake.hardware.messages import BY_NAME, VERSION
-from brace_drake.hardware.ports import BAUD, OpenPort
+from brace_drake.hardware.messages import BAUD, BY_NAME, VERSION
+from brace_drake.hardware.ports import OpenPort
 from brace_drake.hardware.sequence import Counts, SequenceWatch
 from brace_drake.hardware.words import Cause, Mode, Reason, reason_text
 

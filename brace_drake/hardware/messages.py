@@ -10,6 +10,7 @@ from typing import NamedTuple
 from brace_drake.hardware.limits import SHARED
 
 VERSION = 1
+BAUD = 1_000_000
 # Kind of a field: struct code, C type, bytes.
 KINDS = {
     "u8": ("B", "uint8_t", 1),

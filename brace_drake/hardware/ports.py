@@ -8,8 +8,8 @@ import serial
 from serial.tools import list_ports
 
 from brace_drake.errors import LinkError
+from brace_drake.hardware.messages import BAUD
 
-BAUD = 1_000_000
 _IN_USE = (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK)
 
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from brace_drake.errors import LinkError, StoppedError
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
-from brace_drake.operation.session import Session
+from brace_drake.operation.session import Row, Session
 from brace_drake.operation.watch import WatchSession
+from brace_drake.output import WriteJson, WriteText
 
 # What a dry run must show before anything is armed.
 _LEAST_DRY, _MOST_LATE = 200, 1.0
@@ -78,6 +80,7 @@ def RunController(
     desired: np.ndarray,
     dry_run: bool,
     asks_stop: Callable[[], bool] = lambda: False,
+    keep: Callable[[Session, list[Row], str], None] = lambda *_: None,
 ) -> tuple[Session, str]:
     """Runs a controller over a reference.
 
@@ -89,27 +92,63 @@ def RunController(
         dry_run: Commands are computed and judged, but the device stays
             disarmed.
         asks_stop: Of the operator's console.
+        keep: Called once, however it ends, with the session, its ticks and
+            what ended it before its end, "" for nothing.
 
     Returns:
         The session, and a log of all ticks as CSV text.
 
     Raises:
         StoppedError: It was stopped before its end.
+        LinkError: The device refuses to arm, or to disarm.
+        LimitsError: The reference reaches further than any may.
     """
     session = Session(link, control, limits, dry_run)
-    session.Start(desired)
-    rows = []
+    rows: list[Row] = []
+    cause = ""
     try:
+        session.Start(desired)
         WatchSession(session, rows.extend, asks_stop)
+        if session.trip is not None or not session.done:
+            words = _describe_stop(session, link)
+            raise StoppedError(f"stopped after {len(rows)} ticks: {words}")
+        session.Finish()
+    except BaseException as error:
+        cause = str(error) or type(error).__name__
+        raise
     finally:
         link.on_state = None
-    if session.trip is not None or not session.done:
-        error = link.error
-        told = error is None or isinstance(error, LinkError)
-        words = str(session.trip or error) + ("" if told else f": {error}")
-        raise StoppedError(f"stopped after {len(rows)} ticks: {words}")
-    session.Finish()
+        keep(session, rows, cause)
     return session, format_log(rows)
+
+
+def _describe_stop(session: Session, link: Link) -> str:
+    """What stopped a session, with the words of an error of our own."""
+    error = link.error
+    told = error is None or isinstance(error, LinkError)
+    return str(session.trip or error) + ("" if told else f": {error}")
+
+
+class RunLog:
+    """A folder with the last run's ticks and the timing of all.
+
+    ticks.csv is what `format_log` writes; timing.json has a `Timing` for each
+    run, and `stopped`, why, where one did not come to its end.
+    """
+
+    def __init__(self, folder: Path):
+        self._folder, self._timing = folder, {}
+
+    def keep(self, name: str) -> Callable[[Session, list[Row], str], None]:
+        """What `RunController` is to call with a run of this name."""
+
+        def Write(session: Session, rows: list[Row], cause: str) -> None:
+            said = asdict(measure_timing(session))
+            self._timing[name] = said | ({"stopped": cause} if cause else {})
+            WriteText(self._folder / "ticks.csv", format_log(rows))
+            WriteJson(self._folder / "timing.json", self._timing)
+
+        return Write
 
 
 def check_dry_run(timing: Timing) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from brace_drake.errors import StoppedError
 from brace_drake.hardware.limits import Limits
-from brace_drake.hardware.ports import BAUD
+from brace_drake.hardware.messages import BAUD
 from brace_drake.operation.console import (
     CountDown,
     Keys,

@@ -7,7 +7,7 @@ import numpy as np
 from brace_drake.errors import LinkError
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
-from brace_drake.hardware.ports import BAUD
+from brace_drake.hardware.messages import BAUD
 from brace_drake.hardware.words import Cause, DeviceState, cause_name
 from brace_drake.operation.control import PicControl
 from brace_drake.scenario.bench import BenchScenario
