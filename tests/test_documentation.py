@@ -16,7 +16,7 @@ from pathlib import Path
 
 import yaml
 
-from brace_drake.cli.doctor import examine_machine
+from brace_drake.cli.doctor import _packages, examine_machine
 from brace_drake.cli.main import main, make_parser
 from tests.shared_data import EXAMPLE
 from tests.test_layering import LAYERS
@@ -116,6 +116,21 @@ class TestFamily(unittest.TestCase):
         for what in ("python", "drake", "cores", "memory", "compiled laws"):
             self.assertEqual(found[what]["status"], "ok", text)
         self.assertEqual(set(found), {f.what for f in examine_machine()})
+
+    def test_a_package_that_is_absent_or_too_old_is_named(self):
+        lines = ["numpy>=2", "scipy>=99", 'onnx<1; extra == "x"']
+        lines += ['none>=3; extra == "x"', 'numpy; extra == "x"']
+        found = {f.what: f for f in _packages(lines)}
+        self.assertEqual(found["numpy"].status, "ok")
+        self.assertEqual(found["scipy"].status, "missing")
+        self.assertRegex(
+            found["scipy"].text,
+            r"^\d+\.\d+.* is another; pip install 'scipy>=99'$",
+        )
+        self.assertEqual(found["onnx"].status, "optional")
+        self.assertEqual(
+            found["none"], ("none", "optional", "pip install 'none>=3'")
+        )
 
     def test_the_check_is_read_by_a_machine(self):
         status, text = self.run_command("check", EXAMPLE, "--json")

@@ -8,13 +8,14 @@ import glob
 import importlib.metadata
 import os
 import platform
-import re
 import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
+
+from packaging.requirements import Requirement
 
 from brace_drake.cli.options import AddJson, PrintJson
 
@@ -95,28 +96,32 @@ def _python() -> Finding:
 
 
 def _packages(requirements: list[str]) -> Iterator[Finding]:
-    """What the package requires, each extra's lines behind the others."""
+    """What the package requires, extras after what is always needed."""
     seen: set[str] = set()
     for line in requirements:
-        name = re.split(r"[\s;\[<>=!~(]", line, maxsplit=1)[0]
-        extra = re.search(r"extra\s*==\s*['\"](\w+)", line)
-        if name in seen or name == "brace_drake":
+        wanted = Requirement(line)
+        if wanted.name in seen or wanted.name == "brace_drake":
             continue
-        seen.add(name)
-        yield _package(name, extra.group(1) if extra else "")
-    if "libglib" not in seen and platform.system() == "Linux":
+        seen.add(wanted.name)
+        yield _package(wanted)
+    if platform.system() == "Linux":
         there = ctypes.util.find_library("glib-2.0") is not None
         hint = "there" if there else "apt-get install libglib2.0-0"
         yield Finding("libglib-2.0", _OK if there else _MISSING, hint)
 
 
-def _package(name: str, extra: str) -> Finding:
+def _package(wanted: Requirement) -> Finding:
+    """Whether a package is there, in a version that is allowed."""
+    needed = wanted.marker is None or wanted.marker.evaluate({"extra": ""})
+    status = _MISSING if needed else _OPTIONAL
+    hint = f"pip install '{wanted.name}{wanted.specifier}'"
     try:
-        return Finding(name, _OK, importlib.metadata.version(name))
+        found = importlib.metadata.version(wanted.name)
     except importlib.metadata.PackageNotFoundError:
-        wanted = f"brace_drake[{extra}]" if extra else name
-        status = _OPTIONAL if extra else _MISSING
-        return Finding(name, status, f"pip install '{wanted}'")
+        return Finding(wanted.name, status, hint)
+    if wanted.specifier.contains(found, prereleases=True):
+        return Finding(wanted.name, _OK, found)
+    return Finding(wanted.name, status, f"{found} is another; {hint}")
 
 
 def _program(name: str, what_for: str) -> Finding:
