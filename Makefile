@@ -8,6 +8,8 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 EXAMPLE := tests/data/example
 OUT := out/demo
+# What builds the package is pinned as what it needs.
+PINNED := -c constraints.txt --build-constraint constraints.txt
 
 .PHONY: demo test lint types docs bench clean
 
@@ -34,8 +36,8 @@ $(STAMP): pyproject.toml constraints.txt tools/check_machine.py
 	$(PYTHON) tools/check_machine.py
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip -c constraints.txt
-	$(BIN)/python -m pip install --quiet -e ".[dev]" -c constraints.txt
+	$(BIN)/python -m pip install --quiet -e ".[dev]" $(PINNED)
 	touch $@
 
 clean:
-	rm -rf $(VENV) out
+	rm -rf $(VENV) out docs/reference
