@@ -1,7 +1,8 @@
 # Two targets do everything on a machine with Python 3.11 or newer:
 #   make demo   diagnose the bundled example campaign, write its report
 #   make test   run the whole suite
-# More: make docs, its pages in out/docs; make bench, the table of speed.
+# More: make docs, its pages in out/docs; make bench, the table of speed; make
+# wheel, which builds the wheel and uses it apart from the source.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -11,7 +12,7 @@ OUT := out/demo
 # What builds the package is pinned as what it needs.
 PINNED := -c constraints.txt --build-constraint constraints.txt
 
-.PHONY: demo test lint types docs bench clean
+.PHONY: demo test lint types docs bench wheel clean
 
 demo: $(STAMP)
 	$(BIN)/brace-drake diagnose $(EXAMPLE) --out $(OUT)
@@ -28,6 +29,10 @@ types: $(STAMP)
 
 docs: $(STAMP)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs
+
+wheel: $(STAMP)
+	$(BIN)/python tools/smoke_wheel.py --packages \
+	  "$$($(BIN)/python -c 'import site; print(site.getsitepackages()[0])')"
 
 bench: $(STAMP)
 	$(BIN)/python tools/bench.py

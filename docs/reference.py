@@ -13,22 +13,28 @@ _SKIPPED = {"cli"}
 
 
 def WriteReference(folder: Path, parser: argparse.ArgumentParser) -> None:
-    """Writes api.md, a page of each part, and commands.md into a folder."""
+    """Writes api.md, a page of each part, and commands.md into a folder.
+
+    Pages of parts that are no longer there are removed.
+    """
     folder.mkdir(exist_ok=True)
     parts = [
         m
         for m in pkgutil.iter_modules(brace_drake.__path__)
         if m.name not in _SKIPPED
     ]
-    for part in parts:
-        _WriteChanged(folder / f"{part.name}.md", _part_page(part))
+    pages = {f"{part.name}.md": _part_page(part) for part in parts}
     names = "\n".join(part.name for part in parts)
-    _WriteChanged(
-        folder / "api.md",
+    pages["api.md"] = (
         "# API reference\n\nFrom the docstrings, a page for each part of the"
-        " package.\n\n```{toctree}\n:maxdepth: 1\n\n" + names + "\n```\n",
+        " package.\n\n```{toctree}\n:maxdepth: 1\n\n" + names + "\n```\n"
     )
-    _WriteChanged(folder / "commands.md", _commands_page(parser))
+    pages["commands.md"] = _commands_page(parser)
+    for name, text in pages.items():
+        _WriteChanged(folder / name, text)
+    for path in folder.glob("*.md"):
+        if path.name not in pages:
+            path.unlink()
 
 
 def _part_page(part) -> str:

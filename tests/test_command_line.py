@@ -10,6 +10,7 @@ from pathlib import Path
 from unittest import mock
 
 from brace_drake.cli.main import main, make_parser
+from brace_drake.cli.options import load_motion, names_file
 from tests.shared_data import EXAMPLE
 
 
@@ -184,6 +185,31 @@ class TestHelp(unittest.TestCase):
             for name, command in action.choices.items():
                 with self.subTest(command=name):
                     self.assertIn("example", command.format_help())
+
+
+class TestWithoutTheSource(unittest.TestCase):
+    def test_validate_asks_for_a_campaign_where_no_example_is(self):
+        nowhere = mock.patch(
+            "brace_drake.resources.example_campaign_path",
+            return_value=Path("/nowhere/example"),
+        )
+        with tempfile.TemporaryDirectory() as folder, nowhere:
+            out = Path(folder) / "out"
+            status, errors = run("validate", "--out", out)
+            self.assertEqual((status, errors.count("\n")), (2, 1))
+            self.assertIn("name a campaign", errors)
+            self.assertFalse(out.exists())
+
+
+class TestMotions(unittest.TestCase):
+    def test_a_folder_of_a_motions_name_is_no_reference(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with contextlib.chdir(folder):
+                Path("push").mkdir()
+                self.assertEqual(load_motion("push").file, "push.csv")
+                self.assertFalse(names_file("push"))
+                Path("reversal").write_text("time_s\n")
+                self.assertTrue(names_file("reversal"))
 
 
 if __name__ == "__main__":

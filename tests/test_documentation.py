@@ -11,7 +11,7 @@ import sys
 import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
-from importlib.util import find_spec
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import yaml
@@ -188,6 +188,21 @@ class TestBuild(unittest.TestCase):
             self.assertIn("says <strong>why</strong>", first)
             effects = (Path(out) / "reference" / "effects.html").read_text()
             self.assertIn("register_effect", effects)
+
+
+class TestReference(unittest.TestCase):
+    def test_a_page_of_a_part_that_is_gone_is_removed(self):
+        path = ROOT / "docs" / "reference.py"
+        spec = spec_from_file_location("docs_reference", path)
+        reference = module_from_spec(spec)
+        spec.loader.exec_module(reference)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "gone.md").write_text("# brace_drake.gone\n")
+            reference.WriteReference(folder, make_parser())
+            pages = {p.stem for p in folder.iterdir()}
+            parts = {name for row in LAYERS for name in row} - {"cli"}
+            self.assertEqual(pages, parts | {"api", "commands"})
 
 
 class TestPages(unittest.TestCase):

@@ -19,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # Words of a command, and its status; {here} is an empty folder, {example} a
-# copy of the bundled campaign.
+# copy of the bundled campaign, {data} and {policy} come with the wheel.
 COMMANDS = (
     (("--version",), 0),
     (("--help",), 0),
@@ -32,11 +32,14 @@ COMMANDS = (
       "0.03", "--out", "{here}/girl"), 0),
     (("plan", "--motions", "push_fast", "--effects", "force_bias", "--jobs",
       "1", "--json"), 0),
+    (("predict", "{policy}"), 0),
+    (("validate", "--out", "{here}/validate"), 2),
     (("completion", "bash"), 0),
 )  # fmt: skip
 _INSIDE = (
-    "import brace_drake, sys; from brace_drake.resources import scenario_path;"
-    "print(brace_drake.__path__[0]); print(scenario_path(''))"
+    "import brace_drake; from brace_drake.resources import *;"
+    "print(brace_drake.__path__[0]); print(scenario_path(''));"
+    "print(policy_path())"
 )
 
 
@@ -86,12 +89,14 @@ def main() -> int:
         wheel = build(args.python, here)
         inside = install(args.python, wheel, here, args.packages)
         places = run([inside, "-c", _INSIDE], here, must=True).stdout.split()
-        print(f"package: {places[0]}\ndata: {places[1]}")
+        package, data, policy = places
+        print(f"package: {package}\ndata: {data}\npolicy: {policy}")
         bad += not all(Path(p).is_relative_to(here) for p in places)
         shutil.copytree(ROOT / "tests" / "data" / "example", here / "example")
-        lines = (Path(places[1]) / "paper_push.csv").read_text().splitlines()
+        lines = (Path(data) / "paper_push.csv").read_text().splitlines()
         (here / "short.csv").write_text("\n".join(lines[:20]) + "\n")
-        names = {"here": here, "example": here / "example", "data": places[1]}
+        names = {"here": here, "example": here / "example", "data": data}
+        names["policy"] = policy
         for words, status in COMMANDS:
             words = [w.format(**names) for w in words]
             begun = time.monotonic()

@@ -67,7 +67,12 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.experiments.validate import describe, validate_twin
     from brace_drake.resources import example_campaign_path
 
-    campaign = LoadCampaign(args.campaign or example_campaign_path())
+    path = args.campaign or example_campaign_path()
+    if not args.campaign and not path.is_dir():
+        raise CampaignError(
+            "name a campaign: the recorded example comes with the source alone"
+        )
+    campaign = LoadCampaign(path)
     scenario = load_scenario_option(args.scenario)
     out = MakeFolder(Path(args.out))
     found = _load_fit(args.fit) if args.fit else _fit(campaign, scenario, args)
