@@ -12,6 +12,7 @@ import serial
 from brace_drake.errors import LimitsError, LinkError
 from brace_drake.hardware.clock import ClockSync
 from brace_drake.hardware.codec import Decoder, Packet, make_codec
+from brace_drake.hardware.inbox import Inbox
 from brace_drake.hardware.limits import (
     SHARED,
     Limits,
@@ -39,23 +40,19 @@ class Link:
         hello, geometry, device_limits: What the device said of itself.
         session: Number of the session, 0 before `agree`.
         clock: The device's clock.
-        error: What ended the reading, None while it goes on.
     """
 
     def __init__(self, path: str, baud: int = BAUD):
         self.path = path
         self.hello = self.geometry = self.device_limits = None
         self.session, self.clock = 0, ClockSync()
-        self.error: Exception | None = None
         self.on_state: Callable[[Packet, int], None] | None = None
         self._port = OpenPort(path, baud)
         self._codec = make_codec(1)
         self._decoder = Decoder(self._codec, follows_hello=True)
         self._sequence = random.randrange(2**16)
         self._order, self._messages, self._states = SequenceWatch(), 0, 0
-        self._sending, self._news = threading.Lock(), threading.Condition()
-        self._answers: dict[str, Packet] = {}
-        self._faults: list[Packet] = []
+        self._sending, self._inbox = threading.Lock(), Inbox()
         self._closed, self._beat = threading.Event(), 0.0
         self._reader = threading.Thread(
             target=self._Read, name=f"link {path}", daemon=True
@@ -73,11 +70,11 @@ class Link:
         ends, nonce = time.monotonic() + timeout, random.randrange(2**32)
         names = ("HELLO", "GEOMETRY", "DEVICE_LIMITS")
         self._decoder.follows_hello = True
-        self._Forget(*names)
+        self._inbox.Forget(*names)
         while time.monotonic() < ends:
             self.Send("HELLO_REQUEST", {"nonce": nonce})
-            if self._WaitFor(names, _AGAIN):
-                hello, geometry, limits = (self._answers[n] for n in names)
+            if self._inbox.WaitFor(names, _AGAIN):
+                hello, geometry, limits = (self._inbox[n] for n in names)
                 if hello.values.nonce == nonce:
                     self.hello, self.geometry = hello.values, geometry.values
                     self.device_limits = tuple(limits.values)
@@ -85,7 +82,7 @@ class Link:
                     self._decoder.follows_hello = False
                     return
                 # The answer to somebody before us.
-                self._Forget(*names)
+                self._inbox.Forget(*names)
             self._CheckAlive()
         raise LinkError(f"{self.path}: {self._DescribeStranger()}")
 
@@ -142,11 +139,11 @@ class Link:
         Raises:
             LinkError: None comes.
         """
-        self._Forget("STATE")
-        if not self._WaitFor(("STATE",), timeout):
+        self._inbox.Forget("STATE")
+        if not self._inbox.WaitFor(("STATE",), timeout):
             self._CheckAlive()
             raise LinkError(f"{self.path}: the device sends no states")
-        return self._answers["STATE"].values
+        return self._inbox["STATE"].values
 
     def Command(
         self, values: Sequence[float], tick: int, mode: Mode = Mode.FORCE
@@ -198,7 +195,12 @@ class Link:
     @property
     def fault(self) -> Packet | None:
         """The last fault that the device has told."""
-        return self._faults[-1] if self._faults else None
+        return self._inbox.fault
+
+    @property
+    def error(self) -> Exception | None:
+        """What ended the reading, None while it goes on."""
+        return self._inbox.error
 
     def Close(self) -> None:
         """Ends the reading and closes the port."""
@@ -216,11 +218,11 @@ class Link:
     # Answers
 
     def _Ask(self, name: str, values: dict, answer: str, tries: int = 5):
-        self._Forget(answer)
+        self._inbox.Forget(answer)
         for _ in range(tries):
             sequence = self.Send(name, values)
-            if self._WaitFor((answer,), _AGAIN, sequence):
-                return self._answers[answer]
+            if self._inbox.WaitFor((answer,), _AGAIN, sequence):
+                return self._inbox[answer]
             self._CheckAlive()
         raise LinkError(f"{self.path}: no answer to {name.lower()}")
 
@@ -231,24 +233,6 @@ class Link:
                 f"{self.path}: the device refuses to {name.lower()}:"
                 f" {reason_text(answer.reason)}"
             )
-
-    def _Forget(self, *names: str) -> None:
-        with self._news:
-            for name in names:
-                self._answers.pop(name, None)
-
-    def _WaitFor(self, names, timeout: float, sequence=None) -> bool:
-        def here() -> bool:
-            if self.error is not None:
-                return True
-            if any(name not in self._answers for name in names):
-                return False
-            values = self._answers[names[0]].values
-            told = getattr(values, "sequence_answered", None)
-            return told is None or sequence is None or told == sequence
-
-        with self._news:
-            return self._news.wait_for(here, timeout) and self.error is None
 
     def _CheckAlive(self) -> None:
         if self.error is not None:
@@ -292,14 +276,9 @@ class Link:
                     self.Send("HEARTBEAT", {"echo_us": 0})
         except (OSError, TypeError, serial.SerialException, LinkError) as error:
             if not self._closed.is_set():
-                self._End(self._Gone(error))
+                self._inbox.End(self._Gone(error))
         except Exception as error:  # A handler's own: told where it is waited.
-            self._End(error)
-
-    def _End(self, error: Exception) -> None:
-        with self._news:
-            self.error = error
-            self._news.notify_all()
+            self._inbox.End(error)
 
     def _Take(self, packet: Packet, lost: int, now: int) -> None:
         if BY_NAME[packet.name].sender == "host":
@@ -310,15 +289,9 @@ class Link:
             if self.on_state is not None:
                 self.on_state(packet, lost)
             else:
-                with self._news:
-                    self._answers["STATE"] = packet
-                    self._news.notify_all()
+                self._inbox.Put(packet)
         elif packet.name == "HEARTBEAT":
             sent = 1e-6 * packet.values.echo_us
             self.clock.add(sent, 1e-6 * packet.time_us, 1e-9 * now)
         else:
-            with self._news:
-                if packet.name == "FAULT":
-                    self._faults = [*self._faults[-99:], packet]
-                self._answers[packet.name] = packet
-                self._news.notify_all()
+            self._inbox.Put(packet)
