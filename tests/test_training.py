@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,11 @@ try:
     from brace_drake.training.learner import Learner, _subjects_of
     from brace_drake.training.numbers import TrainingNumbers
     from brace_drake.training.run_folder import LoadCheckpoint
-    from brace_drake.training.train import ResumeTraining, StartTraining
+    from brace_drake.training.train import (
+        ResumeTraining,
+        StartTraining,
+        TrainPolicy,
+    )
 except ImportError as error:
     raise unittest.SkipTest("stable-baselines3 is not installed") from error
 
@@ -143,6 +148,10 @@ class TestResume(Folder):
         self.assertEqual(wide, _subjects_of(tiny_task(), 4))
         self.assertEqual(_subjects_of(short_task(5), 4), [NOMINAL])
         use = EffectRange("coulomb_friction", parameters={
+            "coulomb_N": np.array([0.1, 0.3])})  # fmt: skip
+        rough = short_task(5, subjects=SubjectRanges(effects=[use]))
+        self.assertEqual([len(_subjects_of(rough, n)) for n in (1, 4)], [1, 4])
+        use = EffectRange("coulomb_friction", parameters={
             "coulomb_N": np.array([0.3, 0.3])})  # fmt: skip
         fixed = short_task(5, subjects=SubjectRanges(effects=[use]))
         (one,) = _subjects_of(fixed, 4)
@@ -156,6 +165,31 @@ class TestResume(Folder):
         self.assertTrue(result["stopped"])
         self.assertLess(result["updates"], 25)
         self.assertTrue((self.folder / "best.npz").exists())
+        # Over is over: begun again it stays where it was.
+        before = (self.folder / "policy.npz").read_bytes()
+        self.assertEqual(ResumeTraining(self.folder), result)
+        self.assertEqual((self.folder / "policy.npz").read_bytes(), before)
+
+    def test_a_run_of_other_options_is_not_taken_for_this_one(self):
+        task, numbers = tiny_task(), tiny_numbers(episodes=1)
+        TrainPolicy(self.folder, task, numbers)
+        moved = self.folder / "elsewhere.scenario.yaml"
+        scenario = (self.folder / "used.scenario.yaml").read_text()
+        moved.write_text(scenario)
+        best = (self.folder / "best.npz").read_bytes()
+        for same in (task, replace(task, scenario=str(moved))):
+            TrainPolicy(self.folder, same, numbers)
+        self.assertEqual((self.folder / "best.npz").read_bytes(), best)
+        moved.write_text(scenario.replace("mass: 40.0", "mass: 41.0"))
+        self.assertNotEqual(moved.read_text(), scenario)
+        for changed, other, text in (
+            (task, replace(numbers, episodes=2), "episodes: begun with 1,"),
+            (task, replace(numbers, seed=9), "seed: begun with 3,"),
+            (replace(task, motion_time=9.0), numbers, "motion_time: begun"),
+            (replace(task, scenario=str(moved)), numbers, "torso: begun"),
+        ):
+            with self.assertRaisesRegex(PolicyError, text):
+                TrainPolicy(self.folder, changed, other)
 
     def test_a_checkpoint_that_could_run_code_is_refused(self):
         class Trap:
@@ -179,6 +213,10 @@ class TestResume(Folder):
         path.write_text(json.dumps(manifest))
         with self.assertRaisesRegex(PolicyError, r"torch 0\.1"):
             ResumeTraining(self.folder)
+        for damage in ("{", "[]", "{}", '{"versions": 3}', "\x00"):
+            path.write_text(damage)
+            with self.assertRaisesRegex(PolicyError, r"manifest\.json: "):
+                ResumeTraining(self.folder)
 
 
 class TestNetwork(unittest.TestCase):

@@ -185,7 +185,7 @@ def _subjects_of(task: LearningTask, count: int) -> list[Subject]:
     """
     drawn = [
         draw_subject(task.subjects, np.random.default_rng([_EVALUATED, i]))
-        for i in range(max(1, count - 1))
+        for i in range(count)
     ]
     if not task.subjects.effects:
         drawn = [NOMINAL, *drawn[: count - 1]]

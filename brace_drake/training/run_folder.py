@@ -6,10 +6,12 @@ import csv
 import io
 import json
 import pickle
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import torch
+import yaml
 from pydrake.common.yaml import yaml_dump_typed
 
 from brace_drake.errors import BraceError, PolicyError
@@ -63,16 +65,14 @@ def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
     """What a run was started with; its scenario is the one it kept.
 
     Raises:
-        PolicyError: There is no run, or other versions have begun it.
+        PolicyError: There is no run, its manifest is damaged, or other
+            versions have begun it.
         ScenarioError: A file of it cannot be read.
     """
     manifest = folder / "manifest.json"
     if not (manifest.is_file() and (folder / CHECKPOINT).is_file()):
         raise PolicyError(f"{folder}: no training run to go on with")
-    begun, here = (
-        json.loads(manifest.read_text())["versions"],
-        installed_versions(PACKAGES),
-    )
+    begun, here = _load_versions(manifest), installed_versions(PACKAGES)
     for name, value in begun.items():
         if here.get(name) != value:
             raise PolicyError(
@@ -84,6 +84,58 @@ def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
     if not _is_same(task, kept):
         task.scenario = str(kept)
     return task, LoadRecord(TrainingNumbers(), folder / "training.yaml")
+
+
+def CheckSame(
+    folder: Path, task: LearningTask, numbers: TrainingNumbers
+) -> None:
+    """Refuses to go on with a run of another task, scenario or numbers.
+
+    Where the scenario's file lies does not matter, what is in it does.
+
+    Raises:
+        PolicyError: Names the first key that differs, and both values.
+        ScenarioError: A file of the run cannot be read.
+    """
+    for name, record in (
+        ("task.yaml", replace(task, scenario="")),
+        ("training.yaml", numbers),
+        ("used.scenario.yaml", load_task_scenario(task)),
+    ):
+        kept, asked = _load_map(folder / name), _map_of(record)
+        for key, value in asked.items():
+            if key != "scenario" and kept.get(key) != value:
+                raise PolicyError(
+                    f"{folder / name}: {key}: begun with {kept.get(key)!r},"
+                    f" asked for is {value!r}: another folder, or the same"
+                    " options"
+                )
+
+
+def _load_map(path: Path) -> dict:
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        raise PolicyError(f"{path}: no part of a training run") from error
+    return data if isinstance(data, dict) else {}
+
+
+def _map_of(record) -> dict:
+    return yaml.safe_load(yaml_dump_typed(record))
+
+
+def _load_versions(manifest: Path) -> dict:
+    try:
+        versions = json.loads(manifest.read_text(encoding="utf-8"))["versions"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise PolicyError(
+            f"{manifest}: no manifest of a training run"
+        ) from error
+    if not isinstance(versions, dict):
+        raise PolicyError(
+            f"{manifest}: versions: {versions!r}; allowed: a map of packages"
+        )
+    return versions
 
 
 def _is_same(task: LearningTask, kept: Path) -> bool:

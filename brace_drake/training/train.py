@@ -84,11 +84,13 @@ def TrainPolicy(
     A run that is finished is not run again.
 
     Raises:
-        PolicyError: Other versions have begun it.
+        PolicyError: Other versions have begun it, or it is of another task,
+            scenario or numbers.
         ScenarioError: Task or numbers are not allowed.
     """
     folder = Path(folder)
     if (folder / run_folder.CHECKPOINT).exists():
+        run_folder.CheckSame(folder, task, numbers)
         ResumeTraining(folder)
     else:
         StartTraining(folder, task, numbers)
@@ -105,7 +107,7 @@ def _train(
     numbers = learner.numbers
     total = numbers.episodes * learner.task.max_steps
     updates = math.ceil(total / numbers.horizon)
-    stopped = False
+    stopped = _is_over(learner, best)
     try:
         while learner.updates < updates and not stopped:
             rows.append(learner.advance())
@@ -143,6 +145,11 @@ def _evaluate(
         best.score, best.since = score, 0
         SavePolicy(learner.policy(), folder / "best.npz")
     run_folder.DrawCurve(folder, rows)
+    return _is_over(learner, best)
+
+
+def _is_over(learner: Learner, best: _Best) -> bool:
+    """Whether patience has run out."""
     return 0 < learner.numbers.patience <= best.since
 
 
