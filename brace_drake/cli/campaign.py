@@ -53,5 +53,6 @@ def Run(args: argparse.Namespace) -> int:
         RecordRuns(recorder, left, len(plan), args.countdown)
     out = shlex.quote(args.out)
     print(f"campaign: {args.out}, {len(left)} runs recorded")
-    print(f"next: brace-drake diagnose {out} --out {out}-results")
+    results = shlex.quote(args.out.rstrip("/") + "-results")
+    print(f"next: brace-drake diagnose {out} --out {results}")
     return 0
