@@ -7,17 +7,20 @@ import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 
 from brace_drake.cli.main import main
-from brace_drake.errors import PolicyError
-from brace_drake.experiments import best_constant, evaluate
+from brace_drake.errors import BraceError, PolicyError
+from brace_drake.experiments import best_constant, evaluate, rollouts
 from brace_drake.experiments.compare import (
     TABLE_1_RLPIC,
     LoadPush,
     compare_controllers,
 )
+from brace_drake.experiments.evaluation_words import _on_nominal_need
 from brace_drake.experiments.rollouts import SAMPLES, Arena, Contestant
 from brace_drake.experiments.scores import (
     median_over,
@@ -88,6 +91,99 @@ class TestRollouts(unittest.TestCase):
         score = score_rollout(Arena(task), rollout)
         self.assertTrue(score.broke and score.violates)
         self.assertFalse(score.over_force)
+
+
+class TestFailures(unittest.TestCase):
+    def test_a_push_that_breaks_down_is_the_worst_there_can_be(self):
+        arena, whole = Arena(short_task(6)), rollouts.CompiledLoop.advance
+        for good in (None, 0, 7):
+            with self.subTest(samples=good):
+                calls = []
+
+                def advance(loop, asked, good=good, calls=calls):
+                    calls.append(asked)
+                    if len(calls) > good:
+                        raise BraceError("out of bounds")
+                    whole(loop, asked)
+
+                def start(loop, episode, asked):
+                    raise BraceError("out of reach")
+
+                broken = (
+                    mock.patch.object(rollouts.CompiledLoop, "start", start)
+                    if good is None
+                    else mock.patch.object(
+                        rollouts.CompiledLoop, "advance", advance
+                    )
+                )
+                with broken:
+                    push = arena.run(Contestant("pic"), NOMINAL)
+                self.assertRegex(push.cause, "failed: out of (bounds|reach)")
+                self.assertEqual(len(push.time), good or 0)
+                self.assertEqual(push.stiffness.shape[1:], (1,))
+                self.assertEqual(push.total, -np.inf)
+                score = score_rollout(arena, push)
+                self.assertTrue(score.broke and score.violates)
+                self.assertEqual(
+                    {score.y_rms, score.peak_force, -score.total}, {np.inf}
+                )
+
+    def test_a_constant_that_breaks_down_wins_no_search(self):
+        class Cliff:
+            law = Arena(short_task()).law
+
+            def run(self, contestant, subject):
+                K = contestant.stiffness
+                total = K if K < 5000.0 else -np.inf
+                return type("R", (), {"total": total})
+
+        with open_workers(1) as workers:
+            found = best_constant.search_constant(Cliff(), (NOMINAL,), workers)
+        self.assertLess(found.best, 5000.0)
+        self.assertGreater(found.best, 3000.0)
+
+    def test_intervals_of_pushes_that_failed_are_no_numbers_made_up(self):
+        inf = np.inf
+        self.assertEqual(over_seeds([1.0, inf]).value, inf)
+        self.assertTrue(np.isnan(over_seeds([1.0, inf]).upper))
+        few = median_over([1.0, 2.0, 3.0, 4.0, inf])
+        self.assertEqual(few.value, 3.0)
+        self.assertEqual((few.lower, few.upper), (1.0, inf))
+
+
+class TestWords(unittest.TestCase):
+    def say(self, error, violates=False):
+        """On a policy of an error, mm, beside constants of 1, 2 and 3 kN/m."""
+
+        def score(y, over=False):
+            return SimpleNamespace(y_rms=1e-3 * y, violates=over)
+
+        return _on_nominal_need(
+            SimpleNamespace(
+                contestants=(Contestant("constant"), Contestant("rlpic")),
+                nominal_scores=(score(0.2), score(error, violates)),
+                nominal_search=SimpleNamespace(best=1000.0, at_upper=False),
+                nominal_sweep={
+                    2000.0: score(0.1),
+                    3000.0: score(0.05, over=True),
+                    4000.0: score(np.inf, over=True),
+                },
+            ),
+            "rlpic",
+        )
+
+    def test_the_rival_is_the_constant_of_the_least_error(self):
+        # Less than the constant of the best return is not less than any.
+        self.assertIn("search over one number does better", self.say(0.12))
+        self.assertIn("search over one number does as well", self.say(0.1))
+        said = self.say(0.08)
+        self.assertIn("2000 N/m with 0.1000 mm", said)
+        self.assertIn("of use: 20 % less than that", said)
+
+    def test_a_policy_that_violates_is_held_to_constants_that_do(self):
+        said = self.say(0.08, violates=True)
+        self.assertIn("3000 N/m with 0.0500 mm", said)
+        self.assertIn("not needed", said)
 
 
 def _cut(run, end):

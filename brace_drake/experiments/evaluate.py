@@ -42,11 +42,14 @@ class Evaluation:
         contestants: All of them on the nominal subject.
         nominal: Rollout of each of these.
         nominal_scores: The same.
-        nominal_search: The best constant stiffness on the nominal subject.
+        nominal_search: The constant stiffness of the best return on the
+            nominal subject.
+        nominal_sweep: Scores of constants on it, by stiffness.
         subjects: Never seen by any policy or search.
         unseen: Scores of each contestant on each of them, by name: a row for
             each seed.
-        search: The best constant on subjects drawn apart from these.
+        search: The constant of the best return on subjects drawn apart from
+            these.
         sweep: Scores of constants on the unseen subjects, by stiffness.
     """
 
@@ -56,6 +59,7 @@ class Evaluation:
     nominal: tuple[Rollout, ...]
     nominal_scores: tuple[Score, ...]
     nominal_search: Search
+    nominal_sweep: dict[float, Score]
     subjects: tuple[Subject, ...]
     unseen: dict[str, list[list[Score]]]
     search: Search
@@ -190,6 +194,8 @@ def evaluate(
     players = (*fixed, best, *policies)
     say("nominal subject", 0.3)
     nominal = workers.map(arena.run, [(c, NOMINAL) for c in players])
+    swept = [Contestant("", "pic", stiffness=K) for K in own.tried]
+    own_sweep = workers.map(run_and_score, [(arena, c, NOMINAL) for c in swept])
     subjects = draw_subjects(ranges, num_subjects, seed)
     best = Contestant("constant", "pic", stiffness=search.best)
     sweep = [Contestant(f"{K:g}", "pic", stiffness=K) for K in search.tried]
@@ -214,6 +220,7 @@ def evaluate(
         nominal=tuple(nominal),
         nominal_scores=tuple(score_rollout(arena, r) for r in nominal),
         nominal_search=own,
+        nominal_sweep=dict(zip(own.tried, own_sweep, strict=True)),
         subjects=subjects,
         unseen=unseen,
         search=search,

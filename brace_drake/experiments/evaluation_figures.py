@@ -132,6 +132,9 @@ def draw_unseen(evaluation: Evaluation) -> bytes:
                 (force, "peak_force", 1.0),
             ):
                 values = factor * evaluation.collect(name, field).ravel()
+                values = values[np.isfinite(values)]
+                if not len(values):
+                    continue  # All of its pushes have failed.
                 spots = place + np.linspace(-0.3, 0.3, len(values))
                 axes.plot(values, spots, ".", color=colour, ms=2.5, alpha=0.6)
                 middle = np.median(values)
@@ -161,9 +164,12 @@ def _use_logarithm(axes) -> None:
 
 def _draw_trade(evaluation: Evaluation, axes) -> None:
     """Pushes above F_max over the median error: constants and contestants."""
-    sweep = [_trade_of([scores]) for scores in evaluation.sweep.values()]
-    axes.plot(*np.transpose(sweep), "-", color=FLOOR, lw=1.0, marker=".")
-    for K, point in zip(evaluation.sweep, sweep, strict=True):
+    sweep = {K: _trade_of([row]) for K, row in evaluation.sweep.items()}
+    sweep = {K: point for K, point in sweep.items() if np.isfinite(point[0])}
+    if sweep:
+        points = np.transpose([*sweep.values()])
+        axes.plot(*points, "-", color=FLOOR, lw=1.0, marker=".")
+    for K, point in sweep.items():
         axes.annotate(f"{K:.0f}", point, fontsize=6.5, color=FLOOR)
     for name, rows in evaluation.unseen.items():
         colour = colour_of(evaluation, name)

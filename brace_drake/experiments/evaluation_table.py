@@ -178,12 +178,15 @@ def constants(evaluation: Evaluation) -> list[dict]:
     search, own = evaluation.search, evaluation.nominal_search
     rows = []
     for i, (stiffness, scores) in enumerate(evaluation.sweep.items()):
+        alone = evaluation.nominal_sweep[stiffness]
         error = np.array([s.y_rms for s in scores])
         over = np.array([s.violates for s in scores])
         rows.append(
             {
                 "stiffness_N_m": stiffness,
                 "nominal_return": own.totals[i],
+                "nominal_y_rmse_mm": 1e3 * alone.y_rms,
+                "nominal_violates": int(alone.violates),
                 "searched_return": search.totals[i],
                 "median": median_over(1e3 * error),
                 "violating": share_of(over),

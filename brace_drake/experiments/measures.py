@@ -56,11 +56,11 @@ def measure_tracking(log: BraceLog, ring: int) -> Tracking:
     force = log.force[:, ring, 1]
     moved = log.X[:, ring, [0, 2]] - log.X[0, ring, [0, 2]]
     return Tracking(
-        y_rms=_rms(off[:, 1]),
-        vy_rms=_rms(log.desired[:, 1, ring, 1] - log.v[:, ring, 1]),
-        x_rms=_rms(off[:, 0]),
-        z_rms=_rms(off[:, 2]),
-        force_rms=_rms(force[-1] - force),
+        y_rms=rms(off[:, 1]),
+        vy_rms=rms(log.desired[:, 1, ring, 1] - log.v[:, ring, 1]),
+        x_rms=rms(off[:, 0]),
+        z_rms=rms(off[:, 2]),
+        force_rms=rms(force[-1] - force),
         force_end=float(force[-1]),
         peak_force=float(np.abs(force).max()),
         peak_drift=float(np.abs(moved).max()),
@@ -68,5 +68,6 @@ def measure_tracking(log: BraceLog, ring: int) -> Tracking:
     )
 
 
-def _rms(values: np.ndarray) -> float:
+def rms(values: np.ndarray) -> float:
+    """sqrt(mean(values^2))."""
     return float(np.sqrt(np.mean(np.square(values))))

@@ -51,15 +51,19 @@ class Contestant:
 class Rollout:
     """What happened, N samples; nothing is cut off at a limit.
 
+    A push that has failed ends there, at worst before its first sample.
+
     Attributes:
         time: (N,), s.
         desired, desired_rate, position, rate, force: See `Signals`, the truth
             (N, 6n).
         stiffness: In use, of coordinates with an impedance (N, k), N/m; 0
             where a controller has none.
-        total: Return of the task's reward, at its decisions.
+        total: Return of the task's reward, at its decisions; -inf of a push
+            that has failed.
         cause: The first limit of the task that was passed, or the failure of
             the simulation; "" where all went well.
+        failed: Whether the simulation has.
     """
 
     time: np.ndarray
@@ -71,6 +75,7 @@ class Rollout:
     stiffness: np.ndarray
     total: float
     cause: str
+    failed: bool = False
 
 
 class Arena:
@@ -115,7 +120,7 @@ class Arena:
         )  # fmt: skip
         held = self.law.action(self.law.start)
         asked, samples, used = self._ask(policy, held), [], []
-        total, cause = 0.0, ""
+        total, cause, failed = 0.0, "", False
         try:
             loop.start(episode, asked)
             before = self._share(loop, policy, held)
@@ -135,8 +140,8 @@ class Arena:
                     samples[-1], task.limits, self.scenario.rings
                 )
         except BraceError as error:
-            cause = cause or f"failed: {error}"
-        return self._make_rollout(samples, used, total, cause)
+            cause, failed = cause or f"failed: {error}", True
+        return self._make_rollout(samples, used, total, cause, failed)
 
     def _scenario_of(self, contestant: Contestant):
         control = self.scenario.control
@@ -165,9 +170,14 @@ class Arena:
         return 0.5 * (held + 1.0)
 
     def _make_rollout(
-        self, samples: list[Signals], used: list, total: float, cause: str
+        self,
+        samples: list[Signals],
+        used: list,
+        total: float,
+        cause: str,
+        failed: bool,
     ) -> Rollout:
-        m = len(self.selected)
+        m, k = len(self.selected), int(self.selected.sum())
         stacked = {
             name: np.array([getattr(s, name) for s in samples]).reshape(-1, m)
             for name in Signals.__dataclass_fields__
@@ -175,8 +185,9 @@ class Arena:
         step = self.task.sample_time / SAMPLES
         return Rollout(
             time=step * np.arange(1, len(samples) + 1),
-            stiffness=np.array(used).reshape(len(samples), -1),
-            total=total,
+            stiffness=np.array(used).reshape(-1, k),
+            total=-np.inf if failed else total,
             cause=cause,
+            failed=failed,
             **stacked,
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from scipy import stats
 
+from brace_drake.experiments.measures import rms
 from brace_drake.experiments.rollouts import Arena, Rollout
 
 _START_S = 1.0
@@ -18,6 +19,9 @@ _DRAWS = 2000
 @dataclass(frozen=True)
 class Score:
     """Measures of one push along its coordinate; rms of desired minus actual.
+
+    Of a push that has failed errors and forces are infinite, and there is no
+    stiffness (nan): what it did until then is no measure of a whole push.
 
     Attributes:
         y_rms, vy_rms: Position, m, and velocity, m/s, along the push.
@@ -61,6 +65,8 @@ FIELDS = tuple(f.name for f in fields(Score))
 
 def score_rollout(arena: Arena, rollout: Rollout) -> Score:
     """Measures of a push."""
+    if rollout.failed:
+        return _FAILED
     i = arena.pushed
     base = 6 * (i // 6)
     error = rollout.desired - rollout.position
@@ -72,11 +78,11 @@ def score_rollout(arena: Arena, rollout: Rollout) -> Score:
     settled = rollout.stiffness[len(rollout.stiffness) // 2 :, chosen]
     mean, law = float(settled.mean()), arena.law
     return Score(
-        y_rms=_rms(error[:, i]),
-        vy_rms=_rms(rate),
-        x_rms=_rms(error[:, base]),
-        z_rms=_rms(error[:, base + 2]),
-        force_rms=_rms(force[-1] - force),
+        y_rms=rms(error[:, i]),
+        vy_rms=rms(rate),
+        x_rms=rms(error[:, base]),
+        z_rms=rms(error[:, base + 2]),
+        force_rms=rms(force[-1] - force),
         peak_force=peak,
         start_rate=float(np.abs(rate[early]).max()),
         y_end=float(abs(error[-1, i])),
@@ -90,6 +96,24 @@ def score_rollout(arena: Arena, rollout: Rollout) -> Score:
     )
 
 
+_FAILED = Score(
+    **dict.fromkeys(
+        (
+            "y_rms", "vy_rms", "x_rms", "z_rms", "force_rms", "peak_force",
+            "start_rate", "y_end",
+        ),
+        np.inf,
+    ),
+    **dict.fromkeys(
+        ("stiffness", "stiffness_low", "stiffness_high"), np.nan
+    ),
+    at_upper=False,
+    total=-np.inf,
+    over_force=True,
+    broke=True,
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Spread:
     """A number with its 95 % interval; nan where there is none."""
@@ -100,10 +124,13 @@ class Spread:
 
 
 def over_seeds(values: np.ndarray) -> Spread:
-    """Mean over seeds with Student's interval; none for a single one."""
+    """Mean over seeds with Student's interval.
+
+    There is none for a single one, or where one is infinite.
+    """
     values = np.asarray(values, dtype=float)
     mean, n = float(values.mean()), len(values)
-    if n < 2:
+    if n < 2 or not np.isfinite(mean):
         return Spread(mean)
     half = float(stats.t.ppf(0.975, n - 1) * values.std(ddof=1) / n**0.5)
     return Spread(mean, mean - half, mean + half)
@@ -121,7 +148,9 @@ def median_over(values: np.ndarray, seed: int = 0) -> Spread:
     count = values.shape[1]
     drawn = np.random.default_rng(seed).integers(count, size=(_DRAWS, count))
     medians = np.median(values[:, drawn], axis=2).mean(axis=0)
-    low, high = np.percentile(medians, [2.5, 97.5])
+    # Between a number and an infinite one there is nothing to interpolate.
+    how = "linear" if np.isfinite(medians).all() else "nearest"
+    low, high = np.percentile(medians, [2.5, 97.5], method=how)
     value = float(np.median(values, axis=1).mean())
     return Spread(value, float(low), float(high))
 
@@ -139,7 +168,3 @@ def share_of(events: np.ndarray) -> Spread:
     half /= 1 + z * z / n
     low, high = max(0.0, centre - half), min(1.0, centre + half)
     return Spread(share, float(low), float(high))
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

@@ -9,6 +9,7 @@ import numpy as np
 from brace_drake.campaign.columns import BENCH
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.errors import CampaignError
+from brace_drake.experiments.measures import rms
 from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
 from brace_drake.fit.start import contact_motion, contact_starts, start_values
 from brace_drake.gap.bench_ladder import ring_poses
@@ -68,7 +69,7 @@ class Regression:
     @property
     def rmse(self) -> float:
         """Root mean square of the prediction's error, N."""
-        return _rms(self.predicted - self.force)
+        return rms(self.predicted - self.force)
 
 
 @dataclass(frozen=True)
@@ -188,17 +189,13 @@ def describe(validation: Validation) -> dict:
 def errors(replayed: ReplayedRun) -> dict[str, float]:
     """RMSE of force, N, ring and torso, m, before and after the fit."""
     return {
-        f"{name}_rmse_{unit}_{when}": _rms(
+        f"{name}_rmse_{unit}_{when}": rms(
             getattr(getattr(replayed, when), name)
             - getattr(replayed.measured, name)
         )
         for name, unit in (("force", "N"), ("ring", "m"), ("torso", "m"))
         for when in ("before", "after")
     }
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def _choose(campaign: Campaign, split: str, name: str | None) -> Run:
