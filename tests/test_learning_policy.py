@@ -170,7 +170,7 @@ class TestImports(unittest.TestCase):
             [sys.executable, "-c", code], capture_output=True, text=True
         )
         self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertIn("pip install 'brace_drake[train]'", done.stderr)
+        self.assertIn("pip install -e '.[train]'", done.stderr)
         self.assertNotIn("Traceback", done.stderr)
 
 

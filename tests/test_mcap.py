@@ -179,7 +179,7 @@ class TestWithout(unittest.TestCase):
             text=True,
         )
         self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertIn("pip install 'brace_drake[mcap]'", done.stderr)
+        self.assertIn("pip install -e '.[mcap]'", done.stderr)
         self.assertNotIn("Traceback", done.stderr)
 
 

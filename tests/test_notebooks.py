@@ -9,7 +9,7 @@ try:
     from nbclient import NotebookClient
 except ImportError as error:
     raise unittest.SkipTest(
-        "nbclient is not installed: pip install 'brace_drake[dev]'"
+        "nbclient is not installed: pip install -e '.[dev]'"
     ) from error
 
 ROOT = Path(__file__).resolve().parents[1]

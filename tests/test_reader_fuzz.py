@@ -9,7 +9,7 @@ try:
     from hypothesis import strategies as st
 except ImportError as error:
     raise unittest.SkipTest(
-        "hypothesis is not installed: pip install 'brace_drake[dev]'"
+        "hypothesis is not installed: pip install -e '.[dev]'"
     ) from error
 
 from brace_drake.campaign import LoadCampaign

@@ -1,11 +1,15 @@
 """Policies of a bench's twin on the stand-in of the bench."""
 
+import csv
+import io
 import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
+from pydrake.common.yaml import yaml_dump_typed
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.errors import BraceError
@@ -13,13 +17,18 @@ from brace_drake.experiments.rollouts import Arena, Contestant
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.policy import SavePolicy
 from brace_drake.learning.subjects import NOMINAL, Subject
+from brace_drake.output import WriteText
 from brace_drake.parallel import open_workers
 from brace_drake.resources import scenario_path
 from brace_drake.scenario.bench import EffectUse
 from brace_drake.scenario.load import LoadScenario, SaveScenario
-from brace_drake.transfer import payoff
+from brace_drake.transfer import payoff, payoff_options
 from brace_drake.transfer.bench_task import MakeBenchTask
-from brace_drake.transfer.on_stand_in import cubic_push, push_stand_in
+from brace_drake.transfer.on_stand_in import (
+    PhysicalPush,
+    cubic_push,
+    push_stand_in,
+)
 from brace_drake.transfer.payoff_table import (
     conclude,
     format_csv,
@@ -154,6 +163,10 @@ class TestPayoff(unittest.TestCase):
             bench = LoadScenario(scenario_path("bench.scenario.yaml"))
             use = EffectUse("command_delay", {"delay_s": 0.008})
             (out / "command_delay").mkdir()
+            WriteText(
+                out / payoff_options.FILE,
+                yaml_dump_typed(payoff_options.PayoffOptions()),
+            )
             SaveScenario(
                 replace(bench, effects=[use]),
                 out / "command_delay" / payoff.FILE,
@@ -162,8 +175,17 @@ class TestPayoff(unittest.TestCase):
                 out, train, workers, ["command_delay"], pushes=1
             )
             again = payoff.run_payoff(
-                out, train, workers, ["command_delay"], pushes=1
+                out, train, workers, [" command_delay", ""], pushes=1
             )
+            for change, text in (
+                ({"severity": "small"}, "severity: begun with large, asked"),
+                ({"force_limit": 9.0}, "force_limit: begun with 20.0"),
+                ({"seed": 4}, "seed: begun with 0, asked for is 4"),
+            ):
+                with self.assertRaisesRegex(BraceError, text):
+                    payoff.run_payoff(
+                        out, train, workers, ["command_delay"], **change
+                    )
         self.assertEqual(len(trained), 2)
         self.assertEqual([len(t.subjects.effects) for t in trained], [0, 1])
         self.assertEqual(
@@ -176,16 +198,86 @@ class TestPayoff(unittest.TestCase):
 
     def test_the_table_says_how_much_better_it_is(self):
         rows = [
-            payoff.Outcome("relaxation", name, y, 1e-3, 1e-5, 9.0, 0.5, 1e4)
+            _outcome(name, i, y + noise)
             for name, y in (("nominal", 2e-4), ("repaired", 1e-4))
+            for i, noise in enumerate((-1e-5, 0.0, 1e-5))
         ]
+        # Noise that both share takes nothing from the difference.
         self.assertIn("50.0 % less error", conclude(rows)[0])
-        self.assertEqual(format_csv(rows).count("\n"), 3)
-        self.assertIn("| relaxation | repaired | 0.1 |", format_markdown(rows))
+        self.assertIn("Separable: 95 % interval", conclude(rows)[0])
+        self.assertIn("less 50.0 to 50.0 %", conclude(rows)[0])
+        table = list(csv.DictReader(io.StringIO(format_csv(rows))))
+        self.assertEqual(len(table), 2)
+        self.assertEqual(float(table[1]["y_rmse_mm"]), 0.1)
+        # Student's 97.5 % point of two degrees of freedom is 4.3027.
+        half = 4.3027 * 0.01 / 3**0.5
+        upper = float(table[1]["y_rmse_mm_upper95"])
+        self.assertAlmostEqual(upper, 0.1 + half, delta=1e-6)
+        self.assertIn(
+            "| relaxation | repaired | 0.1 +- 0.025 |", format_markdown(rows)
+        )
+
+    def test_a_difference_within_the_noise_is_not_separable(self):
+        rows = [
+            *(_outcome("nominal", i, y) for i, y in enumerate((2e-4, 1e-4))),
+            *(_outcome("repaired", i, y) for i, y in enumerate((1e-4, 1.8e-4))),
+        ]
+        self.assertIn("Not separable: 95 % interval", conclude(rows)[0])
+        one = [_outcome("nominal", 0, 2e-4), _outcome("repaired", 0, 1e-4)]
+        self.assertIn("One push has no interval", conclude(one)[0])
+        self.assertIn("| relaxation | nominal | 0.2 |", format_markdown(one))
+
+    def test_chance_of_the_pushes_is_that_of_the_seed(self):
+        def push(subject, flaws, policy, way, duration, seed):
+            y = np.random.default_rng(seed).normal(size=(50, 3))
+            still = np.zeros(50)
+            return PhysicalPush(still, still, still, y, still, still, still)
+
+        def errors(seed):
+            with (
+                open_workers(1) as workers,
+                mock.patch.object(payoff, "push_stand_in", push),
+            ):
+                found = payoff.compare_on_machine(
+                    payoff.make_case("relaxation", "large", 0), "relaxation",
+                    {"pic": None, "nominal": None}, 20.0, 3, workers, seed,
+                )  # fmt: skip
+            rows = [
+                [o.y_rms for o in found if o.controller == who]
+                for who in ("pic", "nominal")
+            ]
+            self.assertEqual(*rows)
+            return rows[0]
+
+        self.assertEqual(errors(0), errors(0))
+        self.assertEqual(len({*errors(0), *errors(1)}), 6)
 
     def test_an_unknown_cause_is_named(self):
         with self.assertRaisesRegex(BraceError, "'rust'; allowed: coulomb"):
             payoff.make_case("rust", "large", 0)
+
+    def test_nothing_is_trained_or_written_for_a_wrong_word(self):
+        def train(folder, task):
+            self.fail("trained")
+
+        with tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "new"
+            for causes, text in (
+                (["relaxation", "rust"], "'rust'; allowed"),
+                ([""], "no cause"),
+            ):
+                with self.assertRaisesRegex(BraceError, text):
+                    payoff.run_payoff(out, train, None, causes)
+            self.assertFalse(out.exists())
+            (Path(folder) / "notes.txt").touch()
+            with self.assertRaisesRegex(BraceError, "and no payoff.yaml"):
+                payoff.run_payoff(Path(folder), train, None)
+
+
+def _outcome(controller, push, error):
+    return payoff.Outcome(
+        "relaxation", controller, push, error, 1e-3, 1e-5, 9.0, 0.5, 1e4
+    )
 
 
 if __name__ == "__main__":

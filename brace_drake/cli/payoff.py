@@ -8,7 +8,6 @@ from pathlib import Path
 
 from brace_drake.cli.options import AddJobs, open_workers_option, positive
 from brace_drake.errors import BraceError, PolicyError
-from brace_drake.output import MakeFolder
 
 _EPILOG = """\
 example:
@@ -17,9 +16,9 @@ example:
 
 For each cause: a campaign of the stand-in of the bench that has it, its
 diagnosis, the repaired twin, a policy trained there, and one of the nominal
-twin; then pushes of that stand-in under both and under PIC. Started again, it
-goes on with what the folder has. Writes payoff.csv and payoff.md. Needs
-pip install 'brace_drake[train]'.
+twin; then pushes of that stand-in under both and under PIC. Started again with
+the same options it goes on with what the folder has. Writes payoff.yaml, the
+options, payoff.csv and payoff.md. Needs pip install -e '.[train]'.
 """
 
 
@@ -78,7 +77,7 @@ def Run(args: argparse.Namespace) -> int:
         import torch  # noqa: F401
     except ImportError as error:
         raise PolicyError(
-            f"training needs {error.name}: pip install 'brace_drake[train]'"
+            f"training needs {error.name}: pip install -e '.[train]'"
         ) from error
     from brace_drake.training.numbers import TrainingNumbers
     from brace_drake.training.train import TrainPolicy
@@ -87,9 +86,9 @@ def Run(args: argparse.Namespace) -> int:
 
     if not args.force_limit > 0.0:
         raise BraceError(f"--force-limit {args.force_limit}; allowed: above 0")
-    out = MakeFolder(Path(args.out))
+    out = Path(args.out)
     numbers = TrainingNumbers(episodes=args.episodes, seed=args.seed)
-    causes = args.causes.split(",") if args.causes else CAUSES
+    causes = CAUSES if args.causes is None else args.causes.split(",")
     with open_workers_option(args) as workers:
         outcomes = run_payoff(
             out,

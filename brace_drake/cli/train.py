@@ -18,7 +18,7 @@ example:
 Written are policy.npz (the last), best.npz, curve.csv, curve.png, the task,
 hyper-parameters, scenario, seed and versions, and a checkpoint after each
 update. A run that was stopped goes on to the same weights bit for bit. Needs
-pip install 'brace_drake[train]'.
+pip install -e '.[train]'.
 """
 
 
@@ -62,7 +62,7 @@ def Run(args: argparse.Namespace) -> int:
         import torch  # noqa: F401
     except ImportError as error:
         raise PolicyError(
-            f"training needs {error.name}: pip install 'brace_drake[train]'"
+            f"training needs {error.name}: pip install -e '.[train]'"
         ) from error
     from tqdm import tqdm
 

@@ -221,7 +221,7 @@ def _Import(part: str):
         return importlib.import_module(f"mcap.{part}")
     except ImportError as error:
         raise CampaignError(
-            "MCAP needs one more package: pip install 'brace_drake[mcap]'"
+            "MCAP needs one more package: pip install -e '.[mcap]'"
         ) from error
 
 

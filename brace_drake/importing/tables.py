@@ -118,7 +118,7 @@ def _LoadTdms(path: Path, options: dict) -> Columns:
         from nptdms import TdmsFile
     except ImportError as error:
         raise CampaignError(
-            f"{path}: TDMS needs npTDMS: pip install brace_drake[lab]"
+            f"{path}: TDMS needs npTDMS: pip install -e '.[lab]'"
         ) from error
     try:
         file = TdmsFile.read(path)

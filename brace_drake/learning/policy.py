@@ -156,7 +156,7 @@ def ExportOnnx(policy: Policy, path: str | Path) -> None:
         from onnx import TensorProto, helper, numpy_helper
     except ImportError as error:
         raise PolicyError(
-            "ONNX needs one more package: pip install 'brace_drake[onnx]'"
+            "ONNX needs one more package: pip install -e '.[onnx]'"
         ) from error
     named: dict[str, np.ndarray] = {
         "mean": policy.mean,

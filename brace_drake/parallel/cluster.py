@@ -10,7 +10,8 @@ from brace_drake.parallel.parcels import Parcel, run_parcel
 from brace_drake.parallel.workers import Workers
 from brace_drake.versions import installed_versions
 
-# Results depend on these to the last bit.
+# Results depend on these to the last bit (and on sources and processor, which
+# are not compared).
 PACKAGES = ("brace_drake", "drake", "numba", "numpy", "scipy")
 _CONNECT_S = 30.0
 _WORKERS_S = 60.0
@@ -116,8 +117,7 @@ def _connect(address: str):
         from distributed import Client
     except ImportError as error:
         raise ClusterError(
-            "a cluster needs one more package: pip install"
-            " 'brace_drake[cluster]'"
+            "a cluster needs one more package: pip install -e '.[cluster]'"
         ) from error
     try:
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,7 +56,7 @@ def push_stand_in(
     policy: Policy | None,
     way: float = -0.01,
     duration: float = 12.0,
-    seed: int = 0,
+    seed: int | Sequence[int] = 0,
     noise: bool = True,
 ) -> PhysicalPush:
     """Pushes the wearer of a stand-in.
@@ -66,7 +67,7 @@ def push_stand_in(
             the data sheet's constant stiffness.
         way: m.
         duration: Of the push, s.
-        seed: Of all that is random in the machine.
+        seed: Of all that is random in the machine, one number or several.
         noise: Of its instruments.
     """
     every = 50 if policy is None else round(policy.task.sample_time / TICK)

@@ -8,13 +8,14 @@ gap was worth.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from brace_drake.campaign import WriteCampaign
 from brace_drake.errors import BraceError
+from brace_drake.experiments.measures import rms
 from brace_drake.gap.diagnose import Diagnosis, diagnose
 from brace_drake.gap.document import MakeDocument
 from brace_drake.gap.repaired import FILE, MakeRepairedScenario
@@ -27,12 +28,15 @@ from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.transfer.bench_task import MakeBenchTask
 from brace_drake.transfer.on_stand_in import PhysicalPush, push_stand_in
+from brace_drake.transfer.payoff_options import KeepOptions, PayoffOptions
 from brace_drake.withheld.cases import Case, draw_decoy, draw_subject
 from brace_drake.withheld.faults import FAULTS, SEVERITIES
 from brace_drake.withheld.make import record_campaign
 from brace_drake.withheld.stand_in.flaws import with_flaws
 from brace_drake.withheld.stand_in.motions import make_motions
 
+# Streams of chance of a seed: campaigns, pushes.
+_RECORDED, _PUSHED = 1, 2
 CAUSES = ("coulomb_friction", "command_delay", "relaxation")
 # Trains a policy on a task in a folder; its file.
 Train = Callable[[Path, LearningTask], Path]
@@ -41,11 +45,12 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one controller does on one machine, means over its pushes.
+    """What one controller does on one machine in one push.
 
     Attributes:
         cause: What is wrong with the machine.
         controller: pic, nominal or repaired: the twin of its policy.
+        push: Which of its pushes; those of a number have the same chance.
         y_rms, vy_rms: Error along y, m and m/s.
         across_rms: Error along x and z, m.
         peak_force: Greatest force, N.
@@ -55,6 +60,7 @@ class Outcome:
 
     cause: str
     controller: str
+    push: int
     y_rms: float
     vy_rms: float
     across_rms: float
@@ -91,7 +97,7 @@ def repair_twin(
 
     Without an effect in the verdict the twin is the fitted one.
     """
-    rng = np.random.default_rng([seed, 1])
+    rng = np.random.default_rng([seed, _RECORDED])
     campaign = record_campaign(case, make_motions(rng), folder.name, rng)
     WriteCampaign(campaign, folder / "campaign")
     found = diagnose(campaign, workers, seed)
@@ -102,7 +108,7 @@ def repair_twin(
 
 
 def measure_push(
-    push: PhysicalPush, cause: str, controller: str, limit: float
+    push: PhysicalPush, cause: str, controller: str, number: int, limit: float
 ) -> Outcome:
     """Measures of one push."""
     error = push.desired - push.position[:, 1]
@@ -110,9 +116,10 @@ def measure_push(
     return Outcome(
         cause=cause,
         controller=controller,
-        y_rms=_rms(error),
-        vy_rms=_rms(push.desired_rate - push.rate),
-        across_rms=_rms(np.linalg.norm(push.position[:, [0, 2]], axis=1)),
+        push=number,
+        y_rms=rms(error),
+        vy_rms=rms(push.desired_rate - push.rate),
+        across_rms=rms(np.linalg.norm(push.position[:, [0, 2]], axis=1)),
         peak_force=float(np.abs(push.force).max()),
         over_force=float(np.mean(np.abs(push.force) > limit)),
         stiffness=float(settled.mean()),
@@ -126,22 +133,19 @@ def compare_on_machine(
     limit: float,
     pushes: int,
     workers: Workers,
+    seed: int = 0,
 ) -> list[Outcome]:
     """Pushes the machine under each controller, with the same chance."""
     tasks = [
-        (case.subject, case.flaws, policy, -0.01, 12.0, seed)
+        (case.subject, case.flaws, policy, -0.01, 12.0, (seed, _PUSHED, i))
         for policy in policies.values()
-        for seed in range(pushes)
+        for i in range(pushes)
     ]
     done = iter(workers.map(push_stand_in, tasks))
     return [
-        _mean(
-            [
-                measure_push(next(done), cause, name, limit)
-                for _ in range(pushes)
-            ]
-        )
+        measure_push(next(done), cause, name, i, limit)
         for name in policies
+        for i in range(pushes)
     ]
 
 
@@ -166,20 +170,26 @@ def run_payoff(
         severity: small, medium or large.
         force_limit: F_max of the reward and of the measures, N.
         pushes: Of each controller on each machine.
-        seed: Of machines, campaigns and diagnoses.
+        seed: Of machines, campaigns, diagnoses and pushes.
         say: Told what is being done.
 
     Raises:
-        BraceError: No such cause, or a step of it failed.
+        BraceError: No such cause, the folder is of other options, or a step
+            failed.
     """
     say = say or (lambda what: None)
+    names = list(dict.fromkeys(c.strip() for c in causes if c.strip()))
+    # A word that is wrong is told before anything takes its time.
+    cases = {name: make_case(name, severity, seed) for name in names}
+    if not cases:
+        raise BraceError("no cause is named")
     folder = MakeFolder(Path(folder))
+    KeepOptions(folder, PayoffOptions(severity, force_limit, seed))
     nominal = LoadScenario(scenario_path("bench.scenario.yaml"))
     say("training on the nominal twin")
     first = _policy_of(folder / "nominal", nominal, force_limit, train)
     outcomes = []
-    for cause in causes:
-        case = make_case(cause, severity, seed)
+    for cause, case in cases.items():
         own = MakeFolder(folder / cause)
         if not (own / FILE).exists():
             say(f"{cause}: diagnosis")
@@ -194,7 +204,7 @@ def run_payoff(
         }
         say(f"{cause}: pushes of the machine")
         outcomes += compare_on_machine(
-            case, cause, policies, force_limit, pushes, workers
+            case, cause, policies, force_limit, pushes, workers, seed
         )
     return outcomes
 
@@ -205,17 +215,3 @@ def _policy_of(
     MakeFolder(folder)
     task = MakeBenchTask(bench, folder / "brace.scenario.yaml", force_limit)
     return LoadPolicy(train(folder / "training", task))
-
-
-def _mean(outcomes: Sequence[Outcome]) -> Outcome:
-    rows = [asdict(o) for o in outcomes]
-    means = {
-        name: float(np.mean([row[name] for row in rows]))
-        for name, value in rows[0].items()
-        if not isinstance(value, str)
-    }
-    return replace(outcomes[0], **means)
-
-
-def _rms(values: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
