@@ -33,6 +33,19 @@ TRUTH = {
 }
 
 
+def form_of(value):
+    """Paths of the keys of a document; items of a list count as one."""
+    if isinstance(value, dict):
+        return {
+            (key, *rest)
+            for key, part in value.items()
+            for rest in form_of(part)
+        } or {()}
+    if isinstance(value, list):
+        return set().union(*map(form_of, value)) or {()}
+    return {()}
+
+
 class TestExample(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -67,6 +80,15 @@ class TestExample(unittest.TestCase):
         self.assertEqual(
             total_gap(runs, "before"), self.document["shrink"]["after"]
         )
+
+    def test_the_stored_diagnosis_has_the_form_of_one_that_is_written(self):
+        path = EXAMPLE.parent / "example_diagnosis" / "diagnosis.json"
+        stored = json.loads(path.read_text())
+        self.assertEqual(form_of(stored), form_of(self.document))
+        for name in ("effects", "blocks", "outside_library"):
+            self.assertEqual(
+                stored["verdict"][name], self.document["verdict"][name]
+            )
 
     def test_the_relaxing_tissue_is_named_and_placed(self):
         verdict = self.document["verdict"]

@@ -1,7 +1,5 @@
 """What a payoff's folder was begun with, so that nothing else goes on in it."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
