@@ -204,6 +204,18 @@ class TestPlans(Folder):
                 self.assertEqual((status, errors.count("\n")), (2, 1), errors)
                 self.assertRegex(errors, r"reaches 13.0 mm, allowed 12 mm")
 
+    def test_results_lie_beside_a_folder_that_ends_in_a_slash(self):
+        with (
+            mock.patch("brace_drake.cli.campaign.OpenRecorder"),
+            mock.patch("brace_drake.operation.guide.RecordRuns"),
+        ):
+            for folder in ("monday", "monday/"):
+                options = ("--port", "/dev/null", "--out", folder)
+                status, said, errors = self.run_command("campaign", *options)
+                self.assertEqual(status, 0, errors)
+                last = said.splitlines()[-1]
+                self.assertTrue(last.endswith(" --out monday-results"), last)
+
     def test_a_split_beside_a_plan_and_a_bad_plan_have_one_line(self):
         plan = self.folder / "plan.yaml"
         plan.write_text("format: brace-plan/1\nruns: [{motion: pusch}]\n")

@@ -171,6 +171,8 @@ class TestPayoff(unittest.TestCase):
                 replace(bench, effects=[use]),
                 out / "command_delay" / payoff.FILE,
             )
+            short = mock.patch.object(payoff, "push_stand_in", _push_shortly)
+            self.enterContext(short)
             first = payoff.run_payoff(
                 out, train, workers, ["command_delay"], pushes=1
             )
@@ -272,6 +274,13 @@ class TestPayoff(unittest.TestCase):
             (Path(folder) / "notes.txt").touch()
             with self.assertRaisesRegex(BraceError, "and no payoff.yaml"):
                 payoff.run_payoff(Path(folder), train, None)
+
+
+def _push_shortly(subject, flaws, policy, way, duration, seed):
+    """A push of the stand-in itself, of its first part alone."""
+    return push_stand_in(
+        subject, flaws, policy, way * _TIME / 12.0, _TIME, seed
+    )
 
 
 def _outcome(controller, push, error):
