@@ -95,6 +95,8 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
         errors = [p for p in problems if p.severity == "error"]
         if manifest is None or errors:
             raise CampaignError(f"{path}: {errors[0]}")
+        # Without errors it has both.
+        assert manifest.device is not None and manifest.rate_hz is not None
         tables = _read_topics(path, reader)
     runs = tuple(_make_run(path, e, tables) for e in manifest.entries)
     return Campaign(
@@ -110,6 +112,7 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
 
 
 def _make_run(path: Path, entry: RunEntry, tables: dict[str, Columns]) -> Run:
+    assert entry.file is not None
     topic = _topic(entry.file)
     if "time_s" not in tables.get(topic, {}):
         raise CampaignError(f"{path}: no topic {topic} with time_s")
