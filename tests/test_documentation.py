@@ -153,6 +153,8 @@ class TestFamily(unittest.TestCase):
         # The campaign is loaded, and work has begun, when the signal comes.
         script = (
             "import os, signal, sys\n"
+            # Shells let what they start behind ignore it.
+            "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             "from brace_drake.cli import main, options\n"
             "import brace_drake.gap.plan as plan\n"
             "def stop(*_): os.kill(os.getpid(), signal.SIGINT)\n"

@@ -12,8 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import f as f_law
-from scipy.stats import halfnorm, kstest
+from scipy import stats
 
 if TYPE_CHECKING:
     from brace_drake.gap.candidates import CandidateFit
@@ -92,8 +91,8 @@ def looks_scattered(fit: CandidateFit) -> bool:
     )
     if len(sample) == 0:
         return True
-    shape = kstest(np.abs(sample), halfnorm.cdf).pvalue
-    strays = f_law.sf(np.mean(sample**2), len(sample), len(sample))
+    shape = stats.kstest(np.abs(sample), stats.halfnorm.cdf).pvalue
+    strays = stats.f.sf(np.mean(sample**2), len(sample), len(sample))
     return bool(2.0 * min(shape, strays) > _LEVEL)
 
 

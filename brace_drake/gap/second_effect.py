@@ -73,15 +73,10 @@ class SecondEffects:
         Args:
             say: Progress, shares of this search.
         """
-        leader = next(iter(plausible(self._singles)), self._nominal)
-        # Beside dozens of parameters any other effect looks right, unless
-        # they are what explains most.
-        partners = [
-            r
-            for r in self._runners
-            if not r.card.is_flexible or r.card.key == leader.name
-        ]
-        self._try_pairs(partners, lambda w, share: say(w, 0.3 * share))
+        # Beside dozens of parameters any other effect looks right, and their
+        # search from afar is dear: those that lead are kept below.
+        simple = [r for r in self._runners if not r.card.is_flexible]
+        self._try_pairs(simple, lambda w, share: say(w, 0.3 * share))
         if not self._is_done():
             self._try_richer(lambda w, share: say(w, 0.3 + 0.2 * share))
         # On the way a better single one may have shown.
