@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.gap.candidates import fit_nominal
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
 from brace_drake.gap.problem import CandidateProblem
@@ -111,3 +112,18 @@ class SyntheticBench:
             scaled = card.scaled(values[:shared], np.clip(factor, 0.1, 10.0))
             values = np.concatenate([scaled, values[shared:]])
         return values
+
+    def recording_with_a_gap(self, card, sign=1.0):
+        """Evaluator of a recording with an effect, and its nominal fit.
+
+        The effect is made stronger where another subject would do as well.
+        """
+        values, shared = self.values_of_a_gap(card, sign), len(card.parameters)
+        for _ in range(4):
+            evaluator = self.evaluator([(card, values)])
+            nominal = fit_nominal(evaluator)
+            if nominal.excess >= 0.2 * evaluator.count:
+                return evaluator, nominal
+            scaled = card.scaled(values[:shared], 2.5)
+            values = np.concatenate([scaled, values[shared:]])
+        raise AssertionError(f"{card.key}: no gap beyond another subject")

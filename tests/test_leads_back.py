@@ -55,9 +55,7 @@ class TestRegistry(unittest.TestCase):
         names = {card.name, *card.impostors}
         rivals = [c for c in self.cards.values() if c.name in names]
         simple = [c for c in rivals if not c.is_flexible]
-        values = self.bench.values_of_a_gap(card, sign)
-        evaluator = self.bench.evaluator([(card, values)])
-        nominal = fit_nominal(evaluator)
+        evaluator, nominal = self.bench.recording_with_a_gap(card, sign)
         ground = Ground(evaluator, nominal)
         runners = race(ground, simple)
         if card.is_flexible:
