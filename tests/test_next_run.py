@@ -161,6 +161,8 @@ def fit(key, excess, refined=True):
     return SimpleNamespace(
         effects=(card,),
         identifiers=(card.name,),
+        kinds=frozenset((card.name,)),
+        num_runs=1,
         subject=np.array([6400.0, 150, 1800, 220, 40, 1e-3]),
         uses=((card, values),),
         excess=excess,
