@@ -16,7 +16,7 @@ EVALUATOR = SimpleNamespace(
 )
 
 
-def fit(rest, *names, refined=True):
+def fit(rest, *names, refined=True, scattered=True):
     """A fit that leaves `rest` floors above noise."""
     cards = tuple(find_effect(name) for name in names)
     kinds = tuple(card.name for card in cards)
@@ -29,7 +29,7 @@ def fit(rest, *names, refined=True):
         refined=refined,
         freedom=sum(len(card.parameters) for card in cards),
         subject=np.zeros(6),
-        num_runs=8,
+        is_scattered=scattered,
     )
 
 
@@ -62,6 +62,13 @@ class TestVerdict(unittest.TestCase):
         good = fit(0.01, "force_bias", "ring_mass")
         self.assertEqual(len(verdict(50.0, single, poor).winner.effects), 1)
         self.assertEqual(len(verdict(50.0, single, good).winner.effects), 2)
+
+    def test_what_is_no_draw_neither_explains_nor_rivals(self):
+        drawn = fit(0.01, "anchor_error", scattered=False)
+        self.assertTrue(verdict(50.0, drawn).outside_library)
+        found = verdict(50.0, fit(0.01, "force_bias"), drawn)
+        self.assertEqual(found.winner.identifiers, ("force_bias",))
+        self.assertEqual(found.ambiguous_with, ())
 
     def test_a_pair_is_no_rival_of_itself(self):
         one = fit(0.01, "force_bias", "ring_mass")

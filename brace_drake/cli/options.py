@@ -11,6 +11,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from brace_drake.errors import PolicyError
 from brace_drake.parallel import Workers, open_workers
 
 _BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"
@@ -137,6 +138,17 @@ def AddNoiseSeed(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="of the instruments' noise (default: exact readings)",
     )
+
+
+def check_training_extra() -> None:
+    """Raises PolicyError where what training needs is not installed."""
+    try:
+        import stable_baselines3  # noqa: F401
+        import torch  # noqa: F401
+    except ImportError as error:
+        raise PolicyError(
+            f"training needs {error.name}: pip install -e '.[train]'"
+        ) from error
 
 
 def positive(text: str) -> int:

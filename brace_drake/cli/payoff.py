@@ -6,8 +6,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from brace_drake.cli.options import AddJobs, open_workers_option, positive
-from brace_drake.errors import BraceError, PolicyError
+from brace_drake.cli.options import (
+    AddJobs,
+    check_training_extra,
+    open_workers_option,
+    positive,
+)
+from brace_drake.errors import BraceError
 
 _EPILOG = """\
 example:
@@ -72,13 +77,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Runs the experiment and prints its table."""
-    try:
-        import stable_baselines3  # noqa: F401
-        import torch  # noqa: F401
-    except ImportError as error:
-        raise PolicyError(
-            f"training needs {error.name}: pip install -e '.[train]'"
-        ) from error
+    check_training_extra()
     from brace_drake.training.numbers import TrainingNumbers
     from brace_drake.training.train import TrainPolicy
     from brace_drake.transfer.payoff import CAUSES, run_payoff

@@ -5,7 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from brace_drake.cli.options import not_negative, positive
+from brace_drake.cli.options import (
+    check_training_extra,
+    not_negative,
+    positive,
+)
 from brace_drake.errors import PolicyError
 
 _EPILOG = """\
@@ -57,13 +61,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Trains or resumes; prints where and how well."""
-    try:
-        import stable_baselines3  # noqa: F401
-        import torch  # noqa: F401
-    except ImportError as error:
-        raise PolicyError(
-            f"training needs {error.name}: pip install -e '.[train]'"
-        ) from error
+    check_training_extra()
     from tqdm import tqdm
 
     from brace_drake.training.train import ResumeTraining, StartTraining

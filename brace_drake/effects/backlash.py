@@ -1,9 +1,9 @@
 """Play between the drive of a leg and the ring."""
 
 import math
+from operator import attrgetter
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.effects.holding import holding_forces
 from brace_drake.laws.hooks import plug
 
 _EQUATION = (
@@ -106,7 +106,7 @@ CARDS = (
             ),
         ),
         laws={"drive": _gap_drive, "sensing": _gap_sensing},
-        constants=holding_forces,
+        constants=attrgetter("holding_forces"),
         num_states={"drive": 7, "sensing": 13},
         **_COMMON,
     ),

@@ -1,9 +1,9 @@
 """Legs that give way under their own force."""
 
 import math
+from operator import attrgetter
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.effects.holding import holding_forces
 from brace_drake.laws.hooks import plug
 
 
@@ -70,7 +70,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _drive, "sensing": _sensing},
-    constants=holding_forces,
+    constants=attrgetter("holding_forces"),
     num_states={"drive": 7, "sensing": 13},
     signature="the torso moves less than the encoders say, in proportion to"
     " the force",

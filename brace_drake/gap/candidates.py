@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from brace_drake.fit.gauss_newton import (
 )
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
-from brace_drake.gap.scatter import refit_spread
+from brace_drake.gap.scatter import looks_scattered, refit_spread
 
 _STEPS, _FAR_STEPS = 10, 30
 # Relative decrease of the sum of squares that ends the search at the coarse
@@ -73,6 +73,11 @@ class CandidateFit:
     def kinds(self) -> frozenset[str]:
         """Names of the effects, in no order."""
         return frozenset(self.identifiers)
+
+    @cached_property
+    def is_scattered(self) -> bool:
+        """Whether its alike parameters may be a draw, see `scatter`."""
+        return looks_scattered(self)
 
     @property
     def uses(self) -> tuple[Use, ...]:

@@ -7,7 +7,6 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.gap import verdict
 from brace_drake.gap.diagnose import Diagnosis
-from brace_drake.gap.scatter import looks_scattered
 from brace_drake.gap.uncertainty import EstimateTable, ParameterEstimate
 
 
@@ -52,7 +51,7 @@ def _decision(d: Diagnosis, fit, is_winner: bool) -> str:
     gain = verdict.gain(d.evaluator, d.nominal, fit)
     if gain <= d.null.gain_threshold:
         return "gains no more than noise would"
-    if not looks_scattered(fit):
+    if not fit.is_scattered:
         return "its many parameters do not look like a draw"
     rest = 1.0 + max(0.0, verdict.misfit(d.evaluator, fit))
     return f"leaves {np.sqrt(rest):.1f} times the floor on the fit runs"

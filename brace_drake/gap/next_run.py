@@ -14,7 +14,6 @@ from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.evaluation import Evaluator, PreparedRun
 from brace_drake.gap.planned import planned_runs, predict, subject_columns
-from brace_drake.gap.scatter import looks_scattered
 from brace_drake.gap.separation import (
     PairSeparation,
     choose_best,
@@ -125,7 +124,7 @@ def open_rivals(d: Diagnosis) -> list[Rival]:
     best: dict[str, CandidateFit] = {}
     seen: set[frozenset[str]] = set()
     for fit in refined(d.fits):
-        if looks_scattered(fit) and fit.kinds not in seen:
+        if fit.is_scattered and fit.kinds not in seen:
             seen.add(fit.kinds)
             best["+".join(fit.identifiers)] = fit
     verdict = d.verdict

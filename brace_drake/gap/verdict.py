@@ -14,7 +14,6 @@ from brace_drake.gap.probability import (
     sure_of_no_gap,
     sure_of_outside,
 )
-from brace_drake.gap.scatter import looks_scattered
 from brace_drake.gap.surrogates import NullDistribution
 
 # An explanation must take away this much of the gap's amplitude: more where
@@ -98,7 +97,7 @@ def refined(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
 
 def plausible(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Those of the refined fits whose many parameters may be a draw."""
-    return [f for f in refined(fits) if looks_scattered(f)]
+    return [f for f in refined(fits) if f.is_scattered]
 
 
 def smallest_share(evaluator: Evaluator) -> float:
@@ -147,7 +146,7 @@ def explains(
     rest = misfit(evaluator, fit)
     most = largest_rest(evaluator, nominal, len(fit.effects))
     little = rest <= max(null.misfit_threshold, most)
-    return bool(little) and looks_scattered(fit)
+    return bool(little) and fit.is_scattered
 
 
 def decide(
@@ -174,13 +173,12 @@ def decide(
         return Verdict(True, None, True, (), sure_of_outside(short))
     winner = simplest_of_fewest(evaluator, good)
     number = len(winner.effects)
-    refused = [f for f in ranked if not looks_scattered(f)]
     rivals = [
         f
         for f in fits
         if f.kinds != winner.kinds
         and len(f.effects) == number
-        and not any(f is other for other in refused)
+        and (f.is_scattered or not f.refined)
     ]
     limit = _TIED * left_over(evaluator, winner)
     near = {

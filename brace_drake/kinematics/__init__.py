@@ -13,6 +13,7 @@ from brace_drake.kinematics.geometry import (
 )
 from brace_drake.kinematics.motion import (
     find_task_coordinates,
+    holding_leg_forces,
     leg_jacobian,
     leg_lengths,
     static_leg_forces,
@@ -30,6 +31,7 @@ __all__ = [
     "Workspace",
     "circle_points",
     "find_task_coordinates",
+    "holding_leg_forces",
     "leg_jacobian",
     "leg_lengths",
     "make_geometry",

@@ -111,3 +111,16 @@ def static_leg_forces(
     if not stages.solve_leg_forces(J, J_L, W, np.empty((6, 6)), f):
         raise KinematicsError("a stage is singular at X")
     return f
+
+
+def holding_leg_forces(
+    geometry: BraceGeometry, weights: np.ndarray
+) -> np.ndarray:
+    """Leg forces (6 S,), N, that carry the rings' weights (S,), N, at rest.
+
+    Raises:
+        KinematicsError: A stage is singular at rest.
+    """
+    W = np.zeros((geometry.num_stages, 6))
+    W[:, 2] = weights
+    return static_leg_forces(geometry, np.zeros(W.size), W.ravel())

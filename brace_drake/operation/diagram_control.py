@@ -8,7 +8,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 
 from brace_drake.errors import ScenarioError
 from brace_drake.hardware.limits import Limits
-from brace_drake.kinematics import static_leg_forces
+from brace_drake.kinematics import holding_leg_forces
 from brace_drake.laws import controller
 from brace_drake.laws.bench_observer import calc_force_left
 from brace_drake.laws.brace_control import ESTIMATOR
@@ -108,8 +108,7 @@ class DiagramControl:
         self._weight = float(numbers.ring[4])
         self._anchors = (geometry.lower[0], geometry.upper[0])
         self._rest, self._viscous = geometry.rest[0], numbers.viscous
-        weight = np.array([0.0, 0.0, self._weight, 0.0, 0.0, 0.0])
-        held = static_leg_forces(geometry, np.zeros(6), weight)
+        held = holding_leg_forces(geometry, [self._weight])
         self.hold = tuple(held.tolist())
         law = pack_control(scenario.control, rings).law
         self._estimator = law[ESTIMATOR].copy()

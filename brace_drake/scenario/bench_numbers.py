@@ -6,7 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from brace_drake.kinematics.geometry import circle_points
+from brace_drake.kinematics import (
+    BraceGeometry,
+    circle_points,
+    holding_leg_forces,
+)
 from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
 from brace_drake.scenario.bench import (
     BenchScenario,
@@ -64,6 +68,11 @@ class BenchNumbers:
             self.p_RT_known,
         )
         return np.concatenate([np.ravel(a) for a in arrays])
+
+    @property
+    def holding_forces(self) -> np.ndarray:
+        """Forces of the legs, where they are, that hold the ring (6,), N."""
+        return _hold(self, self.p_WB, self.p_RT)
 
     def with_changes(self, **arrays: np.ndarray) -> BenchNumbers:
         """A copy with some arrays replaced."""
@@ -164,9 +173,15 @@ def pack_bench(scenario: BenchScenario) -> BenchNumbers:
 
 
 def hold_forces(numbers: BenchNumbers) -> tuple[float, ...]:
-    """Leg forces that carry the ring's weight at rest (6,), N."""
-    along = numbers.p_RT_known + numbers.rest - numbers.p_WB_known
-    n = along / np.linalg.norm(along, axis=1)[:, None]
-    J = np.hstack([n, np.cross(numbers.p_RT_known, n)])
-    weight = np.array([0.0, 0.0, numbers.ring[4], 0.0, 0.0, 0.0])
-    return tuple(np.linalg.solve(J.T, weight).tolist())
+    """Leg forces that carry the ring's weight at rest (6,), N.
+
+    As the controller knows the anchors.
+    """
+    return tuple(
+        _hold(numbers, numbers.p_WB_known, numbers.p_RT_known).tolist()
+    )
+
+
+def _hold(numbers, p_WB: np.ndarray, p_RT: np.ndarray) -> np.ndarray:
+    geometry = BraceGeometry(p_WB[None], p_RT[None], numbers.rest[None])
+    return holding_leg_forces(geometry, [numbers.ring[4]])
