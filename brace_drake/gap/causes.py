@@ -47,7 +47,8 @@ def try_causes(
     cards = list(effects_for(evaluator.twin.device).values())
     simple = [c for c in cards if not c.is_flexible]
     ground = Ground(evaluator, nominal)
-    runners = race(ground, simple, _part(say, 0.1, 0.4))
+    most = largest_excess(evaluator, nominal, 1)
+    runners = race(ground, simple, _part(say, 0.1, 0.4), most=most)
     say("contenders", 0.4)
     fits = polish(ground, refine(evaluator, best_fits(runners), nominal.excess))
     null = draw_null(evaluator, nominal, fits, seed)

@@ -20,6 +20,7 @@ def search_pairs(
     most: int,
     say=lambda what, share: None,
     bar: float = np.inf,
+    enough: float = np.inf,
 ) -> list[Runner]:
     """Runs the pairs that promise most.
 
@@ -29,6 +30,7 @@ def search_pairs(
         most: Pairs that are run.
         say: Progress.
         bar: Pairs that promise to leave more are not run.
+        enough: As `most` of `search_best`.
     """
     pairs = []
     for promise, first, second in foresee_pairs(ground, singles)[:most]:
@@ -38,7 +40,7 @@ def search_pairs(
         if runner is not None:
             runner.promise = promise
             pairs.append(runner)
-    search_best(ground, pairs, say, places=1)
+    search_best(ground, pairs, say, 1, enough)
     return pairs
 
 

@@ -87,6 +87,7 @@ def race(
     say=lambda what, share: None,
     places: int = _PLACES,
     bar: float = np.inf,
+    most: float = np.inf,
 ) -> list[Runner]:
     """Runs the leader's effects with each of the cards, at each start.
 
@@ -96,6 +97,7 @@ def race(
         say: Progress.
         places: So many are searched whatever they promise.
         bar: Who promises to leave more is not searched.
+        most: See `search_best`.
 
     Returns:
         Runners, those searched with a Jacobian; none is searched where the
@@ -111,7 +113,7 @@ def race(
     for runner in sorted(runners, key=lambda r: r.promise):
         best.setdefault(runner.card.key, runner)
     good = [r for r in best.values() if r.promise <= bar]
-    search_best(ground, good, say, places)
+    search_best(ground, good, say, places, most)
     return runners
 
 
@@ -120,8 +122,18 @@ def search_best(
     runners: Sequence[Runner],
     say=lambda what, share: None,
     places: int = _PLACES,
+    most: float = np.inf,
 ) -> None:
-    """Searches the runners that promise most, best first."""
+    """Searches the runners that promise most, best first.
+
+    Args:
+        ground: Where they set out from.
+        runners: By what they promise.
+        say: Progress.
+        places: So many are searched whatever they promise.
+        most: Who promises to leave more and has strayed behind the leader is
+            not led back.
+    """
     least, trust = np.inf, _COARSE * ground.evaluator.count
     there = ground.there
     for place, runner in enumerate(runners):
@@ -133,11 +145,13 @@ def search_best(
         if place >= places and (far_behind or no_gain):
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
-        if _search(ground, runner, least, trust):
+        if _search(ground, runner, least, trust, most):
             least = max(0.0, min(least, runner.fit().excess))
 
 
-def _search(ground: Ground, runner: Runner, least: float, trust: float) -> bool:
+def _search(
+    ground: Ground, runner: Runner, least: float, trust: float, most: float
+) -> bool:
     """Rounds of steps while they bring much; False if its twin breaks down.
 
     Who would not come near the best at the rate of the last round gives up.
@@ -156,7 +170,9 @@ def _search(ground: Ground, runner: Runner, least: float, trust: float) -> bool:
             break
         before = left
     could_lead = runner.promise < _FACTOR * (least + trust)
-    if could_lead and trust < left and runner.promise < _BROKEN * left:
+    is_lost = left > ground.there and runner.promise > most
+    is_broken = trust < left and runner.promise < _BROKEN * left
+    if could_lead and is_broken and not is_lost:
         # Far from the leader his sensitivities may lead nowhere.
         return step(ground, runner, _STEPS, own=True)
     return True

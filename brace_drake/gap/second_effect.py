@@ -143,7 +143,9 @@ class SecondEffects:
         if np.isfinite(bar):
             # As the race has left them: then all are equally unfinished.
             bar = _HALF * min(f.excess for f in best_fits(runners))
-        found = search_pairs(self._ground, runners, _SEARCHED, say, bar)
+        found = search_pairs(
+            self._ground, runners, _SEARCHED, say, bar, self._most
+        )
         self._keep(found, self._nominal.excess, bar)
         for pair in refined(self._found)[:1]:
             self._found += self._try_without_one(pair)
@@ -185,7 +187,7 @@ class SecondEffects:
                     self._ground, effects, values, pairs[0].subject
                 )
                 if runner is not None:
-                    search_best(self._ground, [runner], say)
+                    search_best(self._ground, [runner], say, most=self._most)
                     self._keep([runner], pairs[0].excess)
 
     def _keep(
@@ -208,4 +210,5 @@ class SecondEffects:
             if c.is_flexible == flexible and c.name not in leader.identifiers
         ]
         bar = self._bar()
-        self._keep(race(beside, others, say, bar=bar), leader.excess, bar)
+        found = race(beside, others, say, bar=bar, most=self._most)
+        self._keep(found, leader.excess, bar)
