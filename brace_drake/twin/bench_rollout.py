@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -29,6 +31,11 @@ class Motion:
     desired: np.ndarray  # (ticks, 3)
     with_torso: bool
     ticks_per_sample: int = 5
+
+    @cached_property
+    def digest(self) -> bytes:
+        """Of the reference."""
+        return hashlib.sha256(self.desired.tobytes()).digest()
 
 
 def rest_state(rest: np.ndarray) -> np.ndarray:

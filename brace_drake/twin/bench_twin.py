@@ -18,6 +18,7 @@ from brace_drake.twin.bench_rollout import (
     simulate_bench,
 )
 from brace_drake.twin.reference import reference_at_ticks, reference_of_run
+from brace_drake.twin.run_memory import RunMemory, key_of_run
 from brace_drake.twin.subject import (
     bench_subject,
     scenario_of_subject,
@@ -53,6 +54,7 @@ class BenchTwin:
         self.numbers = pack_bench(scenario)
         self.subject = bench_subject(self.numbers)
         self.carried = scenario_uses(scenario)
+        self._memory = RunMemory()
 
     def coarse(self) -> BenchTwin:
         """The same twin with the longest plant step that stays accurate."""
@@ -93,7 +95,7 @@ class BenchTwin:
         uses: Sequence[Use] = (),
         generator: np.random.Generator | None = None,
     ) -> np.ndarray:
-        """Closed-loop replay, shape (N, C).
+        """Closed-loop replay, shape (N, C), not writable where it is exact.
 
         Args:
             motion: From `motion`.
@@ -107,9 +109,13 @@ class BenchTwin:
         uses = (*self.carried, *uses)
         numbers = with_subject(self.numbers, subject)
         numbers = modify_numbers(numbers, uses)
-        noise = None
+        plug_ins = stack_effects(uses, numbers)
+
+        def run(noise=None):
+            return simulate_bench(
+                numbers, motion, self.time_step, plug_ins, noise
+            )
+
         if generator is not None:
-            noise = draw_noise(numbers, len(motion.desired), generator)
-        return simulate_bench(
-            numbers, motion, self.time_step, stack_effects(uses, numbers), noise
-        )
+            return run(draw_noise(numbers, len(motion.desired), generator))
+        return self._memory.recall(key_of_run(numbers, motion, plug_ins), run)
