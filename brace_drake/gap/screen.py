@@ -156,13 +156,14 @@ def _search(
 
     Who would not come near the best at the rate of the last round gives up.
     """
-    before = np.inf
+    before, is_hopeless = np.inf, runner.promise > most
     for done in range(1, _ROUNDS + 1):
         if not step(ground, runner, _STEPS):
             return False
         left = runner.fit().excess
         rate = left / before
-        if left < trust or rate > _WORTH_A_ROUND:
+        is_lost = is_hopeless and left > ground.there
+        if left < trust or rate > _WORTH_A_ROUND or is_lost:
             break
         # The first round may have begun far behind the leader.
         hoped = left * rate ** (_ROUNDS - done) if done > 1 else 0.0
@@ -170,7 +171,6 @@ def _search(
             break
         before = left
     could_lead = runner.promise < _FACTOR * (least + trust)
-    is_lost = left > ground.there and runner.promise > most
     is_broken = trust < left and runner.promise < _BROKEN * left
     if could_lead and is_broken and not is_lost:
         # Far from the leader his sensitivities may lead nowhere.

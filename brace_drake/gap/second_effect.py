@@ -210,5 +210,8 @@ class SecondEffects:
             if c.is_flexible == flexible and c.name not in leader.identifiers
         ]
         bar = self._bar()
+        if flexible:
+            # With so much freedom they have to promise much.
+            bar = min(bar, _HALF * leader.excess)
         found = race(beside, others, say, bar=bar, most=self._most)
         self._keep(found, leader.excess, bar)
