@@ -147,8 +147,8 @@ struct brace_geometry {
 struct brace_device_limits {
   float leg_force; /* command of a leg, N */
   float leg_force_rate; /* change of the command, N/s */
-  float leg_shortest; /* length of a leg, m */
-  float leg_longest; /* length of a leg, m */
+  float leg_shortest[BRACE_STAGES]; /* length of a leg, m */
+  float leg_longest[BRACE_STAGES]; /* length of a leg, m */
   float leg_speed; /* rate of a leg, m/s */
   float pad_force; /* of the pad that presses more, N */
   float pad_preload; /* on both pads at rest, as the pad's force is found with it, N */
@@ -162,8 +162,8 @@ struct brace_device_limits {
 struct brace_limits {
   float leg_force; /* command of a leg, N */
   float leg_force_rate; /* change of the command, N/s */
-  float leg_shortest; /* length of a leg, m */
-  float leg_longest; /* length of a leg, m */
+  float leg_shortest[BRACE_STAGES]; /* length of a leg, m */
+  float leg_longest[BRACE_STAGES]; /* length of a leg, m */
   float leg_speed; /* rate of a leg, m/s */
   float pad_force; /* of the pad that presses more, N */
   float pad_preload; /* on both pads at rest, as the pad's force is found with it, N */
@@ -181,8 +181,8 @@ struct brace_limits_echo {
   uint32_t session; /* new and not 0; 0 where refused */
   float leg_force; /* command of a leg, N */
   float leg_force_rate; /* change of the command, N/s */
-  float leg_shortest; /* length of a leg, m */
-  float leg_longest; /* length of a leg, m */
+  float leg_shortest[BRACE_STAGES]; /* length of a leg, m */
+  float leg_longest[BRACE_STAGES]; /* length of a leg, m */
   float leg_speed; /* rate of a leg, m/s */
   float pad_force; /* of the pad that presses more, N */
   float pad_preload; /* on both pads at rest, as the pad's force is found with it, N */

@@ -97,7 +97,8 @@ def _struct(name: str, meaning: str, fields: tuple[Field, ...]) -> str:
 def _dimension(field: Field) -> str:
     fixed, each = field.count
     if each:
-        return f"[{each} * BRACE_STAGES]"
+        times = "" if each == 1 else f"{each} * "
+        return f"[{times}BRACE_STAGES]"
     return f"[{fixed}]" if fixed > 1 else ""
 
 

@@ -75,7 +75,7 @@ class DeviceTicks:
         seed: int | None = None,
     ):
         self.identity, self.hold = identity, tuple(hold)
-        self.own_limits = shared_values(limits)
+        self.own_limits = shared_values(limits, identity.stages)
         self.limits = limits
         self.state = DeviceState.BOOT
         self.trip = Trip(Cause.NONE)

@@ -46,7 +46,9 @@ def _rows(head: tuple[str, ...], rows) -> str:
 
 def _count(field: Field) -> str:
     fixed, each = field.count
-    return f"{each} S" if each else str(fixed)
+    if each:
+        return "S" if each == 1 else f"{each} S"
+    return str(fixed)
 
 
 def _fields(fields: tuple[Field, ...]) -> str:
@@ -82,13 +84,14 @@ def _payloads() -> str:
 
 def _limits() -> str:
     return _rows(
-        ("limit", "unit", "holds as", "held by", "meaning"),
+        ("limit", "unit", "holds as", "held by", "of", "meaning"),
         (
             (
                 f"`{limit.name}`",
                 limit.unit,
                 f"at {limit.side}",
                 "device and host" if limit.shared else "host",
+                "each stage" if limit.by_stage else "all",
                 limit.meaning,
             )
             for limit in LIMITS

@@ -11,7 +11,13 @@ from collections.abc import Sequence
 from brace_drake.hardware.codec import Packet, seal_fits
 from brace_drake.hardware.device_ticks import Answer, DeviceTicks
 from brace_drake.hardware.guards import Trip
-from brace_drake.hardware.limits import SHARED, first_wider, shared_values
+from brace_drake.hardware.limits import (
+    SHARED,
+    Value,
+    each_value,
+    first_wider,
+    shared_values,
+)
 from brace_drake.hardware.messages import BY_NAME
 from brace_drake.hardware.words import Cause, DeviceState, Mode, Reason
 
@@ -71,7 +77,7 @@ class Firmware(DeviceTicks):
                 self.state = DeviceState.DISARMED
         session = self.session if reason == Reason.ACCEPTED else 0
         echo = {"reason": reason, "index": index, "session": session}
-        echo |= _named(shared_values(self.limits))
+        echo |= _named(shared_values(self.limits, self.identity.stages))
         return [("LIMITS_ECHO", echo)], reason
 
     def _judge_limits(self, packet, values) -> tuple[Reason, int]:
@@ -80,7 +86,7 @@ class Firmware(DeviceTicks):
         if self.state not in _ACCEPTS_LIMITS:
             return Reason.WRONG_STATE, 0
         for i, value in enumerate(values):
-            if not 0.0 < value < 1e9:
+            if not all(0.0 < v < 1e9 for v in each_value(value)):
                 return Reason.BAD_VALUE, i
         wider = first_wider(values, self.own_limits)
         if wider is not None:
@@ -183,5 +189,5 @@ class Firmware(DeviceTicks):
         return [("ANSWER", fields)], reason
 
 
-def _named(values: Sequence[float]) -> dict[str, float]:
-    return {s.name: float(v) for s, v in zip(SHARED, values, strict=True)}
+def _named(values: Sequence[Value]) -> dict[str, Value]:
+    return {s.name: v for s, v in zip(SHARED, values, strict=True)}

@@ -6,11 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from brace_drake.hardware.limits import Limits
+from brace_drake.hardware.limits import Limits, of_stage
 from brace_drake.hardware.words import Cause
 
 # Low pass of leg rates, s: a length's resolution over a tick is no speed.
 SPEED_TAU = 0.02
+# Of a stage.
+LEGS = 6
 
 
 class Trip(NamedTuple):
@@ -57,12 +59,15 @@ def pad_force(force: Sequence[float], preload: float) -> float:
 
 
 def check_stroke(limits: Limits, length: Sequence[float]) -> Trip | None:
-    """Legs shorter or longer than allowed, or not a number."""
-    low, high = limits.leg_shortest, limits.leg_longest
-    for k, value in enumerate(length):
-        if not low <= value <= high:
-            bound = low if value < low else high
-            return Trip(Cause.LEG_STROKE, k, value, bound)
+    """Legs shorter or longer than their stage's may be, or not a number."""
+    for i in range(len(length) // LEGS):
+        low = of_stage(limits.leg_shortest, i)
+        high = of_stage(limits.leg_longest, i)
+        for k in range(LEGS * i, LEGS * i + LEGS):
+            value = length[k]
+            if not low <= value <= high:
+                bound = low if value < low else high
+                return Trip(Cause.LEG_STROKE, k, value, bound)
     return None
 
 

@@ -14,7 +14,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from brace_drake.hardware.limits import Limits
+from brace_drake.hardware.guards import LEGS
+from brace_drake.hardware.limits import Limits, of_stage
 
 # N/m, N/(m s), N s/m; low pass of the rate, s.
 _K_P, _K_I, _K_D, _TAU = 10e3, 150e3, 50.0, 0.003
@@ -68,10 +69,11 @@ def follow_lengths(
     """
     step = _SPEED * limits.leg_speed * period
     most = _INTEGRAL * limits.leg_force
-    low, high = limits.leg_shortest + _MARGIN, limits.leg_longest - _MARGIN
     gain = 1.0 - math.exp(-period / _TAU)
     target, integral, rate, force = [], [], [], []
     for k, wanted in enumerate(asked):
+        low = of_stage(limits.leg_shortest, k // LEGS) + _MARGIN
+        high = of_stage(limits.leg_longest, k // LEGS) - _MARGIN
         wanted = min(high, max(low, wanted))
         before = memory.target[k]
         target.append(min(before + step, max(before - step, wanted)))

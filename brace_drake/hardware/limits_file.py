@@ -3,22 +3,34 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Sequence
 from pathlib import Path
 
 from brace_drake.errors import LimitsError
-from brace_drake.hardware.limits import DEFAULT, NAMES, Limits, check_limits
+from brace_drake.hardware.limits import (
+    BY_STAGE,
+    DEFAULT,
+    NAMES,
+    Limits,
+    check_limits,
+)
 from brace_drake.resources import scenario_path
 
 FILE = "limits.yaml"
+_STAGES, _BENCH = 3, (2,)
 
 
-def LoadLimits(path: str | Path | None = None) -> Limits:
+def LoadLimits(
+    path: str | Path | None = None, stages: Sequence[int] = _BENCH
+) -> Limits:
     """Reads and checks limits.
 
     Args:
         path: YAML with a value for each limit by name, SI units; the
             package's own `diagrams/limits.yaml` by default. What it leaves
-            out has the default.
+            out has the default. Where stages differ in size, a list has the
+            value of each of the brace's three stages, bottom to top.
+        stages: Of the device, from 1; their values are taken.
 
     Raises:
         LimitsError: One line: file, name, value, what is allowed.
@@ -42,6 +54,20 @@ def LoadLimits(path: str | Path | None = None) -> Limits:
             close = difflib.get_close_matches(str(name), NAMES, n=1)
             hint = f", did you mean {close[0]}?" if close else ""
             raise LimitsError(f"{path}: no limit {name}{hint}")
+    for name in BY_STAGE:
+        if isinstance(content.get(name), list):
+            content[name] = _pick(name, content[name], stages, str(path))
     limits = DEFAULT._replace(**content)
     check_limits(limits, str(path))
     return limits
+
+
+def _pick(name: str, values: list, stages: Sequence[int], source: str):
+    """Values of a device's stages; the number alone where it has one."""
+    if len(values) != _STAGES:
+        raise LimitsError(
+            f"{source}: {name} has {len(values)} values; allowed: one number,"
+            f" or one of each of the brace's {_STAGES} stages"
+        )
+    picked = tuple(values[i - 1] for i in stages)
+    return picked if len(picked) > 1 else picked[0]

@@ -17,6 +17,8 @@ from brace_drake.hardware.limits import (
     SHARED,
     Limits,
     as_sent,
+    each_value,
+    format_value,
     refuse_wider,
     shared_values,
 )
@@ -94,8 +96,9 @@ class Link:
                 echoes is not what it was told.
             LinkError: No answer.
         """
-        refuse_wider(limits, self.device_limits)
-        asked = shared_values(limits)
+        stages = self.hello.stages
+        refuse_wider(limits, self.device_limits, stages=stages)
+        asked = shared_values(limits, stages)
         named = {s.name: v for s, v in zip(SHARED, asked, strict=True)}
         echo = self._Ask("LIMITS", named, "LIMITS_ECHO").values
         if echo.reason != Reason.ACCEPTED:
@@ -106,10 +109,11 @@ class Link:
             )
         held = tuple(getattr(echo, s.name) for s in SHARED)
         for shared, told, holds in zip(SHARED, asked, held, strict=True):
-            if as_sent(told) != holds:
+            if tuple(map(as_sent, each_value(told))) != each_value(holds):
                 raise LimitsError(
-                    f"{self.path}: limit {shared.name} was told as {told:g},"
-                    f" the device holds {holds:g}"
+                    f"{self.path}: limit {shared.name} was told as"
+                    f" {format_value(told)}, the device holds"
+                    f" {format_value(holds)}"
                 )
         self.session = echo.session
 

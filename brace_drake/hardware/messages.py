@@ -21,8 +21,9 @@ KINDS = {
     "text": ("s", "char", 1),
 }
 # How many: a number, and so many for each stage.
-ONE, LEGS, FORCES, XYZ, ANCHORS, TEXT = (
+ONE, EACH, LEGS, FORCES, XYZ, ANCHORS, TEXT = (
     (1, 0),
+    (0, 1),
     (0, 6),
     (0, 3),
     (3, 0),
@@ -75,7 +76,8 @@ HEADER = (
 )
 _SEAL = _field("seal", "u32", "CRC-32 of all before it, begun at the session")
 _LIMITS = tuple(
-    _field(limit.name, "f32", limit.meaning, limit.unit) for limit in SHARED
+    _field(s.name, "f32", s.meaning, s.unit, EACH if s.by_stage else ONE)
+    for s in SHARED
 )
 _CAUSE = _field("cause", "u8", "see causes")
 

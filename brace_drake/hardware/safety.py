@@ -23,6 +23,7 @@ from brace_drake.hardware.release import (
     limit_command,
     release_command,
 )
+from brace_drake.hardware.stuck import check_stuck, count_travel
 from brace_drake.hardware.words import Cause
 
 
@@ -263,20 +264,9 @@ def _check_reading(
         trip = trip or guards.check_speed(limits, speed)
     if trip is None and reading.pose is not None:
         trip = guards.check_pose(limits, reading.pose, reading.virtual)
-    return trip or _check_stuck(limits, memory, length)
-
-
-def _check_stuck(
-    limits: Limits, memory: Memory, length: Sequence[float]
-) -> Trip | None:
-    most = limits.stuck_travel
-    travel = max(abs(b - a) for a, b in zip(memory.origin, length, strict=True))
-    if travel <= most:
-        return None
-    for k, moved in enumerate(memory.moved):
-        if not moved and length[k] == memory.length[k]:
-            return Trip(Cause.STUCK_LEG, k, travel, most)
-    return None
+    return trip or check_stuck(
+        limits.stuck_travel, memory.origin, memory.length, memory.moved, length
+    )
 
 
 def _check_disagreement(limits: Limits, memory: Memory) -> Trip | None:
@@ -295,15 +285,13 @@ def _remember(setup: Setup, memory: Memory, reading: Reading) -> Memory:
         memory = memory._replace(length=length, origin=length)
     elif elapsed > 0.0:
         speed = guards.update_speed(speed, memory.length, length, elapsed)
-    travel = max(abs(b - a) for a, b in zip(memory.origin, length, strict=True))
-    if travel > setup.limits.stuck_travel:
-        origin, moved = length, (False,) * len(length)
-    else:
-        origin = memory.origin
-        moved = tuple(
-            m or b != a
-            for m, a, b in zip(memory.moved, memory.length, length, strict=True)
-        )
+    origin, moved = count_travel(
+        setup.limits.stuck_travel,
+        memory.origin,
+        memory.length,
+        memory.moved,
+        length,
+    )
     since = memory.disagrees_since
     if reading.expected is not None:
         _, away = guards.largest_disagreement(reading.force, reading.expected)

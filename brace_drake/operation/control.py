@@ -6,9 +6,13 @@ import numpy as np
 
 from brace_drake.hardware.release import remaining
 from brace_drake.laws import controller
-from brace_drake.laws.bench_observer import calc_force_left
+from brace_drake.laws.force_left import calc_forces_left
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import hold_forces, pack_bench
+
+# Places in an estimate: q_WR and p_WR, [w; v].
+_POSE = np.array([[15, 16, 17, 18, 12, 13, 14]])
+_VELOCITY = np.array([[9, 10, 11, 6, 7, 8]])
 
 
 class PicControl:
@@ -62,9 +66,11 @@ class PicControl:
                 readings, desired, self._law, self._memory, self._estimate,
                 self.command,
             )  # fmt: skip
-        calc_force_left(
-            self._estimate, held, numbers.viscous, numbers.ring[4],
-            numbers.p_WB_known, numbers.p_RT_known, self.expected,
+        estimate = self._estimate
+        calc_forces_left(
+            estimate[_POSE], estimate[_VELOCITY], held, numbers.viscous,
+            numbers.ring[4:5], numbers.p_WB_known[None],
+            numbers.p_RT_known[None], self.expected,
         )  # fmt: skip
         return self.command
 
