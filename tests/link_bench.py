@@ -1,9 +1,12 @@
-"""Host and emulated device in lockstep: no threads, no clock, no terminal."""
+"""Host and emulated device in lockstep: no threads, no clock, no terminal.
+
+The bench; with another scenario, plant and limits any other device.
+"""
 
 import numpy as np
 
 from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.device import describe_bench
+from brace_drake.emulator.describe import describe_device
 from brace_drake.emulator.line import Line, LineFaults
 from brace_drake.hardware.codec import Decoder, make_codec
 from brace_drake.hardware.device_ticks import Measured
@@ -28,15 +31,16 @@ class Lockstep:
         error: Of the link, as a session sees it.
     """
 
-    def __init__(self, limits=DEFAULT, plant=None, seed=0):
+    def __init__(self, limits=DEFAULT, plant=None, seed=0, scenario=SCENARIO):
         self.plant = plant or BenchPlant(SCENARIO, seed=seed)
         self.firmware = Firmware(
-            describe_bench(SCENARIO, "test"), limits, self.plant.hold, 7
+            describe_device(scenario, "test"), limits, self.plant.hold, 7
         )
         self.to_host, self.to_device = LineFaults(), LineFaults()
         self._out = Line(self.to_host, seed + 1)
         self._in = Line(self.to_device, seed + 2)
-        self._codec = make_codec(1)
+        self._stages = self.firmware.identity.stages
+        self._codec = make_codec(self._stages)
         self._host, self._device = (
             Decoder(self._codec),
             Decoder(self._codec),
@@ -74,7 +78,7 @@ class Lockstep:
     def agree(self, limits=DEFAULT):
         """Hello is taken as said; agrees on limits after one tick."""
         self.run(2)
-        values = shared_values(limits)
+        values = shared_values(limits, self._stages)
         named = {s.name: v for s, v in zip(SHARED, values, strict=True)}
         self.Send("LIMITS", named)
         self.run(1)
@@ -93,10 +97,11 @@ class Lockstep:
         """Advances; stops early at nothing."""
         for _ in range(ticks):
             readings = self.plant.advance(self._u).tolist()
+            legs = 6 * self._stages
             measured = Measured(
-                tuple(readings[0:6]),
-                tuple(readings[6:9]),
-                tuple(readings[9:12]),
+                tuple(readings[0:legs]),
+                tuple(readings[legs:-3]),
+                tuple(readings[-3:]),
                 self.estop,
                 self.drive_fault,
             )
@@ -133,12 +138,21 @@ class Lockstep:
 def start(limits=DEFAULT, depth=0.005, seconds=4.0, **more):
     """A bench in lockstep with a session that has settled and moves."""
     bench = Lockstep(limits, **more)
-    bench.agree(limits)
-    control = PicControl(SCENARIO)
-    session = Session(bench, control, limits)
-    t = np.arange(round(1e3 * seconds)) * 1e-3
-    wave = -depth * (1.0 - np.cos(2 * np.pi * 0.5 * t)) / 2.0
-    rate = np.gradient(wave, 1e-3)
-    desired = np.column_stack([wave, rate, np.gradient(rate, 1e-3)])
-    session.Start(desired, settle=0.4)
+    session = begin(bench, PicControl(SCENARIO), limits, wave(depth, seconds))
     return bench, session
+
+
+def wave(depth, seconds):
+    """y, y', y'' of a ring that goes to a depth and back each 2 s."""
+    t = np.arange(round(1e3 * seconds)) * 1e-3
+    y = -depth * (1.0 - np.cos(2 * np.pi * 0.5 * t)) / 2.0
+    rate = np.gradient(y, 1e-3)
+    return np.column_stack([y, rate, np.gradient(rate, 1e-3)])
+
+
+def begin(device, control, limits, desired):
+    """A session that has agreed and armed."""
+    device.agree(limits)
+    session = Session(device, control, limits)
+    session.Start(desired, settle=0.4)
+    return session

@@ -36,9 +36,9 @@ def follow(motion, uses=(), subject=None, seconds=12.0, beside=None):
         command = control.Tick(readings, desired[i])
         row = Row(
             i, command, readings, desired[i], control.y_virtual,
-            control.pose[1], 0.0, 0,
+            control.y_ring, 0.0, 0,
         )  # fmt: skip
-        beside.Take(row, row.y_ring)
+        beside.Take(row)
         alarmed |= set(beside.alarms)
     return beside, alarmed
 

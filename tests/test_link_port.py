@@ -19,7 +19,8 @@ import numpy as np
 from brace_drake.campaign import CheckCampaign, LoadCampaign
 from brace_drake.cli.main import main
 from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.device import EmulatedDevice, describe_bench
+from brace_drake.emulator.describe import describe_device
+from brace_drake.emulator.device import EmulatedDevice
 from brace_drake.errors import LimitsError, LinkError, StoppedError
 from brace_drake.hardware.clock import ClockSync
 from brace_drake.hardware.firmware import Firmware
@@ -28,8 +29,8 @@ from brace_drake.hardware.link import Link
 from brace_drake.hardware.ports import OpenPort
 from brace_drake.hardware.sequence import SequenceWatch
 from brace_drake.hardware.words import Cause, DeviceState
+from brace_drake.operation.columns import columns_of
 from brace_drake.operation.journal import Journal
-from brace_drake.operation.record import columns_of
 from brace_drake.operation.recorder import Recorder
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.twin.motion_library import SafeMotion
@@ -62,7 +63,7 @@ def emulated(
     """An emulated device that runs in a thread of its own."""
     device = EmulatedDevice(
         BenchPlant(scenario, uses),
-        describe_bench(scenario, "test-1"),
+        describe_device(scenario, "test-1"),
         limits,
         host_paced=1.0,
     )
@@ -276,7 +277,7 @@ class TestRecording(unittest.TestCase):
 _WRITER = """
 import sys
 from brace_drake.operation.journal import Journal
-from brace_drake.operation.record import columns_of
+from brace_drake.operation.columns import columns_of
 columns = columns_of("bench stage 2")
 run = Journal(sys.argv[1], "bench stage 2", 200.0, "x", {}).NewRun(
     "push", columns, True, "push", "fit")

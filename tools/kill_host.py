@@ -16,7 +16,8 @@ import threading
 import time
 
 from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.device import EmulatedDevice, describe_bench
+from brace_drake.emulator.describe import describe_device
+from brace_drake.emulator.device import EmulatedDevice
 from brace_drake.hardware.limits import DEFAULT
 from brace_drake.hardware.words import Cause, DeviceState
 from brace_drake.scenario.bench import BenchScenario
@@ -79,7 +80,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
     scenario = BenchScenario(time_step=5e-4)
-    device = EmulatedDevice(BenchPlant(scenario), describe_bench(scenario, "k"))
+    device = EmulatedDevice(
+        BenchPlant(scenario), describe_device(scenario, "k")
+    )
     thread = threading.Thread(target=device.run, daemon=True)
     thread.start()
     hold = ",".join(map(str, device.plant.hold))

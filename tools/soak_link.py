@@ -97,7 +97,7 @@ def soak(device: subprocess.Popen, seconds: float, limits: Limits) -> int:
     port = device.stdout.readline().split()[1]
     scenario = BenchScenario()
     with OpenDevice(port, scenario, limits) as link:
-        session = Session(link, MakeControl("pic", scenario), limits)
+        session = Session(link, MakeControl(scenario, limits), limits)
         session.Start(make_reference(seconds))
         expected, missing, looked, told = 0, 0, 0.0, time.monotonic()
         memory = {"host": [], "device": []}

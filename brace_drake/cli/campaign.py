@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 
+from brace_drake.campaign.columns import BENCH
 from brace_drake.cli.link_options import (
     AddDevice,
     AddRecording,
@@ -53,6 +54,8 @@ def Run(args: argparse.Namespace) -> int:
         RecordRuns(recorder, left, len(plan), args.countdown)
     out = shlex.quote(args.out)
     print(f"campaign: {args.out}, {len(left)} runs recorded")
+    if recorder.journal.head["device"] != BENCH:
+        return 0
     results = shlex.quote(args.out.rstrip("/") + "-results")
     print(f"next: brace-drake diagnose {out} --out {results}")
     return 0

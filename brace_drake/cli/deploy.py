@@ -8,6 +8,7 @@ from pathlib import Path
 from brace_drake.cli.link_options import (
     AddCountdown,
     AddDevice,
+    AddRing,
     load_device_motion,
     load_device_options,
 )
@@ -20,13 +21,16 @@ example:
   brace-drake deploy --port /dev/ttyACM0 --controller pic --dry-run
   brace-drake deploy --port /dev/ttyACM0 --controller pic --motion push \\
       --out runs/tuesday
+  brace-drake deploy --port /dev/ttyACM0 --scenario brace.scenario.yaml \\
+      --controller mraic --motion push
   brace-drake deploy --port /dev/ttyACM0 --policy runs/paper/best.npz
 
 Before it arms: device and twin must agree on kind, rate, geometry and limits,
 and a dry run of two seconds must have kept its time. --dry-run ends there.
 A policy (of `train`) sets the stiffness of the variable impedance control; its
 bounds and its rate are enforced outside of the network, and once more by the
-limits of the device. Its scenario is a brace of stage 2 alone.
+limits of the device. Its scenario is a brace with as many stages as it was
+trained for, by default that of its training; stage 2 alone is the bench.
 
 --out gets ticks.csv of the last run and timing.json of both, of a run that was
 stopped too, with the cause. A motion beyond 12 mm is refused.
@@ -46,10 +50,14 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     AddDevice(parser)
     what = parser.add_mutually_exclusive_group()
     what.add_argument(
-        "--controller", default="pic", choices=("pic",), help="default: pic"
+        "--controller",
+        metavar="TAG",
+        help="of the bench pic; of a brace any: idc, pic, mraic, npic, vpic or"
+        " pid (default: the scenario's own)",
     )
     what.add_argument("--policy", metavar="FILE", help="*.npz of a training")
     AddMotion(parser, help="default: push; of a policy, that of its training")
+    AddRing(parser)
     parser.add_argument("--dry-run", action="store_true", help="never arm")
     parser.add_argument("--out", metavar="DIR", help="for log and timing")
     AddCountdown(parser)
@@ -67,18 +75,20 @@ def Run(args: argparse.Namespace) -> int:
         check_dry_run,
         measure_timing,
     )
-    from brace_drake.operation.station import OpenDevice
-    from brace_drake.twin.reference import reference_at_ticks
+    from brace_drake.operation.motion import desired_at_ticks
+    from brace_drake.operation.station import OpenDevice, moving_rings
 
     load = _load_controller if args.policy is None else _load_policy
     motion, scenario, limits, control = load(args)
-    log = RunLog(MakeFolder(Path(args.out))) if args.out else None
+    rings = moving_rings(scenario)
+    log = RunLog(MakeFolder(Path(args.out)), rings) if args.out else None
 
     def run(name, desired, is_dry):
         keep = {"keep": log.keep(name)} if log else {}
         session, _ = RunController(
-            link, control, limits, desired, is_dry, keys.pressed, **keep
-        )
+            link, control, limits, desired, is_dry, keys.pressed, **keep,
+            rings=rings,
+        )  # fmt: skip
         timing = measure_timing(session)
         print(f"{name.replace('_', ' ')}: {timing}", flush=True)
         return timing
@@ -88,8 +98,8 @@ def Run(args: argparse.Namespace) -> int:
         ReadKeys() as keys,
     ):
         rate = link.hello.rate_hz
-        desired = reference_at_ticks(motion.time, motion.samples, rate)
-        still = np.zeros((round(_DRY_SECONDS * rate), 3))
+        desired = desired_at_ticks(motion, rate)
+        still = np.zeros((round(_DRY_SECONDS * rate), *desired.shape[1:]))
         check_dry_run(run("dry_run", still, True))
         if not args.dry_run:
             if not CountDown(args.countdown, f"{motion.name} moves", keys):
@@ -102,11 +112,13 @@ def Run(args: argparse.Namespace) -> int:
 
 def _load_controller(args: argparse.Namespace):
     """Motion, scenario, limits and control of --controller."""
-    from brace_drake.operation.station import MakeControl
+    from brace_drake.operation.station import MakeControl, moving_rings
 
-    motion = load_device_motion(args.motion or "push")
     scenario, limits = load_device_options(args)
-    return motion, scenario, limits, MakeControl(args.controller, scenario)
+    rings = moving_rings(scenario)
+    motion = load_device_motion(args.motion or "push", rings, args.ring)
+    control = MakeControl(scenario, limits, args.controller)
+    return motion, scenario, limits, control
 
 
 def _load_policy(args: argparse.Namespace):
@@ -118,17 +130,20 @@ def _load_policy(args: argparse.Namespace):
         motion_of_task,
     )
     from brace_drake.learning.policy import LoadPolicy
+    from brace_drake.operation.station import moving_rings
 
-    policy, limits = LoadPolicy(args.policy), LoadLimits(args.limits)
-    if args.motion is None:
-        motion = motion_of_task(policy.task)
-    else:
-        motion = load_device_motion(args.motion)
+    policy = LoadPolicy(args.policy)
     scenario, law = load_policy_scenario(policy, args.scenario), policy.law
+    rings = moving_rings(scenario)
+    limits = LoadLimits(args.limits, rings)
+    control = MakePolicyControl(policy, scenario, limits)
+    if args.motion is None:
+        motion = motion_of_task(policy.task, len(rings))
+    else:
+        motion = load_device_motion(args.motion, rings, args.ring)
     print(
         f"stiffness: {law.lower:g} to {law.upper:g} N/m by the policy, at most"
         f" {limits.stiffness:g} N/m and {limits.stiffness_rate:g} N/m/s by the"
         " limits"
     )
-    control = MakePolicyControl(policy, scenario, limits)
     return motion, scenario, limits, control

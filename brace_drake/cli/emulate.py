@@ -15,6 +15,8 @@ example:
   brace-drake emulate --link /tmp/brace --effect relaxation
   brace-drake record --port /tmp/brace --motion push --out recordings/monday
 
+  brace-drake emulate --link /tmp/brace --scenario diagrams/brace.scenario.yaml
+
 Lines on standard input change it while it runs:
   torso on|off               the subject comes or goes
   rest                       ring and torso are put back at rest
@@ -34,7 +36,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser = subparsers.add_parser(
         "emulate",
         help="serve an emulated brace on a pseudo-terminal",
-        description="A device with the bench's laws, for working without one.",
+        description="A device with the laws of bench or brace, for working"
+        " without one.",
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -42,7 +45,10 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--link", metavar="PATH", help="symbolic link to make to the terminal"
     )
     parser.add_argument(
-        "--scenario", metavar="FILE", help="of the bench (default: nominal)"
+        "--scenario",
+        metavar="FILE",
+        help="of the bench, or of a brace in task space with linear pads"
+        " (default: nominal bench)",
     )
     parser.add_argument(
         "--limits", metavar="FILE", help="of the device (default: package's)"
@@ -52,13 +58,14 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         action="append",
         default=[],
         metavar="NAME[:P=V,...]",
-        help="of the library, at its first start; twice at most",
+        help="of the library, at its first start; twice at most; of a brace"
+        " alike on every stage, but none that changes the bench's numbers",
     )
     parser.add_argument(
         "--subject",
         metavar="N=V,...",
         default="",
-        help="parameters, such as torso_mass_kg=35",
+        help="of the bench, such as torso_mass_kg=35",
     )
     parser.add_argument("--serial", default="emulated-1", metavar="TEXT")
     parser.add_argument("--seed", type=int, default=0, metavar="S")
@@ -107,22 +114,36 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def _make_device(args: argparse.Namespace):
+    from brace_drake.cli.link_options import load_link_scenario
+    from brace_drake.emulator.describe import describe_device
+    from brace_drake.emulator.device import EmulatedDevice
+    from brace_drake.hardware.limits_file import LoadLimits
+    from brace_drake.operation.station import moving_rings
+    from brace_drake.scenario.bench import BenchScenario
+
+    scenario = load_link_scenario(args.scenario)
+    uses = tuple(parse_effect(text) for text in args.effect)
+    is_bench = isinstance(scenario, BenchScenario)
+    make = _make_bench if is_bench else _make_brace
+    plant = make(scenario, uses, args)
+    plant.with_torso = scenario.torso.present and not args.free
+    return EmulatedDevice(
+        plant,
+        describe_device(scenario, args.serial),
+        LoadLimits(args.limits, moving_rings(scenario)),
+        args.link,
+        args.host_paced,
+        args.seed,
+    )
+
+
+def _make_bench(scenario, uses, args: argparse.Namespace):
     import numpy as np
 
     from brace_drake.emulator.bench_plant import BenchPlant
-    from brace_drake.emulator.device import EmulatedDevice, describe_bench
-    from brace_drake.hardware.limits_file import LoadLimits
-    from brace_drake.scenario.bench import DEVICE, BenchScenario
     from brace_drake.scenario.bench_numbers import pack_bench
-    from brace_drake.scenario.load import LoadScenario
     from brace_drake.twin.subject import bench_subject
 
-    scenario = LoadScenario(args.scenario) if args.scenario else BenchScenario()
-    if scenario.device != DEVICE:
-        raise BraceError(
-            f"{args.scenario}: emulated is {DEVICE!r}, this is a"
-            f" {scenario.device!r}"
-        )
     subject = bench_subject(pack_bench(scenario))
     values = {p.name: p.nominal for p in subject}
     for name, value in parse_numbers(args.subject).items():
@@ -132,19 +153,20 @@ def _make_device(args: argparse.Namespace):
                 f" {', '.join(values)}"
             )
         values[name] = value
-    uses = tuple(parse_effect(text) for text in args.effect)
-    plant = BenchPlant(
+    return BenchPlant(
         scenario, uses, np.array(list(values.values())), args.seed
     )
-    plant.with_torso = not args.free
-    return EmulatedDevice(
-        plant,
-        describe_bench(scenario, args.serial),
-        LoadLimits(args.limits),
-        args.link,
-        args.host_paced,
-        args.seed,
-    )
+
+
+def _make_brace(scenario, uses, args: argparse.Namespace):
+    from brace_drake.emulator.brace_plant import BracePlant
+
+    if args.subject:
+        raise BraceError(
+            f"--subject {args.subject}: of a brace the subject is in its"
+            " scenario, under torso and contact"
+        )
+    return BracePlant(scenario, uses, args.seed)
 
 
 def parse_numbers(text: str) -> dict[str, float]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 
+from brace_drake.campaign.columns import BENCH, BRACE
 from brace_drake.cli.options import AddScenario, names_file
-from brace_drake.errors import ScenarioError
+from brace_drake.errors import CampaignError, ScenarioError
 from brace_drake.hardware.messages import BAUD
 
 
@@ -27,7 +29,20 @@ def AddDevice(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="limits to agree on (default: diagrams/limits.yaml)",
     )
-    AddScenario(parser, "of the twin (default: the nominal bench)")
+    AddScenario(
+        parser, "of the device, bench or brace (default: the nominal bench)"
+    )
+
+
+def AddRing(parser: argparse.ArgumentParser) -> None:
+    """Adds --ring."""
+    parser.add_argument(
+        "--ring",
+        type=int,
+        metavar="N",
+        help="of a brace, that motions of the library move; the others are"
+        " held (default: 2)",
+    )
 
 
 def AddCountdown(parser: argparse.ArgumentParser) -> None:
@@ -38,11 +53,12 @@ def AddCountdown(parser: argparse.ArgumentParser) -> None:
 
 
 def AddRecording(parser: argparse.ArgumentParser) -> None:
-    """Adds --out, --subject and --countdown."""
+    """Adds --out, --subject, --ring and --countdown."""
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="campaign's folder"
     )
     parser.add_argument("--subject", default="", metavar="TEXT")
+    AddRing(parser)
     AddCountdown(parser)
 
 
@@ -53,6 +69,7 @@ def OpenRecorder(args: argparse.Namespace):
         BraceError: As `load_device_options`, or the device or the folder is
             not what it should be.
     """
+    from brace_drake.operation.motion import RING
     from brace_drake.operation.recorder import Recorder
 
     scenario, limits = load_device_options(args)
@@ -64,43 +81,82 @@ def OpenRecorder(args: argparse.Namespace):
         args.subject,
         args.baud,
         args.clear,
+        args.ring or RING,
     )
 
 
-def load_device_motion(text: str):
+def load_device_motion(
+    text: str, rings: Sequence[int] = (2,), ring: int | None = None
+):
     """What a device is to do: a motion of the library, or a reference.
 
+    Args:
+        text: Name or file.
+        rings: Numbers of the device's moving rings, bottom to top.
+        ring: That a motion of the library moves; None: ring 2.
+
     Raises:
-        CampaignError: Neither.
+        CampaignError: Neither, or of another ring.
         LimitsError: It reaches further than any may.
     """
-    from brace_drake.twin.motion_library import MakeMotion, motion_of_run
+    from brace_drake.operation.motion import (
+        RING,
+        motion_of_rings,
+        place_motion,
+    )
+    from brace_drake.twin.motion_library import MakeMotion
     from brace_drake.twin.motion_limits import check_reach
     from brace_drake.twin.reference_file import LoadReference
 
-    if names_file(text):
-        motion = motion_of_run(LoadReference(text), f"from {text}")
+    if not names_file(text):
+        motion = place_motion(MakeMotion(text), rings, ring or RING)
+    elif ring is not None:
+        raise CampaignError(
+            f"--ring {ring}: the columns of {text} say which rings move"
+        )
     else:
-        motion = MakeMotion(text)
+        run = LoadReference(text, tuple(rings))
+        motion = motion_of_rings(run, rings, f"from {text}")
     check_reach(motion.name, motion.samples[:, 0])
     return motion
 
 
-def load_device_options(args: argparse.Namespace):
+def load_device_options(args: argparse.Namespace, bench_only: str = ""):
     """Scenario and limits of the options.
+
+    Args:
+        args: Of `AddDevice`.
+        bench_only: What is there for the bench alone, in words; "": a device
+            of any stages will do.
 
     Raises:
         ScenarioError, LimitsError: A file is not what it should be.
     """
     from brace_drake.hardware.limits_file import LoadLimits
-    from brace_drake.scenario.bench import DEVICE, BenchScenario
+    from brace_drake.operation.station import moving_rings
+
+    scenario = load_link_scenario(args.scenario)
+    if bench_only and scenario.device != BENCH:
+        raise ScenarioError(
+            f"{args.scenario}: {bench_only} is for a {BENCH!r} alone, this is a"
+            f" {scenario.device!r}; record and deploy take it"
+        )
+    return scenario, LoadLimits(args.limits, moving_rings(scenario))
+
+
+def load_link_scenario(path: str | None):
+    """The scenario of a device on the link, the nominal bench by default.
+
+    Raises:
+        ScenarioError: It cannot be read, or is of something else.
+    """
+    from brace_drake.scenario.bench import BenchScenario
     from brace_drake.scenario.load import LoadScenario
 
-    limits = LoadLimits(args.limits)
-    scenario = LoadScenario(args.scenario) if args.scenario else BenchScenario()
-    if scenario.device != DEVICE:
+    scenario = LoadScenario(path) if path else BenchScenario()
+    if scenario.device not in (BENCH, BRACE):
         raise ScenarioError(
-            f"{args.scenario}: the link is to a {DEVICE!r}, this is a"
-            f" {scenario.device!r}"
+            f"{path}: on the link there is a {BENCH!r} or a {BRACE!r}, this is"
+            f" a {scenario.device!r}"
         )
-    return scenario, limits
+    return scenario

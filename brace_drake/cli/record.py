@@ -10,6 +10,7 @@ from brace_drake.cli.link_options import (
     AddRecording,
     OpenRecorder,
     load_device_motion,
+    load_link_scenario,
 )
 from brace_drake.cli.options import AddMotion
 from brace_drake.errors import CampaignError
@@ -20,10 +21,11 @@ example:
 
 The motion is a name of the library (push, stairs, reversal, multisine,
 quiet_hold, free_reversal ...), a reference (*.csv), or a plan of runs (*.yaml,
-see `brace-drake campaign --help`), all of which are recorded. What is in the
-folder stays; a motion that is there already is recorded as its repeat (of a
-plan, where it says so). Any key stops; so does Ctrl-C. A crash or an unplugged
-device leaves a shorter recording.
+see `brace-drake campaign --help`), all of which are recorded. On a brace ring 2
+follows it, or that of --ring, and the others are held; a reference may have
+columns of each ring. What is in the folder stays; a motion that is there already
+is recorded as its repeat (of a plan, where it says so). Any key stops; so does
+Ctrl-C. A crash or an unplugged device leaves a shorter recording.
 """
 _PLANS = (".yaml", ".yml")
 
@@ -57,8 +59,11 @@ def Run(args: argparse.Namespace) -> int:
     if args.motion.endswith(_PLANS):
         return _RecordPlan(args)
     from brace_drake.operation.console import ReadKeys
+    from brace_drake.operation.station import moving_rings
 
-    motion, split = load_device_motion(args.motion), args.split or "fit"
+    rings = moving_rings(load_link_scenario(args.scenario))
+    motion = load_device_motion(args.motion, rings, args.ring)
+    split = args.split or "fit"
     with ReadKeys() as keys, OpenRecorder(args) as recorder:
         run = recorder.Record(motion, split, args.countdown, keys)
     print(f"recorded: {Path(args.out) / run.entry['file']}, {run.rows} rows")

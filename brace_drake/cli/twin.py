@@ -65,8 +65,8 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.operation.watch import WatchSession
     from brace_drake.twin.reference import reference_at_ticks
 
+    scenario, limits = load_device_options(args, "the twin beside a device")
     motion = load_device_motion(args.motion)
-    scenario, limits = load_device_options(args)
     scenario.torso.present = motion.contact
     beside = TwinBeside(scenario, args.band, args.memory)
     with (
@@ -116,7 +116,7 @@ class _Show:
         from brace_drake.hardware.words import Cause
 
         for row in rows:
-            self._beside.Take(row, row.y_ring)
+            self._beside.Take(row)
         said = self._beside.describe()
         for name in said["alarms"]:
             if name not in self._present:

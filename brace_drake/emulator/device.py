@@ -1,4 +1,4 @@
-"""A whole emulated brace: bench, firmware, line, in real time."""
+"""A whole emulated brace: plant, firmware, line, in real time."""
 
 from __future__ import annotations
 
@@ -7,17 +7,14 @@ import threading
 import time
 from dataclasses import dataclass
 
-from brace_drake.emulator.bench_plant import BenchPlant
 from brace_drake.emulator.line import Line, LineFaults
+from brace_drake.emulator.plant import EmulatedPlant
 from brace_drake.emulator.terminal import Terminal
 from brace_drake.hardware.codec import Decoder, make_codec
 from brace_drake.hardware.device_ticks import Identity, Measured
 from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT, Limits
 from brace_drake.hardware.words import DeviceState
-from brace_drake.scenario.bench import BenchScenario
-
-MODEL = "bench stage 2"
 
 
 @dataclass
@@ -43,29 +40,6 @@ class Faults:
     frozen_legs: tuple[int, ...] = ()
 
 
-def describe_bench(scenario: BenchScenario, serial: str) -> Identity:
-    """What the device of a bench says of itself."""
-    from brace_drake.scenario.bench_numbers import pack_bench
-
-    numbers = pack_bench(scenario)
-    lower = numbers.p_WB.copy()
-    lower[:, 2] -= scenario.stage.lower_height
-    return Identity(
-        model=MODEL,
-        identity=serial,
-        firmware="emulated 1.0",
-        stages=1,
-        rate_hz=scenario.control.rate,
-        length_resolution=scenario.sensors.leg_length_resolution,
-        force_resolution=scenario.sensors.force_resolution,
-        force_range=50.0,
-        rest=tuple(numbers.rest.tolist()),
-        lower=tuple(lower.ravel().tolist()),
-        upper=tuple(numbers.p_RT.ravel().tolist()),
-        takes_lengths=True,
-    )
-
-
 class EmulatedDevice:
     """A device that serves one pseudo-terminal.
 
@@ -82,7 +56,7 @@ class EmulatedDevice:
 
     def __init__(
         self,
-        plant: BenchPlant,
+        plant: EmulatedPlant,
         identity: Identity,
         limits: Limits = DEFAULT,
         link: str | None = None,
@@ -159,7 +133,7 @@ class EmulatedDevice:
         plant, faults, self._tick_time = self.plant, self.faults, now
         if self._torso is not None and self._is_idle:
             plant.with_torso, self._torso = self._torso, None
-        if self._puts_back and self._is_idle:
+        if self._is_idle and (self._puts_back or plant.has_sunk):
             plant.reset()
             self._puts_back = False
         plant.jammed, plant.frozen = (
@@ -167,10 +141,11 @@ class EmulatedDevice:
             set(faults.frozen_legs),
         )
         readings = plant.advance(u).tolist()
+        legs = len(plant.hold)
         measured = Measured(
-            tuple(readings[0:6]),
-            tuple(readings[6:9]),
-            tuple(readings[9:12]),
+            tuple(readings[0:legs]),
+            tuple(readings[legs:-3]),
+            tuple(readings[-3:]),
             faults.estop,
             faults.drive_fault,
         )

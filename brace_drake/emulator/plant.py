@@ -16,6 +16,9 @@ from brace_drake.laws.plug_in import PlugIn
 # resolve with the ring's mass.
 _JAM_STIFFNESS, _JAM_DAMPING = 5e4, 800.0
 _NOISE_ROWS = 1000
+# Whoever stands by catches a released ring that far from rest, m: what carries
+# its weight at rest does not hold it there.
+_CAUGHT = 5e-3
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,12 @@ class EmulatedPlant:
         if value != self.with_torso:
             self._present[0] = value
             self.reset()
+
+    @property
+    def has_sunk(self) -> bool:
+        """Whether a ring that nothing holds has gone so far down."""
+        low = self._plant.start[:, 6] - _CAUGHT
+        return bool((self.bodies[6 : 7 * self.num_stages : 7] < low).any())
 
     def reset(self) -> None:
         """All bodies as at time 0, effects as before any motion."""

@@ -71,7 +71,9 @@ LIMITS = (
     Limit("force_jump", "N", "most", False, 5.0, "change within a tick"),
     Limit("disagreement", "N", "most", False, 15.0, "reading - legs' force"),
     Limit("disagreement_time", "s", "most", False, 0.2, "how long at most"),
-    Limit("stuck_travel", "m", "most", False, 0.003, "of a stage, one leg still"),
+    Limit(
+        "stuck_travel", "m", "most", False, 0.003, "of a stage, one leg still"
+    ),
 )
 SHARED = tuple(limit for limit in LIMITS if limit.shared)
 NAMES = tuple(limit.name for limit in LIMITS)

@@ -14,6 +14,7 @@ from brace_drake.learning.policy_systems import PolicySystem
 from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.operation.diagram_control import DiagramControl
 from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.control_numbers import spread
 from brace_drake.twin.motion_library import RATE_HZ, SafeMotion
 from brace_drake.twin.motion_limits import check_reach
 
@@ -42,34 +43,42 @@ def MakePolicyControl(
 
     Raises:
         PolicyError: The policy is for another number of rings.
-        ScenarioError: The scenario is not the bench's.
+        ScenarioError: Numbers that are not allowed.
     """
-    size = len(policy.selected)
-    if size != 6:
+    rings, stages = len(policy.selected) // 6, len(scenario.stages)
+    if rings != stages:
         raise PolicyError(
-            f"the policy is for {size // 6} rings; allowed on the bench: 1"
+            f"the policy is for {rings} rings; allowed on the device: {stages}"
         )
     return DiagramControl(scenario, limits, PolicySystem(policy))
 
 
-def motion_of_task(task: LearningTask) -> SafeMotion:
+def motion_of_task(task: LearningTask, num_rings: int = 1) -> SafeMotion:
     """The motion that a policy was trained on, held for a second at its end.
+
+    Args:
+        task: Of the training.
+        num_rings: That the device has.
 
     Raises:
         PolicyError: It is not along y alone.
         LimitsError: It reaches further than any may.
     """
-    way = np.asarray(task.displacement, dtype=float)
-    if way.shape != (6,) or np.delete(way, _ALONG).any():
+    way = spread(task.displacement, num_rings).reshape((-1, 6))
+    if np.delete(way, _ALONG, axis=1).any():
         raise PolicyError(
-            "the motion of the training is not of one ring along y alone:"
-            " choose another with --motion"
+            "the motion of the training is not along y alone: choose another"
+            " with --motion"
         )
+    along = np.ascontiguousarray(way[:, _ALONG])
     duration = min(task.motion_time, task.max_steps * task.sample_time)
     time = np.arange(round((duration + 1.0) * RATE_HZ)) / RATE_HZ
-    samples = np.empty((len(time), 3))
+    samples = np.empty((len(time), 3, num_rings))
     for row, t in zip(samples, time, strict=True):
-        calc_cubic(t, task.motion_time, np.zeros(1), way[_ALONG:2], row)
+        flat = row.reshape(-1)
+        calc_cubic(t, task.motion_time, np.zeros(num_rings), along, flat)
+    if num_rings == 1:
+        samples = np.ascontiguousarray(samples[:, :, 0])
     check_reach("training", samples[:, 0])
-    meaning = f"{1e3 * abs(way[_ALONG]):g} mm in {task.motion_time:g} s"
+    meaning = f"{1e3 * np.abs(way).max():g} mm in {task.motion_time:g} s"
     return SafeMotion("training", meaning, True, "push", time, samples)

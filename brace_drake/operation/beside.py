@@ -54,19 +54,14 @@ class TwinBeside:
         self.alarms: list[str] = []
         self._readings = self._plant.advance(self._plant.hold).copy()
 
-    def Take(self, row: Row, pose_y: float) -> None:
-        """Takes a tick of the device, in order.
-
-        Args:
-            row: With readings and reference.
-            pose_y: Displacement of the device's ring along y, m.
-        """
+    def Take(self, row: Row) -> None:
+        """Takes a tick of the device, in order: readings, reference, pose."""
         twin = self._readings
         gap = row.readings - twin
         self._mean += self._gain * (gap**2 - self._mean)
         self.ratio = np.sqrt(self._mean) / self._floor
         self._Judge()
-        self._Learn(row, pose_y, twin)
+        self._Learn(row, float(row.y_ring[0]), twin)
         command = self._control.Tick(twin, row.desired)
         self._readings = self._plant.advance(command).copy()
 

@@ -109,14 +109,20 @@ class PicControl:
     @property
     def virtual(self) -> list[float]:
         """X_v of the ring (6,)."""
-        return [0.0, self.y_virtual, 0.0, 0.0, 0.0, 0.0]
+        return [0.0, float(self.y_virtual[0]), 0.0, 0.0, 0.0, 0.0]
 
     @property
-    def stiffness(self) -> float:
-        """K_d along y, N/m."""
-        return float(self._numbers.impedance[2])
+    def stiffness(self) -> np.ndarray:
+        """K_d along y (1,), N/m."""
+        return self._numbers.impedance[2:3]
 
     @property
-    def y_virtual(self) -> float:
-        """Virtual position along y, m."""
-        return float(self._memory[controller.NUM_POSE_MEMORY + 1])
+    def y_ring(self) -> np.ndarray:
+        """Displacement along y (1,), m."""
+        return self._estimate[1:2].copy()
+
+    @property
+    def y_virtual(self) -> np.ndarray:
+        """Virtual position along y (1,), m."""
+        at = controller.NUM_POSE_MEMORY + 1
+        return self._memory[at : at + 1].copy()

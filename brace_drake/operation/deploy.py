@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -13,6 +13,8 @@ import numpy as np
 from brace_drake.errors import LinkError, StoppedError
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
+from brace_drake.operation.columns import leg_names
+from brace_drake.operation.motion import RING
 from brace_drake.operation.session import Row, Session
 from brace_drake.operation.watch import WatchSession
 from brace_drake.output import WriteJson, WriteText
@@ -81,6 +83,7 @@ def RunController(
     dry_run: bool,
     asks_stop: Callable[[], bool] = lambda: False,
     keep: Callable[[Session, list[Row], str], None] = lambda *_: None,
+    rings: Sequence[int] = (RING,),
 ) -> tuple[Session, str]:
     """Runs a controller over a reference.
 
@@ -88,12 +91,14 @@ def RunController(
         link: Agreed.
         control: With `Tick(readings, desired)`, as `PicControl`.
         limits: Of the supervisor.
-        desired: y_d, y_d', y_d'' at each tick (ticks, 3).
+        desired: y_d, y_d', y_d'' at each tick (ticks, 3), of several rings
+            (ticks, 3, S).
         dry_run: Commands are computed and judged, but the device stays
             disarmed.
         asks_stop: Of the operator's console.
         keep: Called once, however it ends, with the session, its ticks and
             what ended it before its end, "" for nothing.
+        rings: Numbers of the moving rings, bottom to top.
 
     Returns:
         The session, and a log of all ticks as CSV text.
@@ -119,7 +124,7 @@ def RunController(
     finally:
         link.on_state = None
         keep(session, rows, cause)
-    return session, format_log(rows)
+    return session, format_log(rows, rings)
 
 
 def _describe_stop(session: Session, link: Link) -> str:
@@ -136,8 +141,8 @@ class RunLog:
     run, and `stopped`, why, where one did not come to its end.
     """
 
-    def __init__(self, folder: Path):
-        self._folder, self._timing = folder, {}
+    def __init__(self, folder: Path, rings: Sequence[int] = (RING,)):
+        self._folder, self._timing, self._rings = folder, {}, rings
 
     def keep(self, name: str) -> Callable[[Session, list[Row], str], None]:
         """What `RunController` is to call with a run of this name."""
@@ -145,7 +150,7 @@ class RunLog:
         def Write(session: Session, rows: list[Row], cause: str) -> None:
             said = asdict(measure_timing(session))
             self._timing[name] = said | ({"stopped": cause} if cause else {})
-            WriteText(self._folder / "ticks.csv", format_log(rows))
+            WriteText(self._folder / "ticks.csv", format_log(rows, self._rings))
             WriteJson(self._folder / "timing.json", self._timing)
 
         return Write
@@ -168,19 +173,23 @@ def check_dry_run(timing: Timing) -> None:
         )
 
 
-def format_log(rows) -> str:
+def format_log(rows, rings: Sequence[int] = (RING,)) -> str:
     """Ticks as CSV text: tick, commands, readings, reference, timing."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    head = ["tick", *(f"leg{k}_force_command_N" for k in range(1, 7))]
-    head += [f"leg{k}_length_m" for k in range(1, 7)]
-    head += [f"ring2_force_{a}_N" for a in "xyz"]
-    head += ["ring2_y_desired_m", "ring2_y_virtual_m", "ring2_y_m"]
-    head += ["ring2_y_stiffness_N_m"]
+    legs = leg_names(rings)
+    head = ["tick", *(f"{leg}_force_command_N" for leg in legs)]
+    head += [f"{leg}_length_m" for leg in legs]
+    head += [f"ring{i}_force_{a}_N" for i in rings for a in "xyz"]
+    for i in rings:
+        head += [f"ring{i}_y_desired_m", f"ring{i}_y_virtual_m"]
+        head += [f"ring{i}_y_m", f"ring{i}_y_stiffness_N_m"]
     writer.writerow([*head, "latency_us", "command_age_ticks", "bridged"])
     for row in rows:
-        values = [*row.command, *row.readings[:9], row.desired[0]]
-        values += [row.y_virtual, row.y_ring, row.stiffness]
+        y_desired = np.reshape(row.desired, (3, -1))[0]
+        of_rings = (y_desired, row.y_virtual, row.y_ring, row.stiffness)
+        values = [*row.command, *row.readings[:-3]]
+        values += np.transpose(of_rings).ravel().tolist()
         writer.writerow(
             [
                 row.tick,

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import yaml
@@ -31,6 +32,7 @@ class Journal:
     Attributes:
         folder: Where it is.
         head: Keys of campaign.yaml beside `runs`.
+        stages: Of a brace, those recorded; none: all.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class Journal:
         rate_hz: float,
         subject: str,
         recorded: dict,
+        stages: Sequence[int] = (),
     ):
         """Opens or makes a campaign folder.
 
@@ -48,6 +51,7 @@ class Journal:
                 folder, or one to be made.
             device, rate_hz, subject: Of the campaign.
             recorded: With what: identity, firmware and the like.
+            stages: Of a brace, those that are recorded; none: all.
 
         Raises:
             OutputError: The folder cannot be written.
@@ -61,6 +65,9 @@ class Journal:
             "subject": subject,
             "recorded": recorded,
         }
+        self.stages = tuple(stages)
+        if stages:
+            self.head["stages"] = list(stages)
         self._runs: list[dict] = []
         path = self.folder / MANIFEST
         if path.exists():
@@ -74,8 +81,8 @@ class Journal:
             runs = content["runs"]
         except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
             raise CampaignError(f"{path}: cannot be continued") from error
-        for key in ("device", "rate_hz", "recorded"):
-            mine, there = self.head[key], content.get(key)
+        for key in ("device", "rate_hz", "recorded", "stages"):
+            mine, there = self.head.get(key), content.get(key)
             if mine != there:
                 raise CampaignError(
                     f"{path}: {key} is {there!r}, this recording's is {mine!r}"

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from brace_drake.campaign.columns import DEVICES
 from brace_drake.errors import StoppedError
 from brace_drake.hardware.link import Link
+from brace_drake.operation.columns import arrange_row, columns_of
 from brace_drake.operation.journal import Journal, RunFile
+from brace_drake.operation.motion import desired_at_ticks
 from brace_drake.operation.session import Row, Session
 from brace_drake.operation.watch import WatchSession
 from brace_drake.twin.motion_library import SafeMotion
-from brace_drake.twin.reference import reference_at_ticks
 
-# Beside the channels of the device's format.
-_EXTRA = ("bridged", "command_age_ticks", "latency_us")
 # A recording begins at rest, as its twin does: torso and pads that were pressed
 # before need so long to come to rest, s.
 _SETTLE = 4.0
@@ -30,27 +28,6 @@ def describe_device(link: Link) -> dict:
         "firmware": hello.firmware,
         "rate_hz": float(hello.rate_hz),
     }
-
-
-def columns_of(device: str) -> tuple[str, ...]:
-    """Columns of a recording through the link."""
-    return (*DEVICES[device], *_EXTRA)
-
-
-def arrange_row(row: Row, period: float, device: str) -> list[float]:
-    """A tick's numbers in the order of `columns_of`."""
-    values = {"time_s": row.tick * period, "ring2_y_virtual_m": row.y_virtual}
-    for k in range(6):
-        values[f"leg{k + 1}_force_command_N"] = row.command[k]
-        values[f"leg{k + 1}_length_m"] = row.readings[k]
-    for i, axis in enumerate("xyz"):
-        values[f"ring2_force_{axis}_N"] = row.readings[6 + i]
-        values[f"torso_{axis}_m"] = row.readings[9 + i]
-    for i, name in enumerate(("y_desired_m", "vy_desired_m_s")):
-        values[f"ring2_{name}"] = row.desired[i]
-    values["ring2_ay_desired_m_s2"] = row.desired[2]
-    ordered = [float(values[name]) + 0.0 for name in DEVICES[device]]
-    return [*ordered, row.bridged, row.age, round(1e6 * row.latency)]
 
 
 def RecordMotion(
@@ -70,22 +47,23 @@ def RecordMotion(
         link: Agreed.
         session: Fresh, on this link.
         journal: Of the campaign.
-        motion: The reference.
+        motion: The reference, of several rings placed on them.
         split, repeat_of: Of the run.
         asks_stop: Whether the operator wants it stopped.
         tell: Called with the share done, now and then.
-        settle: How long the ring is held at rest before, s.
+        settle: How long the rings are held at rest before, s.
 
     Raises:
         StoppedError: It was stopped before its end; what had been recorded is
             in the campaign.
     """
-    device, rate = journal.head["device"], link.hello.rate_hz
+    device, stages = journal.head["device"], journal.stages
+    rate = link.hello.rate_hz
     every = round(rate / journal.head["rate_hz"])
-    desired = reference_at_ticks(motion.time, motion.samples, rate)
+    desired = desired_at_ticks(motion, rate)
     run = journal.NewRun(
         motion.name,
-        columns_of(device),
+        columns_of(device, stages),
         motion.contact,
         motion.kind,
         split,
@@ -96,7 +74,7 @@ def RecordMotion(
     def take(rows: list[Row]) -> None:
         for row in rows:
             if row.tick % every == 0:
-                run.Append(arrange_row(row, 1.0 / rate, device))
+                run.Append(arrange_row(row, 1.0 / rate, device, stages))
         run.Flush()
         tell(run.rows * every / len(desired), session)
 

@@ -14,10 +14,17 @@ from brace_drake.operation.console import (
     describe_status,
 )
 from brace_drake.operation.journal import Journal, RunFile
+from brace_drake.operation.motion import RING, place_motion
 from brace_drake.operation.record import RecordMotion, describe_device
 from brace_drake.operation.session import Session
-from brace_drake.operation.station import MakeControl, OpenDevice
+from brace_drake.operation.station import (
+    MakeControl,
+    OpenDevice,
+    moving_rings,
+    recorded_as,
+)
 from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BraceScenario
 from brace_drake.twin.motion_library import SafeMotion
 from brace_drake.twin.motion_limits import check_reach
 
@@ -33,19 +40,38 @@ class Recorder:
     def __init__(
         self,
         port: str,
-        scenario: BenchScenario,
+        scenario: BenchScenario | BraceScenario,
         limits: Limits,
         out: str | Path,
         subject: str = "",
         baud: int = BAUD,
         clear: bool = False,
+        ring: int = RING,
     ):
-        self._scenario, self._limits = scenario, limits
+        """Opens the device and the folder.
+
+        Args:
+            port, baud: Of the device.
+            scenario: What it must be, and its controller.
+            limits: To agree on.
+            out: The campaign's folder.
+            subject: Of the campaign.
+            clear: Whether a latched stop is to be ended.
+            ring: That motions of one ring move.
+
+        Raises:
+            LinkError, LimitsError: As `OpenDevice`.
+            OutputError, CampaignError: As `Journal`.
+        """
+        self._scenario, self._limits, self._ring = scenario, limits, ring
+        self._rings = moving_rings(scenario)
         self.link = OpenDevice(port, scenario, limits, baud, clear)
         try:
             rate = 1.0 / scenario.sensors.log_period
+            device, stages = recorded_as(scenario)
+            described = describe_device(self.link)
             self.journal = Journal(
-                out, scenario.device, rate, subject, describe_device(self.link)
+                out, device, rate, subject, described, stages
             )
         except BaseException:
             self.link.Close()
@@ -68,7 +94,7 @@ class Recorder:
         """Counts down, then records.
 
         Args:
-            motion: What to do.
+            motion: What to do, of one ring or placed.
             split: What for.
             countdown: s.
             keys: One of them stops.
@@ -79,10 +105,11 @@ class Recorder:
             LimitsError: The motion reaches further than any may.
             StoppedError: The operator, the supervisor or the device stopped.
         """
+        motion = place_motion(motion, self._rings, self._ring)
         check_reach(motion.name, motion.samples[:, 0])
         if repeat_of is None:
             repeat_of = self._Original(motion, split)
-        control = MakeControl("pic", self._scenario)
+        control = MakeControl(self._scenario, self._limits)
         session = Session(self.link, control, self._limits)
         where = "with the torso" if motion.contact else "WITHOUT the torso"
         what = f"{motion.name} ({motion.meaning}), {where}, moves"

@@ -31,27 +31,27 @@ class Row:
 
     Attributes:
         tick: Of the motion; below 0 while the ring settles.
-        command: Leg commands computed at it (6,), N.
-        readings: Lengths, force, marker (12,).
-        desired: y_d, y_d', y_d'' (3,).
-        y_virtual: m.
-        y_ring: Displacement of the ring along y, m.
+        command: Leg commands computed at it (6 S,), N.
+        readings: Lengths, forces, marker (9 S + 3,).
+        desired: y_d, y_d', y_d'' (3,), of several rings (3, S).
+        y_virtual: Of each ring (S,), m.
+        y_ring: Displacement of each ring along y (S,), m.
         latency: From the state's arrival to the command's departure, s.
         age: Ticks between the state and that which the command in use answers.
         bridged: Whether the state was lost and its readings are interpolated.
-        stiffness: K_d along y in use, N/m.
+        stiffness: K_d along y in use, of each ring (S,), N/m.
     """
 
     tick: int
     command: np.ndarray
     readings: np.ndarray
     desired: np.ndarray
-    y_virtual: float
-    y_ring: float
+    y_virtual: np.ndarray
+    y_ring: np.ndarray
     latency: float
     age: int
     bridged: bool = False
-    stiffness: float = float("nan")
+    stiffness: np.ndarray | None = None
 
 
 @dataclass
@@ -88,10 +88,10 @@ class Session:
         self._link, self._control, self._dry = link, control, dry_run
         self._setup = safety.Setup(limits, control.hold, control.period)
         self._memory = safety.start_memory(self._setup)
-        self._desired = np.zeros((0, 3))
+        self._desired, self._legs = np.zeros((0, 3)), len(control.hold)
         self._at, self._home_at, self._moving = 0, 0, False
         self._last_tick: int | None = None
-        self._last_readings = np.zeros(12)
+        self._last_readings = np.zeros(0)
         self._last_arrival: float | None = None
         self._tick_of: dict[int, int] = {}
         self._told, self._now = False, 0.0
@@ -103,8 +103,9 @@ class Session:
         """Arms, holds the rest pose for a while, then follows.
 
         Args:
-            desired: y_d, y_d', y_d'' at each tick (ticks, 3).
-            settle: s; in its first part the ring comes home.
+            desired: y_d, y_d', y_d'' at each tick (ticks, 3), of several
+                rings (ticks, 3, S).
+            settle: s; in its first part the rings come home.
 
         Raises:
             LimitsError: The reference reaches further than any may.
@@ -226,8 +227,8 @@ class Session:
         now = self._now
         reading = safety.Reading(
             now,
-            readings[0:6].tolist(),
-            readings[6:9].tolist(),
+            readings[: self._legs].tolist(),
+            readings[self._legs : -3].tolist(),
             missing,
             pose=control.pose if controlled else None,
             virtual=control.virtual if controlled and self._follows else None,
@@ -279,7 +280,7 @@ class Session:
 
     def _Reference(self) -> np.ndarray:
         if self._at < 0:
-            return np.zeros(3)
+            return np.zeros(self._desired.shape[1:])
         return self._desired[min(self._at, len(self._desired) - 1)]
 
     def _Keep(self, command, readings, latency, age, bridged) -> None:
@@ -294,7 +295,7 @@ class Session:
                     readings,
                     desired,
                     self._control.y_virtual,
-                    self._control.pose[1],
+                    self._control.y_ring,
                     latency,
                     age,
                     bridged,

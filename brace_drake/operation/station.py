@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from brace_drake.errors import LinkError
@@ -10,11 +12,12 @@ from brace_drake.hardware.link import Link
 from brace_drake.hardware.messages import BAUD
 from brace_drake.hardware.words import Cause, DeviceState, cause_name
 from brace_drake.operation.control import PicControl
+from brace_drake.operation.diagram_control import DiagramControl
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_geometry
-from brace_drake.simulate_brace import recorded_device
+from brace_drake.simulate_brace import recorded_device, recorded_stages
 
 # How far an anchor of device and twin may lie apart, m.
 _SAME_PLACE = 5e-5
@@ -76,9 +79,7 @@ def CheckDevice(link: Link, scenario: BenchScenario | BraceScenario) -> None:
     """
     hello = link.hello
     who = f"{link.path}: device {hello.model!r} ({hello.identity})"
-    model, geometry = scenario.device, describe_geometry(scenario)
-    if isinstance(scenario, BraceScenario):
-        model = recorded_device(scenario)
+    model, geometry = device_model(scenario), describe_geometry(scenario)
     legs = _LEGS * len(geometry["rest"])
     if hello.model != model or _LEGS * hello.stages != legs:
         raise LinkError(
@@ -104,6 +105,25 @@ def CheckDevice(link: Link, scenario: BenchScenario | BraceScenario) -> None:
             )
 
 
+def device_model(scenario: BenchScenario | BraceScenario) -> str:
+    """What the device of a scenario is called: stage 2 alone is the bench."""
+    return recorded_as(scenario)[0]
+
+
+def recorded_as(
+    scenario: BenchScenario | BraceScenario,
+) -> tuple[str, tuple[int, ...]]:
+    """Device of a campaign, and the stages that it has to name."""
+    if isinstance(scenario, BraceScenario):
+        return recorded_device(scenario), recorded_stages(scenario)
+    return scenario.device, ()
+
+
+def moving_rings(scenario: BenchScenario | BraceScenario) -> tuple[int, ...]:
+    """Numbers of a device's moving rings, bottom to top."""
+    return tuple(getattr(scenario, "stages", (2,)))
+
+
 def describe_geometry(
     scenario: BenchScenario | BraceScenario,
 ) -> dict[str, np.ndarray]:
@@ -124,12 +144,30 @@ def describe_geometry(
     return {"rest": rest, "lower": lower, "upper": numbers.p_RT_known}
 
 
-def MakeControl(name: str, scenario: BenchScenario):
-    """A controller of the host by name.
+def MakeControl(
+    scenario: BenchScenario | BraceScenario,
+    limits: Limits,
+    tag: str | None = None,
+):
+    """The host's controller of a scenario.
+
+    Args:
+        scenario: Of the device.
+        limits: Of the stiffness and its rate.
+        tag: Of the controller; None: the scenario's own.
 
     Raises:
-        LinkError: No such controller.
+        LinkError: No such controller for this device.
+        ScenarioError: The scenario's numbers do not suit it.
     """
-    if name != "pic":
-        raise LinkError(f"no controller {name!r}; there is pic")
-    return PicControl(scenario)
+    if isinstance(scenario, BenchScenario):
+        if tag not in (None, "pic"):
+            raise LinkError(
+                f"no controller {tag!r} in a scenario of the bench; there is"
+                " pic (a scenario of a brace has them all)"
+            )
+        return PicControl(scenario)
+    if tag is not None:
+        control = dataclasses.replace(scenario.control, tag=tag)
+        scenario = dataclasses.replace(scenario, control=control)
+    return DiagramControl(scenario, limits)

@@ -35,7 +35,8 @@ class SafeMotion:
         contact: Whether the torso is there.
         kind: push, stairs, reversal, multisine or quiet_hold.
         time: Sample times from 0 (N,), s.
-        samples: y, m; y', m/s; y'', m/s^2 (N, 3).
+        samples: y, m; y', m/s; y'', m/s^2 (N, 3); of a device of several
+            rings (N, 3, S).
     """
 
     name: str
