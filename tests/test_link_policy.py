@@ -14,6 +14,7 @@ from pydrake.systems.analysis import Simulator
 
 from brace_drake.cli.main import main
 from brace_drake.emulator.bench_plant import BenchPlant
+from brace_drake.emulator.brace_plant import BracePlant
 from brace_drake.errors import LinkError, PolicyError
 from brace_drake.hardware.limits import DEFAULT
 from brace_drake.learning.deployment import (
@@ -26,6 +27,7 @@ from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.make import full_task
 from brace_drake.learning.policy import SavePolicy
 from brace_drake.learning.policy_systems import PolicySystem
+from brace_drake.operation.motion import desired_at_ticks
 from brace_drake.operation.station import OpenDevice
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.systems.stiffness_limiter import StiffnessLimiter
@@ -47,8 +49,8 @@ def bench_of(brace):
     return bench
 
 
-def simulate(policy):
-    """y of the ring and K_d in use at each tick, by the diagram."""
+def simulate(policy, ticks=TICKS, along=1):
+    """y of the ring(s) and K_d in use at each tick, by the diagram."""
     env = RlpicEnv(policy.task)
     env.reset(seed=0)
     loop = DiagramLoop(
@@ -57,11 +59,12 @@ def simulate(policy):
         policy=PolicySystem(policy),
     )  # fmt: skip
     loop.simulator.Initialize()
-    y, K = np.empty(TICKS), np.empty(TICKS)
-    for i in range(TICKS):
+    y, K = [], []
+    for i in range(ticks):
         loop.simulator.AdvanceTo(max(0.0, i * 1e-3 - 5e-11))
-        y[i], K[i] = loop.truth().position[1], loop.stiffness[1]
-    return y, K
+        y.append(loop.truth().position[along])
+        K.append(loop.stiffness[along])
+    return np.array(y), np.array(K)
 
 
 def rms(values):
@@ -91,6 +94,28 @@ class TestHost(unittest.TestCase):
         y, K = self.follow(DEFAULT._replace(**WIDE))
         y_simulated, K_simulated = simulate(self.policy)
         self.assertGreater(np.ptp(K), 20000.0)
+        np.testing.assert_allclose(K, K_simulated, rtol=1e-6)
+        np.testing.assert_allclose(y, y_simulated, atol=1e-8)
+
+    def test_a_policy_of_three_rings_is_the_simulation_on_a_whole_brace(self):
+        task = replace(full_task(), max_steps=8, motion_time=1.0)
+        policy = random_policy(task)
+        scenario = load_policy_scenario(policy)
+        motion = motion_of_task(task, 3)
+        desired = desired_at_ticks(motion, 1000.0)
+        np.testing.assert_allclose(
+            desired[-1, 0], motion.samples[-1, 0], atol=1e-12
+        )
+        control = MakePolicyControl(policy, scenario, DEFAULT._replace(**WIDE))
+        plant, ticks = BracePlant(scenario, seed=None), 250
+        y, K, u = np.empty((ticks, 3)), np.empty((ticks, 3)), plant.hold
+        for i in range(ticks):
+            readings = plant.advance(u).copy()
+            y[i] = plant.bodies[5:20:7]
+            u = control.Tick(readings, desired[i]).copy()
+            K[i] = control.stiffness
+        y_simulated, K_simulated = simulate(policy, ticks, slice(1, None, 6))
+        self.assertGreater(np.ptp(K, axis=0).min(), 2000.0)
         np.testing.assert_allclose(K, K_simulated, rtol=1e-6)
         np.testing.assert_allclose(y, y_simulated, atol=1e-8)
 

@@ -40,6 +40,11 @@ class Faults:
     frozen_legs: tuple[int, ...] = ()
 
 
+# Forces that carry the rings' weight at rest alone let them sink in the end: so
+# long after a release whoever stands by holds them in their place, s.
+_STANDS_BY = 3.0
+
+
 class EmulatedDevice:
     """A device that serves one pseudo-terminal.
 
@@ -77,6 +82,7 @@ class EmulatedDevice:
         self._origin = self._lag = 0.0
         self._stop = threading.Event()
         self._torso: bool | None = None
+        self._armed_at = 0.0
         self._plugged, self._puts_back = True, False
         self._rest, self._is_patient, self._tick_time = b"", True, 0.0
 
@@ -133,9 +139,13 @@ class EmulatedDevice:
         plant, faults, self._tick_time = self.plant, self.faults, now
         if self._torso is not None and self._is_idle:
             plant.with_torso, self._torso = self._torso, None
-        if self._is_idle and (self._puts_back or plant.has_sunk):
+        if not self._is_idle:
+            self._armed_at = now
+        elif self._puts_back:
             plant.reset()
             self._puts_back = False
+        elif now - self._armed_at > _STANDS_BY and plant.is_away:
+            plant.put_rings_back()
         plant.jammed, plant.frozen = (
             set(faults.stuck_legs),
             set(faults.frozen_legs),

@@ -16,9 +16,9 @@ from brace_drake.laws.plug_in import PlugIn
 # resolve with the ring's mass.
 _JAM_STIFFNESS, _JAM_DAMPING = 5e4, 800.0
 _NOISE_ROWS = 1000
-# Whoever stands by catches a released ring that far from rest, m: what carries
-# its weight at rest does not hold it there.
-_CAUGHT = 5e-3
+# A leg's change that tells of a ring that has left its place, m: well above the
+# noise, and less than what a supervisor takes for a jump.
+_AWAY = 3e-4
 
 
 @dataclass(frozen=True)
@@ -126,10 +126,18 @@ class EmulatedPlant:
             self.reset()
 
     @property
-    def has_sunk(self) -> bool:
-        """Whether a ring that nothing holds has gone so far down."""
-        low = self._plant.start[:, 6] - _CAUGHT
-        return bool((self.bodies[6 : 7 * self.num_stages : 7] < low).any())
+    def is_away(self) -> bool:
+        """Whether the rings have left the place where they began."""
+        if self._first_lengths is None:
+            return False
+        moved = np.abs(self._last_lengths - self._first_lengths)
+        return bool(moved.max() > _AWAY)
+
+    def put_rings_back(self) -> None:
+        """Rings as at time 0; torso and effects stay as they are."""
+        n = self.num_stages
+        self.bodies[0 : 7 * n] = self._plant.start.ravel()
+        self.bodies[7 * n + 7 : 13 * n + 7] = 0.0
 
     def reset(self) -> None:
         """All bodies as at time 0, effects as before any motion."""
@@ -140,6 +148,7 @@ class EmulatedPlant:
         self.bodies[7 * n + 4 : 7 * n + 7] = plant.torso_rest
         self.u, self._readings = np.array(self.hold), np.zeros(9 * n + 3)
         self._last_lengths = np.zeros(6 * n)
+        self._first_lengths: np.ndarray | None = None
         self._jams: dict[int, float] = {}
         self._draw_noise = np.full(9 * n + 3, np.nan)
         self._viscous = plant.viscous.copy()
@@ -188,6 +197,8 @@ class EmulatedPlant:
         for k in self.frozen:
             self._readings[k] = self._last_lengths[k]
         self._last_lengths[:] = self._readings[: len(self._last_lengths)]
+        if self._first_lengths is None:
+            self._first_lengths = self._last_lengths.copy()
         if not self.with_torso:
             self._readings[-3:] = 0.0
         return self._readings

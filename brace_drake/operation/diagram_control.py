@@ -110,10 +110,10 @@ class DiagramControl:
         self._weights = np.full(n, numbers.ring[4])
         held = holding_leg_forces(numbers.geometry, self._weights)
         self.hold = tuple(held.tolist())
+        self._controller = MakeController(scenario.control, rings)
         control = pack_control(scenario.control, rings)
         self._law, self._start_pose = control.law, control.pose
         self._start = numbers.start
-        self._controller = MakeController(scenario.control, rings)
         self._diagram = MakeHostDiagram(
             self._controller, stiffness, limits, self.period
         )
@@ -176,8 +176,8 @@ class DiagramControl:
         )
         V = self._state[1].reshape((-1, 6)).take(_ROTATION_FIRST, axis=1)
         calc_forces_left(
-            self._poses, V, held, self._viscous, self._weights, self._geometry.lower,
-            self._geometry.upper, self.expected,
+            self._poses, V, held, self._viscous, self._weights,
+            self._geometry.lower, self._geometry.upper, self.expected,
         )  # fmt: skip
         if not self.good:
             return self.command
