@@ -1,7 +1,9 @@
 """A whole brace on the link: its plant, its limits, host and device."""
 
+import tempfile
 import unittest
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -180,6 +182,20 @@ class TestLimits(unittest.TestCase):
         self.assertEqual(LoadLimits().leg_shortest, DEFAULT.leg_shortest)
         upper = LoadLimits(None, (2, 3))
         self.assertEqual(upper.leg_longest, (0.166, 0.159))
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "limits.yaml"
+            file.write_text("leg_longest: 0.2\n")
+            one = LoadLimits(file, RINGS)
+            self.assertEqual(one, LIMITS._replace(leg_longest=0.2))
+            file.write_text("leg_longest: [0.2, 0.1]\n")
+            with self.assertRaisesRegex(LimitsError, "leg_longest has 2"):
+                LoadLimits(file, RINGS)
+            file.write_text("leg_longest: [0.2, 0.1, 0.2]\n")
+            with self.assertRaisesRegex(LimitsError, "0.116 m; .* 0.1$"):
+                LoadLimits(file, RINGS)
+            file.write_text("leg_force: [1, 2, 3]\n")
+            with self.assertRaisesRegex(LimitsError, "a number"):
+                LoadLimits(file, RINGS)
         same = {"leg_shortest": 0.1, "leg_longest": 0.2}
         self.assertEqual(LIMITS._replace(**same), DEFAULT._replace(**same))
 

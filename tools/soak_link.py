@@ -1,6 +1,7 @@
-"""Holds and moves an emulated bench for long; looks for losses and leaks.
+"""Holds and moves an emulated device for long; looks for losses and leaks.
 
     python tools/soak_link.py --seconds 3600 --watchdog 1
+    python tools/soak_link.py --scenario diagrams/brace.scenario.yaml
 
 Device and host are processes of their own. Each minute, or tenth of a shorter
 run, a line tells how it goes. Status 1 where a tick is missing without being
@@ -17,13 +18,18 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.cli.link_options import load_link_scenario
 from brace_drake.hardware.limits import DEFAULT, Limits
+from brace_drake.hardware.limits_file import LoadLimits
+from brace_drake.operation.motion import desired_at_ticks, place_motion
 from brace_drake.operation.session import Session
-from brace_drake.operation.station import MakeControl, OpenDevice
+from brace_drake.operation.station import (
+    MakeControl,
+    OpenDevice,
+    moving_rings,
+)
 from brace_drake.operation.watch import WatchSession
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.twin.motion_library import MakeMotion
-from brace_drake.twin.reference import reference_at_ticks
 
 # What the memory of a process may grow by over the second half, MB.
 _MOST_GROWTH = 2.0
@@ -45,15 +51,16 @@ def growth_mb(memory: list[float]) -> float:
     return float(np.mean(half[-third:]) - np.mean(half[:third]))
 
 
-def make_reference(seconds: float) -> np.ndarray:
-    """The library's multisine, again and again (ticks, 3)."""
-    motion = MakeMotion("multisine")
-    once = reference_at_ticks(motion.time, motion.samples, 1000.0)
+def make_reference(seconds: float, rings: tuple[int, ...]) -> np.ndarray:
+    """The library's multisine of ring 2, again and again."""
+    motion = place_motion(MakeMotion("multisine"), rings)
+    once = desired_at_ticks(motion, 1000.0)
     # Out and back in time: the reference stays continuous.
-    back = once[::-1] * (1.0, -1.0, 1.0)
-    both = np.vstack([once, back])
+    back = once[::-1].copy()
+    back[:, 1] *= -1.0
+    both = np.concatenate([once, back])
     ticks = round(1000 * seconds)
-    return np.tile(both, (-(-ticks // len(both)), 1))[:ticks]
+    return np.resize(both, (ticks, *both.shape[1:]))
 
 
 def main() -> int:
@@ -70,12 +77,15 @@ def main() -> int:
         help="limit of device and host, s: a machine that others share may be"
         " late by more than 0.05",
     )
+    parser.add_argument("--scenario", help="bench or brace (nominal bench)")
     args = parser.parse_args()
-    limits = DEFAULT._replace(
+    scenario = load_link_scenario(args.scenario)
+    limits = LoadLimits(None, moving_rings(scenario))._replace(
         stale=args.stale, lost_messages=1000.0, watchdog=args.watchdog
     )
     command = [sys.executable, "-m", "brace_drake.cli.main", "emulate"]
     command += ["--host-paced"] if args.host_paced else []
+    command += ["--scenario", args.scenario] if args.scenario else []
     with tempfile.TemporaryDirectory() as folder:
         own = Path(folder) / "limits.yaml"
         own.write_text(f"watchdog: {args.watchdog}\n")
@@ -86,19 +96,20 @@ def main() -> int:
             text=True,
         )
         try:
-            return soak(device, args.seconds, limits)
+            return soak(device, args.seconds, scenario, limits)
         finally:
             device.kill()
             device.wait()
 
 
-def soak(device: subprocess.Popen, seconds: float, limits: Limits) -> int:
+def soak(
+    device: subprocess.Popen, seconds: float, scenario, limits: Limits
+) -> int:
     """Runs, prints what was seen, ends the device; the status."""
     port = device.stdout.readline().split()[1]
-    scenario = BenchScenario()
     with OpenDevice(port, scenario, limits) as link:
         session = Session(link, MakeControl(scenario, limits), limits)
-        session.Start(make_reference(seconds))
+        session.Start(make_reference(seconds, moving_rings(scenario)))
         expected, missing, looked, told = 0, 0, 0.0, time.monotonic()
         memory = {"host": [], "device": []}
         begun = time.monotonic()

@@ -78,7 +78,12 @@ LIMITS = (
 SHARED = tuple(limit for limit in LIMITS if limit.shared)
 NAMES = tuple(limit.name for limit in LIMITS)
 
-BY_STAGE = tuple(limit.name for limit in LIMITS if limit.by_stage)
+# Where stages differ, the defaults of the brace's stages 1 to 3; of the bench,
+# which is stage 2, they are those above.
+BY_STAGE = {
+    "leg_shortest": (0.160, 0.116, 0.110),
+    "leg_longest": (0.209, 0.166, 0.159),
+}
 
 Value = float | tuple[float, ...]
 Limits = NamedTuple(

@@ -54,9 +54,10 @@ def LoadLimits(
             close = difflib.get_close_matches(str(name), NAMES, n=1)
             hint = f", did you mean {close[0]}?" if close else ""
             raise LimitsError(f"{path}: no limit {name}{hint}")
-    for name in BY_STAGE:
-        if isinstance(content.get(name), list):
-            content[name] = _pick(name, content[name], stages, str(path))
+    for name, values in BY_STAGE.items():
+        asked = content.get(name, list(values))
+        if isinstance(asked, list):
+            content[name] = _pick(name, asked, stages, str(path))
     limits = DEFAULT._replace(**content)
     check_limits(limits, str(path))
     return limits
