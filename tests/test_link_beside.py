@@ -8,28 +8,37 @@ import numpy as np
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.emulator.bench_plant import BenchPlant
+from brace_drake.emulator.make import MakePlant
 from brace_drake.errors import OutputError
-from brace_drake.operation.beside import GAP_CHANNELS, TwinBeside
+from brace_drake.hardware.limits import DEFAULT
+from brace_drake.operation.beside import TwinBeside
 from brace_drake.operation.contact_estimate import (
     ContactEstimate,
     contact_regressors,
 )
-from brace_drake.operation.control import PicControl
+from brace_drake.operation.motion import desired_at_ticks, place_motion
 from brace_drake.operation.page import Page
 from brace_drake.operation.session import Row
+from brace_drake.operation.station import MakeControl, moving_rings
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.twin.bench_rollout import CHANNELS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.motion_library import MakeMotion
-from brace_drake.twin.reference import reference_at_ticks
 from tests.link_bench import SCENARIO
 
 
-def follow(motion, uses=(), subject=None, seconds=12.0, beside=None):
+def follow(
+    motion, uses=(), subject=None, seconds=12.0, beside=None, scenario=SCENARIO
+):
     """A device and its twin on a motion."""
-    plant = BenchPlant(SCENARIO, uses, subject, seed=4)
-    control = PicControl(SCENARIO)
-    beside = beside or TwinBeside(SCENARIO, memory=6.0)
-    motion = MakeMotion(motion)
-    desired = reference_at_ticks(motion.time, motion.samples, 1000.0)
+    if scenario is SCENARIO:
+        plant = BenchPlant(scenario, uses, subject, seed=4)
+    else:
+        plant = MakePlant(scenario, uses, seed=4)
+    control = MakeControl(scenario, DEFAULT)
+    beside = beside or TwinBeside(scenario, memory=6.0)
+    motion = place_motion(MakeMotion(motion), moving_rings(scenario))
+    desired = desired_at_ticks(motion, 1000.0)
     command, alarmed = plant.hold, set()
     for i in range(min(len(desired), round(1000 * seconds))):
         readings = plant.advance(command).copy()
@@ -71,7 +80,35 @@ class TestBeside(unittest.TestCase):
 
     def test_the_page_gets_every_channel(self):
         said = TwinBeside(SCENARIO).describe()
-        self.assertEqual(tuple(said["ratio"]), GAP_CHANNELS)
+        self.assertEqual(tuple(said["ratio"]), CHANNELS[6:18])
+
+
+class TestBesideABrace(unittest.TestCase):
+    def test_a_brace_like_its_twin_stays_in_the_band(self):
+        beside, alarmed = follow(
+            "reversal_fast", seconds=4.0, scenario=BraceScenario()
+        )
+        self.assertEqual(alarmed, set())
+        self.assertGreater(beside.ratio.min(), 0.5)
+        self.assertEqual(len(beside.channels), 30)
+        self.assertIn("leg18_length_m", beside.describe()["ratio"])
+
+    def test_an_effect_and_another_subject_show_on_a_brace(self):
+        card = find_effect("force_bias")
+        use = (card, card.vector({"force_bias_N": 0.8}))
+        _, alarmed = follow(
+            "quiet_hold", (use,), seconds=2.0, scenario=BraceScenario()
+        )
+        rings = {f"ring{i}_force_y_N" for i in (1, 2, 3)}
+        self.assertLessEqual(rings, alarmed)
+        stiff = BraceScenario()
+        stiff.contact.ring2.stiffness *= 1.25
+        stiff.contact.ring2.damping *= 1.3
+        beside = TwinBeside(BraceScenario(), memory=6.0)
+        follow("reversal_fast", seconds=10.0, beside=beside, scenario=stiff)
+        k, c = beside.contact.values
+        self.assertAlmostEqual(k / 8000.0, 1.0, delta=0.05)
+        self.assertAlmostEqual(c / 195.0, 1.0, delta=0.15)
 
 
 class TestEstimate(unittest.TestCase):

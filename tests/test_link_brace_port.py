@@ -181,7 +181,6 @@ class TestRefusals(unittest.TestCase):
         port = ("--port", "/dev/ttyNone7")
         out = ("--out", "/nowhere")
         for words, said in (
-            (("twin", *port), "record and deploy take it"),
             (("deploy", "--controller", "lqr", *port), "tag"),
             (
                 ("record", "--motion", "push", "--ring", 4, *out, *port),

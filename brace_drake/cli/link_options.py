@@ -121,13 +121,8 @@ def load_device_motion(
     return motion
 
 
-def load_device_options(args: argparse.Namespace, bench_only: str = ""):
+def load_device_options(args: argparse.Namespace):
     """Scenario and limits of the options.
-
-    Args:
-        args: Of `AddDevice`.
-        bench_only: What is there for the bench alone, in words; "": a device
-            of any stages will do.
 
     Raises:
         ScenarioError, LimitsError: A file is not what it should be.
@@ -136,11 +131,6 @@ def load_device_options(args: argparse.Namespace, bench_only: str = ""):
     from brace_drake.operation.station import moving_rings
 
     scenario = load_link_scenario(args.scenario)
-    if bench_only and scenario.device != BENCH:
-        raise ScenarioError(
-            f"{args.scenario}: {bench_only} is for a {BENCH!r} alone, this is a"
-            f" {scenario.device!r}; record and deploy take it"
-        )
     return scenario, LoadLimits(args.limits, moving_rings(scenario))
 
 

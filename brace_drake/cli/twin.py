@@ -8,6 +8,7 @@ import time
 from brace_drake.cli.link_options import (
     AddCountdown,
     AddDevice,
+    AddRing,
     load_device_motion,
     load_device_options,
 )
@@ -21,9 +22,9 @@ example:
 
 The device follows the motion; the twin does the same beside it. A page shows
 how far they are apart, in noise floors, and what stiffness and damping the
-contact has. A channel that leaves its band raises an alarm, which ends the
-motion with --stop-at-alarm. The page is for this machine alone unless --host
-says so.
+contact of the ring that moves has. A channel that leaves its band raises an
+alarm, which ends the motion with --stop-at-alarm. The page is for this machine
+alone unless --host says so.
 """
 _SHOW = 0.2
 
@@ -39,6 +40,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddDevice(parser)
     AddMotion(parser, default="reversal", help="default: reversal")
+    AddRing(parser)
     parser.add_argument(
         "--band", type=float, default=3.0, metavar="X", help="noise floors (3)"
     )
@@ -58,27 +60,31 @@ def Run(args: argparse.Namespace) -> int:
     """Follows the motion once with the twin beside it."""
     from brace_drake.operation.beside import TwinBeside
     from brace_drake.operation.console import CountDown, ReadKeys
-    from brace_drake.operation.control import PicControl
+    from brace_drake.operation.motion import RING, desired_at_ticks
     from brace_drake.operation.page import Page
     from brace_drake.operation.session import Session
-    from brace_drake.operation.station import OpenDevice
+    from brace_drake.operation.station import (
+        MakeControl,
+        OpenDevice,
+        moving_rings,
+    )
     from brace_drake.operation.watch import WatchSession
-    from brace_drake.twin.reference import reference_at_ticks
 
-    scenario, limits = load_device_options(args, "the twin beside a device")
-    motion = load_device_motion(args.motion)
+    scenario, limits = load_device_options(args)
+    rings = moving_rings(scenario)
+    motion = load_device_motion(args.motion, rings, args.ring)
     scenario.torso.present = motion.contact
-    beside = TwinBeside(scenario, args.band, args.memory)
+    beside = TwinBeside(
+        scenario, args.band, args.memory, limits, args.ring or RING
+    )
     with (
         Page(args.host, args.web_port) as page,
         OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,
         ReadKeys() as keys,
     ):
         print(f"page: {page.url}", flush=True)
-        desired = reference_at_ticks(
-            motion.time, motion.samples, link.hello.rate_hz
-        )
-        session = Session(link, PicControl(scenario), limits)
+        desired = desired_at_ticks(motion, link.hello.rate_hz)
+        session = Session(link, MakeControl(scenario, limits), limits)
         show = _Show(beside, page, session, args.stop_at_alarm)
         if not CountDown(args.countdown, f"{motion.name} moves", keys):
             raise StoppedError(f"{motion.name}: not begun")

@@ -22,11 +22,7 @@ from brace_drake.twin.subject import with_subject
 
 
 class BenchPlant(EmulatedPlant):
-    """Ring, torso, legs and instruments of one bench.
-
-    Attributes:
-        numbers: Of the plant, as effects have changed them.
-    """
+    """Ring, torso, legs and instruments of one bench."""
 
     def __init__(
         self,
@@ -40,13 +36,13 @@ class BenchPlant(EmulatedPlant):
             numbers = with_subject(numbers, subject)
         hold = hold_forces(numbers)
         uses = (*scenario_uses(scenario), *uses)
-        self.numbers = modify_numbers(numbers, uses)
+        numbers = modify_numbers(numbers, uses)
         period = 1.0 / scenario.control.rate
         super().__init__(
-            _pack_plant(self.numbers),
+            _pack_plant(numbers),
             PlantTiming(period, round(period / scenario.time_step)),
             hold,
-            stack_effects(uses, self.numbers),
+            stack_effects(uses, numbers),
             scenario.torso.present,
             seed,
         )

@@ -69,6 +69,7 @@ class EmulatedPlant:
     """What a device moves and measures.
 
     Attributes:
+        numbers: Its arrays, as effects have changed them.
         hold: Leg forces that carry the rings' weight, as the device knows
             them (6 S,), N.
         period: Of a tick, s.
@@ -100,7 +101,7 @@ class EmulatedPlant:
         self.hold, self.period = hold, timing.period
         self.jammed: set[int] = set()
         self.frozen: set[int] = set()
-        self._plant, self._timing, self._plug_ins = plant, timing, plug_ins
+        self.numbers, self._timing, self._plug_ins = plant, timing, plug_ins
         self._generator = None
         if seed is not None:
             self._generator = np.random.default_rng(seed)
@@ -112,7 +113,7 @@ class EmulatedPlant:
     @property
     def num_stages(self) -> int:
         """S."""
-        return len(self._plant.rest)
+        return len(self.numbers.rest)
 
     @property
     def with_torso(self) -> bool:
@@ -136,12 +137,12 @@ class EmulatedPlant:
     def put_rings_back(self) -> None:
         """Rings as at time 0; torso and effects stay as they are."""
         n = self.num_stages
-        self.bodies[0 : 7 * n] = self._plant.start.ravel()
+        self.bodies[0 : 7 * n] = self.numbers.start.ravel()
         self.bodies[7 * n + 7 : 13 * n + 7] = 0.0
 
     def reset(self) -> None:
         """All bodies as at time 0, effects as before any motion."""
-        plant, n = self._plant, self.num_stages
+        plant, n = self.numbers, self.num_stages
         self.bodies = np.zeros(13 * n + 13)
         self.bodies[0 : 7 * n] = plant.start.ravel()
         self.bodies[7 * n] = 1.0
@@ -184,7 +185,7 @@ class EmulatedPlant:
         """
         self._draw()
         self.u[:] = u
-        self._viscous[:] = self._plant.viscous
+        self._viscous[:] = self.numbers.viscous
         self._jams = {
             k: self._jams.get(k, self._last_lengths[k]) for k in self.jammed
         }
@@ -209,7 +210,7 @@ class EmulatedPlant:
         if self._row == len(self._noise):
             shape = (_NOISE_ROWS, len(self._readings))
             draws = self._generator.standard_normal(shape)
-            self._noise, self._row = draws * self._plant.noise_sigma, 0
+            self._noise, self._row = draws * self.numbers.noise_sigma, 0
         self._draw_noise[:] = self._noise[self._row]
         self._row += 1
 

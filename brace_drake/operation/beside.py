@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from brace_drake.emulator.bench_plant import BenchPlant
+from brace_drake.emulator.make import MakePlant
+from brace_drake.hardware.limits import DEFAULT, Limits
 from brace_drake.laws.control import low_pass_gain_tau
+from brace_drake.operation.columns import leg_names
 from brace_drake.operation.contact_estimate import ContactEstimate
-from brace_drake.operation.control import PicControl
+from brace_drake.operation.motion import RING
 from brace_drake.operation.session import Row
+from brace_drake.operation.station import MakeControl, moving_rings
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_rollout import CHANNELS
+from brace_drake.scenario.brace import BraceScenario
 
-# Without marker noise and commands: lengths, forces, marker.
-GAP_CHANNELS = CHANNELS[6:18]
-# The loop carries the force's noise on; see bench floor: 1.3 to 1.8 times.
-_LOOP = np.array([1.0] * 6 + [1.8] * 3 + [1.0] * 3)
+# The floor is measured on the twin itself, with noise, at rest: so many ticks are
+# left out, so many count, and the draws are always the same.
+_SETTLE, _COUNT, _SEED = 500, 1000, 20
 _AVERAGE, _REGRESSOR_LAG = 1.0, 0.05
 
 
@@ -25,32 +25,52 @@ class TwinBeside:
     """Runs the twin on a device's reference and compares.
 
     Attributes:
-        ratio: RMS gap of each channel over the last second, in noise floors.
+        channels: Names of what is compared: lengths, forces, marker.
+        ratio: RMS gap of each over the last second, in noise floors.
         alarms: Channels out of their band now, by name.
-        contact: Running estimate of stiffness and damping.
+        contact: Running estimate of stiffness and damping of a ring's pads.
     """
 
     def __init__(
-        self, scenario: BenchScenario, band: float = 3.0, memory: float = 20.0
+        self,
+        scenario: BenchScenario | BraceScenario,
+        band: float = 3.0,
+        memory: float = 20.0,
+        limits: Limits = DEFAULT,
+        ring: int = RING,
     ):
-        self._control = PicControl(scenario)
-        self._plant = BenchPlant(scenario, seed=None)
+        """Begins at rest, like its device.
+
+        Args:
+            scenario: Of the twin.
+            band: Noise floors beyond which a channel raises an alarm.
+            memory: Of the contact's estimate, s.
+            limits: Of the stiffness that a controller sets.
+            ring: Whose contact is estimated; the lowest where there is none of
+                this number.
+
+        Raises:
+            ScenarioError: What has no compiled law.
+        """
+        rings = moving_rings(scenario)
+        self._ring = rings.index(ring) if ring in rings else 0
+        self._control = MakeControl(scenario, limits)
+        self._plant = MakePlant(scenario, seed=None)
         self._band = band
+        self.channels = _channels(rings)
         period = scenario.control.rate**-1
-        numbers = self._plant.numbers
-        steps = np.repeat(numbers.resolution, [6, 3]) / math.sqrt(12.0)
-        steps = np.concatenate([steps, np.zeros(3)])
-        self._floor = _LOOP * np.hypot(numbers.noise_sigma, steps)
+        self._floor = _measure_floor(scenario, limits)
         self._mean = self._floor**2
         self._gain = low_pass_gain_tau(_AVERAGE, period)
         self._lag = low_pass_gain_tau(_REGRESSOR_LAG, period)
-        self._period, self._y0 = period, None
+        self._period = period
         self._filtered = np.zeros(3)
         self._before = np.zeros(3)
+        pads = self._plant.numbers.contact[self._ring]
         self.contact = ContactEstimate(
-            numbers.contact[0:2], float(numbers.contact[5]), memory, period
+            pads[0:2], float(pads[5]), memory, period
         )
-        self.ratio = np.ones(len(GAP_CHANNELS))
+        self.ratio = np.ones(len(self.channels))
         self.alarms: list[str] = []
         self._readings = self._plant.advance(self._plant.hold).copy()
 
@@ -61,21 +81,26 @@ class TwinBeside:
         self._mean += self._gain * (gap**2 - self._mean)
         self.ratio = np.sqrt(self._mean) / self._floor
         self._Judge()
-        self._Learn(row, float(row.y_ring[0]), twin)
         command = self._control.Tick(twin, row.desired)
+        self._Learn(row, twin)
         self._readings = self._plant.advance(command).copy()
 
     def _Judge(self) -> None:
         """An alarm begins outside the band and ends well inside it."""
-        for i, name in enumerate(GAP_CHANNELS):
-            if self.ratio[i] > self._band and name not in self.alarms:
-                self.alarms = [*self.alarms, name]
-            elif self.ratio[i] < 0.8 * self._band and name in self.alarms:
+        for i in np.flatnonzero(self.ratio > self._band):
+            if self.channels[i] not in self.alarms:
+                self.alarms = [*self.alarms, self.channels[i]]
+        for name in self.alarms:
+            ratio = self.ratio[self.channels.index(name)]
+            if ratio < 0.8 * self._band:
                 self.alarms = [a for a in self.alarms if a != name]
 
-    def _Learn(self, row: Row, pose_y: float, twin: np.ndarray) -> None:
-        mine = self._control.pose[1] - twin[10]
-        raw = np.array([pose_y - row.readings[10], mine, row.readings[7]])
+    def _Learn(self, row: Row, twin: np.ndarray) -> None:
+        i, marker = self._ring, len(twin) - 2
+        mine = self._control.y_ring[i] - twin[marker]
+        theirs = row.y_ring[i] - row.readings[marker]
+        force = row.readings[len(row.command) + 3 * i + 1]
+        raw = np.array([theirs, mine, force])
         self._filtered += self._lag * (raw - self._filtered)
         rate = (self._filtered - self._before) / self._period
         self._before = self._filtered.copy()
@@ -88,10 +113,42 @@ class TwinBeside:
     def describe(self) -> dict:
         """What a page shows."""
         k, c = self.contact.values
+        ratios = zip(self.channels, self.ratio.tolist(), strict=True)
         return {
-            "ratio": dict(zip(GAP_CHANNELS, self.ratio.tolist(), strict=True)),
+            "ratio": dict(ratios),
             "band": self._band,
             "alarms": self.alarms,
             "stiffness_N_m": float(k),
             "damping_N_s_m": float(c),
         }
+
+
+def _measure_floor(scenario, limits: Limits) -> np.ndarray:
+    """RMS of what noise does to each reading of the loop at rest (9 S + 3,).
+
+    Readings feed the controller, so that noise comes back through the loop,
+    to the upper rings of a stack more than to the lowest.
+    """
+    plant, control = (
+        MakePlant(scenario, seed=_SEED),
+        MakeControl(scenario, limits),
+    )
+    exact = MakePlant(scenario, seed=None)
+    rest = exact.advance(exact.hold).copy()
+    command, still, away = plant.hold, np.zeros((3, exact.num_stages)), []
+    if exact.num_stages == 1:
+        still = still[:, 0].copy()
+    for _ in range(_SETTLE + _COUNT):
+        readings = plant.advance(command).copy()
+        command = control.Tick(readings, still)
+        away.append(readings - rest)
+    return np.sqrt(np.mean(np.square(away[_SETTLE:]), axis=0))
+
+
+def _channels(rings: tuple[int, ...]) -> tuple[str, ...]:
+    """Names of what a device reads, in the order of its readings."""
+    return (
+        *(f"{leg}_length_m" for leg in leg_names(rings)),
+        *(f"ring{i}_force_{axis}_N" for i in rings for axis in "xyz"),
+        *(f"torso_{axis}_m" for axis in "xyz"),
+    )
