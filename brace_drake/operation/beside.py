@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from brace_drake.emulator.make import MakePlant
@@ -15,8 +17,8 @@ from brace_drake.operation.station import MakeControl, moving_rings
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 
-# The floor is measured on the twin itself, with noise, at rest: so many ticks are
-# left out, so many count, and the draws are always the same.
+# The floor is measured on the twin itself, with noise, at rest: so many ticks
+# are left out, so many count, and the draws are always the same.
 _SETTLE, _COUNT, _SEED = 500, 1000, 20
 _AVERAGE, _REGRESSOR_LAG = 1.0, 0.05
 
@@ -142,7 +144,12 @@ def _measure_floor(scenario, limits: Limits) -> np.ndarray:
         readings = plant.advance(command).copy()
         command = control.Tick(readings, still)
         away.append(readings - rest)
-    return np.sqrt(np.mean(np.square(away[_SETTLE:]), axis=0))
+    looped = np.sqrt(np.mean(np.square(away[_SETTLE:]), axis=0))
+    numbers, S = plant.numbers, plant.num_stages
+    steps = np.repeat([*numbers.resolution, 0.0], [6 * S, 3 * S, 3])
+    # A marker that is not there now has its noise all the same.
+    alone = np.hypot(numbers.noise_sigma, steps / math.sqrt(12.0))
+    return np.maximum(looped, alone)
 
 
 def _channels(rings: tuple[int, ...]) -> tuple[str, ...]:
