@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 
-from brace_drake.campaign.columns import BENCH
+from brace_drake.campaign.columns import BRACE
 from brace_drake.cli.link_options import (
     AddDevice,
     AddRecording,
@@ -54,7 +54,7 @@ def Run(args: argparse.Namespace) -> int:
         RecordRuns(recorder, left, len(plan), args.countdown)
     out = shlex.quote(args.out)
     print(f"campaign: {args.out}, {len(left)} runs recorded")
-    if recorder.journal.head["device"] != BENCH:
+    if recorder.journal.head["device"] == BRACE:
         return 0
     results = shlex.quote(args.out.rstrip("/") + "-results")
     print(f"next: brace-drake diagnose {out} --out {results}")
