@@ -31,7 +31,7 @@ docs: $(STAMP)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs
 
 wheel: $(STAMP)
-	$(BIN)/python tools/smoke_wheel.py --packages \
+	$(BIN)/python tools/smoke_wheel.py --demo --packages \
 	  "$$($(BIN)/python -c 'import site; print(site.getsitepackages()[0])')"
 
 bench: $(STAMP)

@@ -4,6 +4,8 @@ import contextlib
 import csv
 import io
 import shutil
+import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -23,6 +25,23 @@ def run(*arguments):
     ):
         status = main([str(a) for a in arguments])
     return status, errors.getvalue()
+
+
+class TestStart(unittest.TestCase):
+    def test_help_and_a_misspelt_word_wait_for_nothing_slow(self):
+        # In a new environment the laws alone compile for a minute.
+        code = (
+            "import sys; from brace_drake.cli.main import make_parser;"
+            "make_parser(); print([n for n in ('numba', 'pydrake', 'torch',"
+            " 'matplotlib', 'brace_drake.laws') if n in sys.modules])"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=Path(__file__).resolve().parents[1],
+            capture_output=True,
+            text=True,
+        )
+        self.assertEqual(done.stdout, "[]\n", done.stderr)
 
 
 class TestBadInput(unittest.TestCase):

@@ -3,6 +3,7 @@
     python tools/smoke_wheel.py                   # a clean environment
     python tools/smoke_wheel.py --python python3.12
     python tools/smoke_wheel.py --packages DIR    # of an environment at hand
+    python tools/smoke_wheel.py --demo            # and diagnoses the example
 
 With --packages the dependencies are those of another site-packages and only
 brace_drake is installed. Status 1 where a command does not end as it should.
@@ -36,6 +37,7 @@ COMMANDS = (
     (("validate", "--out", "{here}/validate"), 2),
     (("completion", "bash"), 0),
 )  # fmt: skip
+DEMO = ((("diagnose", "{example}", "--out", "{here}/demo"), 0),)
 _INSIDE = (
     "import brace_drake; from brace_drake.resources import *;"
     "print(brace_drake.__path__[0]); print(scenario_path(''));"
@@ -82,6 +84,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--python", default=sys.executable)
     parser.add_argument("--packages", default="")
+    parser.add_argument("--demo", action="store_true")
     args = parser.parse_args()
     bad = 0
     with tempfile.TemporaryDirectory() as name:
@@ -97,7 +100,7 @@ def main() -> int:
         (here / "short.csv").write_text("\n".join(lines[:20]) + "\n")
         names = {"here": here, "example": here / "example", "data": data}
         names["policy"] = policy
-        for words, status in COMMANDS:
+        for words, status in COMMANDS + DEMO * args.demo:
             words = [w.format(**names) for w in words]
             begun = time.monotonic()
             done = run([inside.parent / "brace-drake", *words], here)

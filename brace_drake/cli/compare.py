@@ -12,7 +12,7 @@ from brace_drake.cli.options import (
     load_motion,
 )
 from brace_drake.errors import BraceError, ScenarioError
-from brace_drake.output import MakeFolder
+from brace_drake.output import HoldFolder
 
 _EPILOG = """\
 example:
@@ -76,7 +76,7 @@ def Run(args: argparse.Namespace) -> int:
     motion = compare.LoadPush()
     if args.motion:
         motion = load_motion(args.motion, rings=(1, 2, 3))
-    out = MakeFolder(Path(args.out))
+    out = HoldFolder(Path(args.out))
     stages = ", ".join(str(i) for i in scenario.stages)
     setting = f"stages {stages}" if len(scenario.stages) > 1 else "one stage"
     runs = compare.compare_controllers(

@@ -14,7 +14,7 @@ from brace_drake.cli.link_options import (
 )
 from brace_drake.cli.options import AddMotion
 from brace_drake.errors import StoppedError
-from brace_drake.output import MakeFolder
+from brace_drake.output import HoldFolder
 
 _EPILOG = """\
 example:
@@ -81,7 +81,7 @@ def Run(args: argparse.Namespace) -> int:
     load = _load_controller if args.policy is None else _load_policy
     motion, scenario, limits, control = load(args)
     rings = moving_rings(scenario)
-    log = RunLog(MakeFolder(Path(args.out)), rings) if args.out else None
+    log = RunLog(HoldFolder(Path(args.out)), rings) if args.out else None
 
     def run(name, desired, is_dry):
         keep = {"keep": log.keep(name)} if log else {}

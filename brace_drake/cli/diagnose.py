@@ -18,8 +18,7 @@ from brace_drake.cli.options import (
     share_bar,
 )
 from brace_drake.errors import BraceError
-from brace_drake.output import MakeFolder, WriteJson
-from brace_drake.report.summary import WriteSummary, failed_row, summary_row
+from brace_drake.output import HoldFolder, MakeFolder, WriteJson
 
 _EPILOG = """\
 example:
@@ -62,7 +61,7 @@ def Run(args: argparse.Namespace) -> int:
     if len(args.campaigns) > 1:
         return _RunMany(args)
     campaign = LoadCampaign(args.campaigns[0])
-    out = MakeFolder(Path(args.out))
+    out = HoldFolder(Path(args.out))
     scenario = load_scenario_option(args.scenario)
     document = _Diagnose(campaign, scenario, out, args)
     if args.json:
@@ -79,9 +78,15 @@ def Run(args: argparse.Namespace) -> int:
 
 def _RunMany(args: argparse.Namespace) -> int:
     """One after the other; 2 where any failed, the others are written."""
+    from brace_drake.report.summary import (
+        WriteSummary,
+        failed_row,
+        summary_row,
+    )
+
     # A scenario or a place that is wrong is wrong for all: fail at once.
     scenario = load_scenario_option(args.scenario)
-    out = MakeFolder(Path(args.out))
+    out = HoldFolder(Path(args.out))
     rows = []
     for path, name in zip(
         args.campaigns, folder_names(args.campaigns), strict=True

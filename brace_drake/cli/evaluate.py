@@ -11,7 +11,7 @@ from brace_drake.cli.options import (
     positive,
     share_bar,
 )
-from brace_drake.output import MakeFolder
+from brace_drake.output import HoldFolder
 
 _EPILOG = """\
 example:
@@ -83,7 +83,7 @@ def Run(args: argparse.Namespace) -> int:
     policies = evaluate.gather_policies([LoadPolicy(f) for f in files])
     if args.seeds:
         policies = tuple(c for c in policies if c.seed < args.seeds)
-    out = MakeFolder(Path(args.out))
+    out = HoldFolder(Path(args.out))
     with open_workers_option(args) as workers, share_bar() as progress:
         found = evaluate.evaluate(
             policies, workers, args.subjects, args.searched, args.seed, progress

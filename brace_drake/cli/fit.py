@@ -18,7 +18,7 @@ from brace_drake.cli.options import (
     load_scenario_option,
     open_workers_option,
 )
-from brace_drake.output import MakeFolder, WriteJson
+from brace_drake.output import HoldFolder, WriteJson
 from brace_drake.parallel import Workers
 
 _EPILOG = """\
@@ -57,7 +57,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Fits, prints a table, and writes fit.json where asked."""
     campaign = LoadCampaign(args.campaign)
-    out = MakeFolder(Path(args.out)) if args.out else None
+    out = HoldFolder(Path(args.out)) if args.out else None
     scenario = load_scenario_option(args.scenario)
     with open_workers_option(args) as workers:
         found = fit_with_bar(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import importlib.metadata
 import os
@@ -13,6 +14,7 @@ import sys
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from brace_drake.errors import BraceError
+from brace_drake.output import ReleaseFolders
 
 _COMMANDS = (
     "check",
@@ -60,17 +62,36 @@ def main(argv: list[str] | None = None) -> int:
     """
     try:
         args = make_parser().parse_args(argv)
-        return args.run(args)
+        status = args.run(args)
+        if sys.stdout is not None:
+            # What cannot be printed is found out here, and not at exit.
+            sys.stdout.flush()
+        return status
     except BraceError as error:
-        print(f"brace-drake: {' '.join(str(error).split())}", file=sys.stderr)
-        return 2
+        return _Tell(str(error))
     except BrokenPipeError:
-        # The reader of our output has gone; keep Python quiet about it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _PrintNoMore()
         return 0
+    except OSError as error:
+        # A disk that is full or gone, as no part of ours has foreseen it.
+        _PrintNoMore()
+        return _Tell(str(error))
     except KeyboardInterrupt:
         print("brace-drake: stopped", file=sys.stderr)
         return 130
+    finally:
+        ReleaseFolders()
+
+
+def _Tell(problem: str) -> int:
+    print(f"brace-drake: {' '.join(problem.split())}", file=sys.stderr)
+    return 2
+
+
+def _PrintNoMore() -> None:
+    """Keeps Python quiet about an output that takes no more."""
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def make_parser() -> argparse.ArgumentParser:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from brace_drake.cli.options import AddScenario
+from brace_drake.output import HoldFolder
 
 _EPILOG = """\
 example:
@@ -84,7 +85,7 @@ def Run(args: argparse.Namespace) -> int:
     loft = LoadSurfaceOf(args.source, frame)
     resolution = RESOLUTION if args.resolution is None else args.resolution
     personal = personalize(loft, scenarios, resolution)
-    WritePersonal(Path(args.out), personal)
+    WritePersonal(HoldFolder(Path(args.out)), personal)
     for line in describe(personal):
         print(line)
     print(f"torso, pads, scenario, picture: {args.out}")

@@ -15,7 +15,7 @@ from brace_drake.cli.options import (
     share_bar,
 )
 from brace_drake.errors import CampaignError
-from brace_drake.output import MakeFolder, WriteJson
+from brace_drake.output import HoldFolder, WriteJson
 
 _EPILOG = """\
 example:
@@ -60,7 +60,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Plans, prints a table, and writes plan.json where asked."""
-    out = MakeFolder(Path(args.out)) if args.out else None
+    out = HoldFolder(Path(args.out)) if args.out else None
     scenario = load_scenario_option(args.scenario)
     from brace_drake.effects.registry import find_effect
     from brace_drake.gap.plan import plan_campaign

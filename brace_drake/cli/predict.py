@@ -74,9 +74,9 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def _Write(folder: Path, found, sample_time: float) -> None:
-    from brace_drake.output import MakeFolder, WriteJson, WriteText
+    from brace_drake.output import HoldFolder, WriteJson, WriteText
 
-    MakeFolder(folder)
+    HoldFolder(folder)
     rows = {
         name: {
             "mass_kg": float(found.mass[i]),

@@ -13,7 +13,7 @@ from brace_drake.cli.options import (
     open_workers_option,
 )
 from brace_drake.errors import CampaignError
-from brace_drake.output import MakeFolder, WriteBytes, WriteJson
+from brace_drake.output import HoldFolder, WriteBytes, WriteJson
 
 _EPILOG = """\
 example:
@@ -74,7 +74,7 @@ def Run(args: argparse.Namespace) -> int:
         )
     campaign = LoadCampaign(path)
     scenario = load_scenario_option(args.scenario)
-    out = MakeFolder(Path(args.out))
+    out = HoldFolder(Path(args.out))
     found = _load_fit(args.fit) if args.fit else _fit(campaign, scenario, args)
     shown = validate_twin(campaign, found, scenario, args.show)
     WriteBytes(out / "replay.png", figures.draw_replay(shown.fit))

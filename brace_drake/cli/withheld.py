@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 from brace_drake.cli.options import not_negative, positive
 from brace_drake.errors import BraceError
-from brace_drake.output import MakeFolder, WriteJson, WriteText
+from brace_drake.output import HoldFolder, WriteJson, WriteText
 
 _EPILOG = """\
 example:
@@ -169,7 +169,7 @@ def RunScore(args: argparse.Namespace) -> int:
     text = format_score(found)
     print(text, end="")
     if args.out:
-        out = MakeFolder(Path(args.out))
+        out = HoldFolder(Path(args.out))
         WriteJson(out / "score.json", found)
         WriteText(out / "score.txt", text)
         WriteText(out / "reliability.svg", draw_reliability(found))

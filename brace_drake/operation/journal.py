@@ -3,14 +3,19 @@
 Rows are appended as they come and put onto the disk at least four times a
 second. Every row has the same length, a power of two no longer than a page of
 the disk's cache, and begins at a multiple of it: a process that is killed in
-the middle of a write leaves whole rows. A run enters campaign.yaml with its
-first rows, and campaign.yaml is replaced, never changed.
+the middle of a write leaves whole rows, and what a full disk has taken of a row
+is cut off again. A run enters campaign.yaml with its first rows, and
+campaign.yaml is replaced, never changed. One process at a time records into a
+folder.
 """
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import time
+from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,7 +24,7 @@ import yaml
 from brace_drake.campaign.columns import split_unit
 from brace_drake.campaign.manifest import FORMAT, MANIFEST
 from brace_drake.errors import CampaignError, OutputError
-from brace_drake.output import MakeFolder, WriteText
+from brace_drake.output import HoldFolder, ReleaseFolder, WriteText
 
 _DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
 _PAGE = 4096
@@ -54,10 +59,11 @@ class Journal:
             stages: Of a brace, those that are recorded; none: all.
 
         Raises:
-            OutputError: The folder cannot be written.
+            OutputError: The folder cannot be written, or another process
+                holds it.
             CampaignError: It holds something else.
         """
-        self.folder = MakeFolder(Path(folder))
+        self.folder = HoldFolder(Path(folder))
         self.head = {
             "format": FORMAT,
             "device": device,
@@ -74,6 +80,10 @@ class Journal:
             self._Continue(path)
         elif any(self.folder.glob("*.csv")):
             raise CampaignError(f"{folder}: holds CSV files, but no {MANIFEST}")
+
+    def Close(self) -> None:
+        """Lets other processes record into the folder."""
+        ReleaseFolder(self.folder)
 
     def _Continue(self, path: Path) -> None:
         try:
@@ -126,11 +136,12 @@ class Journal:
 
     def Enter(self, entry: dict) -> None:
         """Writes campaign.yaml with this run in it."""
-        if entry not in self._runs:
-            self._runs.append(entry)
-        content = {**self.head, "runs": self._runs}
+        is_new = entry not in self._runs
+        runs = [*self._runs, entry] if is_new else self._runs
+        content = {**self.head, "runs": runs}
         text = yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
         WriteText(self.folder / MANIFEST, text)
+        self._runs = runs
 
 
 class RunFile:
@@ -159,8 +170,9 @@ class RunFile:
             raise OutputError(f"{self._path}: rows of {widest} characters")
         header = ",".join(columns)
         room = -(-(len(header) + 1) // self._width) * self._width
-        self._pending = [header.ljust(room - 1) + "\n"]
+        self._pending = deque([header.ljust(room - 1) + "\n"])
         self._fd: int | None = None
+        self._size = 0
         self._synced = time.monotonic()
         self._entered = False
 
@@ -173,7 +185,13 @@ class RunFile:
         self.rows += 1
 
     def Flush(self, now: bool = False) -> None:
-        """Writes what is due: each quarter of a second, or now."""
+        """Writes what is due: each quarter of a second, or now.
+
+        Raises:
+            OutputError: The disk takes no more. What it has taken is whole rows
+                of a run in campaign.yaml, or no run at all; what it has not is
+                written by the next call that succeeds.
+        """
         due = time.monotonic() - self._synced > _SYNC
         if not (due or now) or self.rows < 2:
             return
@@ -181,22 +199,45 @@ class RunFile:
             if self._fd is None:
                 flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
                 self._fd = os.open(self._path, flags, 0o644)
-            for text in self._pending:
-                os.write(self._fd, text.encode("ascii"))
+            self._WriteRows()
             os.fsync(self._fd)
+            if not self._entered:
+                self._journal.Enter(self.entry)
+                self._entered = True
         except OSError as error:
             raise OutputError(f"{self._path}: {error.strerror}") from error
-        self._pending.clear()
         self._synced = time.monotonic()
-        if not self._entered:
-            self._entered = True
-            self._journal.Enter(self.entry)
+
+    def _WriteRows(self) -> None:
+        while self._pending:
+            row = self._pending[0].encode("ascii")
+            if os.write(self._fd, row) < len(row):
+                os.ftruncate(self._fd, self._size)
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            self._size += len(row)
+            self._pending.popleft()
 
     def Close(self, complete: bool, notes: dict) -> None:
-        """Ends the run; `notes` go into its item of campaign.yaml."""
-        self.Flush(now=True)
-        if self._fd is not None:
-            os.close(self._fd)
-            self._fd = None
-            self.entry.update(complete=complete, **notes)
-            self._journal.Enter(self.entry)
+        """Ends the run; `notes` go into its item of campaign.yaml.
+
+        Raises:
+            OutputError: The disk takes no more; the run is left as it is
+                there, incomplete.
+        """
+        try:
+            self.Flush(now=True)
+            if self._fd is not None:
+                self.entry.update(complete=complete, **notes)
+                self._journal.Enter(self.entry)
+        finally:
+            self._Leave()
+
+    def _Leave(self) -> None:
+        if self._fd is None:
+            return
+        os.close(self._fd)
+        self._fd = None
+        if not self._entered:
+            # Nobody would know what motion these rows are of.
+            with contextlib.suppress(OSError):
+                self._path.unlink()

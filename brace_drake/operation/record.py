@@ -81,6 +81,9 @@ def RecordMotion(
     session.Start(desired, settle)
     try:
         WatchSession(session, take, asks_stop)
+        # Before the last rows: a full disk must not keep the ring pressed.
+        if session.done:
+            session.Finish()
     finally:
         run.Close(
             session.done, {"begun": begun, **_describe_line(link, session)}
@@ -91,7 +94,6 @@ def RecordMotion(
             f"{run.entry['file']}: stopped after"
             f" {run.rows * every / rate:.2f} s: {words}"
         )
-    session.Finish()
     return run
 
 

@@ -81,6 +81,7 @@ class Recorder:
         return self
 
     def __exit__(self, *_) -> None:
+        self.journal.Close()
         self.link.Close()
 
     def Record(

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
-import uuid
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.errors import OutputError
+from brace_drake.output import MakeFolder, WriteBytes
 from brace_drake.report.traces import RunTrace
 from brace_drake.report.view import make_view
 
@@ -33,25 +31,8 @@ def WriteReport(
     """
     path = Path(path).absolute()
     page = render_page(diagnosis, traces)
-    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft.write_text(page, encoding="utf-8", errors="replace")
-        os.replace(draft, path)
-    except OSError as e:
-        raise OutputError(
-            f"{path}: cannot be written: {e.strerror or e}"
-        ) from e
-    finally:
-        _Remove(draft)
-
-
-def _Remove(draft: Path) -> None:
-    try:
-        draft.unlink(missing_ok=True)
-    except OSError:
-        # Nothing could be written there, so there is nothing to remove.
-        return
+    MakeFolder(path.parent)
+    WriteBytes(path, page.encode("utf-8", errors="replace"))
 
 
 def render_page(diagnosis: dict, traces: Sequence[RunTrace]) -> str:

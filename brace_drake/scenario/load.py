@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 import typing
 from pathlib import Path
 
@@ -11,7 +10,8 @@ import numpy as np
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
-from brace_drake.errors import ScenarioError
+from brace_drake.errors import OutputError, ScenarioError
+from brace_drake.output import WriteText
 from brace_drake.scenario.bench import DEVICE, BenchScenario
 from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
 from brace_drake.scenario.brace import BraceScenario
@@ -78,13 +78,10 @@ def SaveScenario(scenario: Scenario, path: str | Path) -> None:
     """
     path = Path(path)
     CheckScenario(scenario, str(path))
-    aside = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        aside.write_text(yaml_dump_typed(scenario), encoding="utf-8")
-        os.replace(aside, path)
-    except OSError as error:
-        aside.unlink(missing_ok=True)
-        raise ScenarioError(f"{path}: cannot be written: {error}") from error
+        WriteText(path, yaml_dump_typed(scenario))
+    except OutputError as error:
+        raise ScenarioError(str(error)) from error
 
 
 def _read(path: Path) -> str:

@@ -16,7 +16,7 @@ from pydrake.common.yaml import yaml_dump_typed
 
 from brace_drake.errors import BraceError, PolicyError
 from brace_drake.learning.task import LearningTask, load_task_scenario
-from brace_drake.output import MakeFolder, WriteBytes, WriteJson, WriteText
+from brace_drake.output import HoldFolder, WriteBytes, WriteJson, WriteText
 from brace_drake.scenario.load import LoadRecord
 from brace_drake.training.numbers import TrainingNumbers
 from brace_drake.versions import installed_versions
@@ -44,10 +44,12 @@ def WriteStart(
 ) -> None:
     """Writes task, hyper-parameters, the scenario, seed and versions.
 
+    The folder is held; to be released when the run ends.
+
     Raises:
-        OutputError: The folder cannot be written.
+        OutputError: The folder cannot be written, or another process holds it.
     """
-    MakeFolder(folder)
+    HoldFolder(folder)
     scenario = load_task_scenario(task)
     for name, record in (
         ("task.yaml", task),

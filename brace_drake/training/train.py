@@ -14,6 +14,7 @@ from brace_drake.learning.task import (
     check_task,
     load_task_scenario,
 )
+from brace_drake.output import HoldFolder, ReleaseFolder
 from brace_drake.training import run_folder
 from brace_drake.training.learner import Learner
 from brace_drake.training.numbers import TrainingNumbers, check_training
@@ -66,10 +67,12 @@ def ResumeTraining(folder: Path, progress: Progress | None = None) -> dict:
 
     Raises:
         PolicyError: There is no run, or other versions have begun it.
+        OutputError: Another process is at it.
     """
     folder = Path(folder)
     task, numbers = run_folder.LoadStart(folder)
     state = run_folder.LoadCheckpoint(folder)
+    HoldFolder(folder)
     learner = Learner(task, numbers)
     learner.set_state(state["learner"])
     best = _Best(**state["best"])
@@ -127,6 +130,7 @@ def _train(
                 progress(learner.steps, total, mean, best.score)
     finally:
         learner.close()
+        ReleaseFolder(folder)
     return {
         "steps": learner.steps,
         "updates": learner.updates,

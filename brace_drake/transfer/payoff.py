@@ -21,7 +21,7 @@ from brace_drake.gap.document import MakeDocument
 from brace_drake.gap.repaired import FILE, MakeRepairedScenario
 from brace_drake.learning.policy import LoadPolicy, Policy
 from brace_drake.learning.task import LearningTask
-from brace_drake.output import MakeFolder, WriteJson
+from brace_drake.output import HoldFolder, MakeFolder, WriteJson
 from brace_drake.parallel import Workers
 from brace_drake.resources import scenario_path
 from brace_drake.scenario.bench import BenchScenario
@@ -183,7 +183,7 @@ def run_payoff(
     cases = {name: make_case(name, severity, seed) for name in names}
     if not cases:
         raise BraceError("no cause is named")
-    folder = MakeFolder(Path(folder))
+    folder = HoldFolder(Path(folder))
     KeepOptions(folder, PayoffOptions(severity, force_limit, seed))
     nominal = LoadScenario(scenario_path("bench.scenario.yaml"))
     say("training on the nominal twin")

@@ -22,7 +22,7 @@ from pathlib import Path
 import yaml
 
 from brace_drake.errors import BraceError
-from brace_drake.output import MakeFolder, WriteJson, WriteText
+from brace_drake.output import HoldFolder, WriteJson, WriteText
 from brace_drake.withheld.seals import SEALS
 
 ANSWERS = "answers.json"
@@ -87,7 +87,7 @@ def answer_cases(
     missing = [n for n in names if not (Path(folder) / n).is_dir()]
     if missing or not names:
         raise AnswerError(f"{folder}: no case {missing[0] if names else ''}")
-    MakeFolder(Path(answers))
+    HoldFolder(Path(answers))
     found = {}
     with ThreadPoolExecutor(jobs) as pool:
         tasks = {

@@ -11,7 +11,7 @@ import yaml
 
 from brace_drake.campaign import Campaign, Run, WriteCampaign
 from brace_drake.errors import OutputError
-from brace_drake.output import MakeFolder, WriteJson, WriteText
+from brace_drake.output import HoldFolder, MakeFolder, WriteJson, WriteText
 from brace_drake.withheld.cases import (
     Case,
     build_case,
@@ -120,7 +120,7 @@ def make_cases(
     for taken in (out / SEALS, vault):
         if taken.exists():
             raise OutputError(f"{taken}: exists already, not replaced")
-    MakeFolder(out)
+    HoldFolder(out)
     MakeFolder(vault.parent)
     entropy = secrets.randbits(256) if seed is None else seed
     source = np.random.SeedSequence(entropy)
