@@ -199,7 +199,7 @@ class RunFile:
             if self._fd is None:
                 flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND
                 self._fd = os.open(self._path, flags, 0o644)
-            self._WriteRows()
+            self._WriteRows(self._fd)
             os.fsync(self._fd)
             if not self._entered:
                 self._journal.Enter(self.entry)
@@ -208,11 +208,11 @@ class RunFile:
             raise OutputError(f"{self._path}: {error.strerror}") from error
         self._synced = time.monotonic()
 
-    def _WriteRows(self) -> None:
+    def _WriteRows(self, fd: int) -> None:
         while self._pending:
             row = self._pending[0].encode("ascii")
-            if os.write(self._fd, row) < len(row):
-                os.ftruncate(self._fd, self._size)
+            if os.write(fd, row) < len(row):
+                os.ftruncate(fd, self._size)
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             self._size += len(row)
             self._pending.popleft()

@@ -87,7 +87,9 @@ class Parcel:
 
     def __init__(self, function: Callable):
         # The arrays are kept, so that their ids stay theirs.
-        self._index, self._arrays, file = {}, [], io.BytesIO()
+        self._index: dict[int, int] = {}
+        self._arrays: list[np.ndarray] = []
+        file = io.BytesIO()
         _Packer(file, self._index, self._arrays).dump(function)
         whole = self._arrays, file.getvalue()
         self.data = pickle.dumps(whole, protocol=5)

@@ -27,9 +27,21 @@ FRAMES_PER_SECOND = 25.0
 # What a headset would fetch; a page that is to be complete must not.
 _OUTSIDE = "https://cdn.jsdelivr.net/npm/@webxr-input-profiles/"
 
+# A telephone would show the page of a desk, a third of its size.
+_VIEWPORT = """<head>
+  <meta name="viewport" content="width=device-width, initial-scale=1">
+  <style>
+    #caption {
+      position: fixed; left: 16px; right: 16px; top: 12px; max-width: 48em;
+      font: 14px/1.45 system-ui, sans-serif; color: #1c2733;
+      pointer-events: none;
+    }
+    /* Below the button of the controls. */
+    @media (max-width: 720px) { #caption { top: 28px; } }
+  </style>"""
+
 _CAPTION = """\
-  <div style="position:fixed;left:16px;top:12px;max-width:44em;
-    font:14px/1.45 system-ui,sans-serif;color:#1c2733;pointer-events:none">
+  <div id="caption">
     <b>{title}</b><br>
     {force}
     axes of the world frame: <span style="color:#c01a1a">x to the front</span>,
@@ -93,6 +105,7 @@ def WritePlayback(
     title = title or scenario.device
     caption = make_caption(states, title)
     text = text.replace("Drake MeshCat", html.escape(title), 1)
+    text = text.replace("<head>", _VIEWPORT, 1)
     head, body = text.split("<body>", 1)
     WriteText(Path(path), f"{head}<body>\n{caption}{body}")
 

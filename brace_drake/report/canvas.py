@@ -7,6 +7,7 @@ import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
+from typing import Any
 
 # Okabe and Ito's colours, told apart by any reader, and greys.
 MEASURED = "#1f2933"
@@ -37,7 +38,7 @@ def figure_style() -> Iterator[None]:
     """The settings of all figures, for as long as the context lasts."""
     import matplotlib
 
-    settings = {
+    settings: Any = {
         "font.family": [_font(), _WIDEST_FONT],
         "font.size": 9.0,
         "text.color": MEASURED,
@@ -73,10 +74,11 @@ def make_figure(width: float, height: float):
     """An empty figure on the Agg canvas, inches, outside of pyplot."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    engine = ConstrainedLayoutEngine(w_pad=0.02, h_pad=0.04)
+    figure = Figure(figsize=(width, height), layout=engine)
     FigureCanvasAgg(figure)
-    figure.get_layout_engine().set(w_pad=0.02, h_pad=0.04)
     return figure
 
 

@@ -61,8 +61,8 @@ def significant(value: object, digits: int, padded: bool = False) -> str:
             text = text.rstrip("0").rstrip(".")
     if "e" not in text:
         return text.replace("-", _MINUS)
-    mantissa, exponent = text.split("e")
-    power = str(int(exponent)).translate(_SUPERSCRIPTS)
+    mantissa, tens = text.split("e")
+    power = str(int(tens)).translate(_SUPERSCRIPTS)
     return f"{mantissa.replace('-', _MINUS)}·10{power}"
 
 

@@ -1,0 +1,134 @@
+"""How the cost of a diagnosis grows: causes, runs, subjects, workers.
+
+    python tools/bench_scale.py                    # all of the table
+    python tools/bench_scale.py --rows causes,runs
+    python tools/bench_scale.py --campaign DIR --rows whole
+
+Each row is a process of its own with compiled laws. CPU time counts all of its
+threads and is what a bill counts; wall time is what a shared machine allows.
+"""
+
+import argparse
+import multiprocessing
+import os
+import resource
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
+# The example's own cause stays in every library.
+KEPT = "relaxation"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One row: a campaign, cut down, diagnosed so many times.
+
+    Attributes:
+        label: Of the row.
+        campaign: Folder.
+        causes: Effects in the library; None: all.
+        runs: Fit runs; None: all.
+        subjects: Campaigns, one after the other in one process.
+        jobs: Threads.
+    """
+
+    label: str
+    campaign: str
+    causes: int | None = None
+    runs: int | None = None
+    subjects: int = 1
+    jobs: int = 1
+
+
+def make_tasks(rows: list[str], campaign: str) -> Iterator[Task]:
+    """The rows of the table."""
+    if "whole" in rows:
+        yield Task("whole campaign", campaign)
+    for causes in (1, 6, 12, None) if "causes" in rows else ():
+        yield Task(f"causes: {causes or 'all'}", campaign, causes=causes)
+    for runs in (1, 2, None) if "runs" in rows else ():
+        yield Task(f"fit runs: {runs or 'all'}", campaign, runs=runs)
+    for subjects in (1, 2, 4) if "subjects" in rows else ():
+        label = f"subjects: {subjects}, 6 causes"
+        yield Task(label, campaign, causes=6, subjects=subjects)
+    for jobs in (1, 2) if "workers" in rows else ():
+        yield Task(f"threads: {jobs}, 6 causes", campaign, causes=6, jobs=jobs)
+
+
+def keep_causes(count: int) -> None:
+    """Leaves so many effects in the library of this process."""
+    from brace_drake.effects import registry
+
+    cards = registry._library()
+    names = sorted(cards, key=lambda name: not name.startswith(KEPT))[:count]
+    kept = {name: cards[name] for name in names}
+    registry._library = lambda: kept
+
+
+def cut_runs(campaign, count: int):
+    """The last fit runs, which touch the torso, and all validation runs."""
+    files = {r.file for r in campaign.split("fit")[-count:]}
+    runs = [r for r in campaign.runs if r.file in files or r.split != "fit"]
+    runs = [
+        r if r.repeat_of in files else replace(r, repeat_of=None) for r in runs
+    ]
+    return replace(campaign, runs=tuple(runs))
+
+
+def run_task(task: Task, answer) -> None:
+    """Diagnoses; sends CPU s, wall s, peak MB, and the verdict."""
+    from brace_drake.campaign import LoadCampaign
+    from brace_drake.gap.diagnose import diagnose
+    from brace_drake.gap.document import MakeDocument
+
+    if task.causes is not None:
+        keep_causes(task.causes)
+    campaign = LoadCampaign(task.campaign)
+    if task.runs is not None:
+        campaign = cut_runs(campaign, task.runs)
+    cpu, wall = time.process_time(), time.monotonic()
+    for _ in range(task.subjects):
+        document = MakeDocument(diagnose(campaign, task.jobs))
+    cpu, wall = time.process_time() - cpu, time.monotonic() - wall
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    answer.send((cpu, wall, peak, ", ".join(document["verdict"]["effects"])))
+
+
+def measure(task: Task) -> tuple[float, float, float, str]:
+    """A row, from a process of its own."""
+    here, there = multiprocessing.Pipe(duplex=False)
+    context = multiprocessing.get_context("spawn")
+    process = context.Process(target=run_task, args=(task, there))
+    process.start()
+    there.close()
+    try:
+        return here.recv()
+    except EOFError:
+        sys.exit(f"{task.label}: the process ended without an answer")
+    finally:
+        process.join()
+
+
+def main() -> None:
+    """Prints the table, row by row."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--campaign", default=str(EXAMPLE))
+    parser.add_argument("--rows", default="causes,runs,subjects,workers")
+    args = parser.parse_args()
+    head = ("CPU s", "wall s", "peak MB")
+    print(f"{'diagnosis':28}" + "".join(f"{h:>9}" for h in head) + "  found")
+    for task in make_tasks(args.rows.split(","), args.campaign):
+        cpu, wall, peak, found = measure(task)
+        numbers = f"{cpu:9.1f}{wall:9.1f}{peak:9.0f}"
+        print(f"{task.label:28}{numbers}  {found or 'nothing'}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
