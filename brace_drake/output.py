@@ -30,7 +30,7 @@ def MakeFolder(path: Path) -> Path:
         probe.unlink()
     except OSError as error:
         raise OutputError(
-            f"{path}: cannot be written: {error.strerror}"
+            f"{path}: cannot write there: {error.strerror}"
         ) from error
     return path
 

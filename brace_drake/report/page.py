@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.output import MakeFolder, WriteBytes
+from brace_drake.errors import OutputError
+from brace_drake.output import WriteBytes
 from brace_drake.report.traces import RunTrace
 from brace_drake.report.view import make_view
 
@@ -31,7 +32,12 @@ def WriteReport(
     """
     path = Path(path).absolute()
     page = render_page(diagnosis, traces)
-    MakeFolder(path.parent)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(
+            f"{path}: cannot be written: {error.strerror}"
+        ) from error
     WriteBytes(path, page.encode("utf-8", errors="replace"))
 
 
