@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 
 import numpy as np
 from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.geometry import SceneGraph
 from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import (
     DiscreteContactApproximation,
     MultibodyPlant,
 )
+from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from brace_drake.articulated import AddArticulatedBrace, SetLegs
-from brace_drake.plant import AddBody, AddHalfSpacePads, AddSceneGraphFor
+from brace_drake.hydroelastic_pads import AddHalfSpacePads
+from brace_drake.resources import sdf_path
+from brace_drake.scenario.bench import Ring, Torso
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 
@@ -37,11 +42,12 @@ def AddBracePlant(
 ) -> MultibodyPlant:
     """Adds the finalized plant of rings and, where present, torso.
 
-    All of them float; they start at the scenario's poses. Gravity acts on
-    rings and legs: the pelvis carries the torso. `task_space` has no further
-    bodies, and q holds the rings from the lowest up, then the torso;
-    `articulated` has 18 legs of tube and rod, see
-    `brace_drake.articulated`.
+    All of them float (the paper's six-degree-of-freedom joint); they start at
+    the scenario's poses. The bench is its stage 2 alone, see
+    `scenario.bench_brace`. Gravity acts on rings and legs: the pelvis carries
+    the torso. `task_space` has no further bodies, and q holds the rings from
+    the lowest up, then the torso; `articulated` has 18 legs of tube and rod,
+    see `brace_drake.articulated`.
 
     Args:
         builder: Of the diagram.
@@ -91,6 +97,42 @@ def AddBraceBodies(plant: MultibodyPlant, scenario: BraceScenario) -> None:
     if scenario.torso.present:
         torso = AddBody(plant, "torso", scenario.torso)
         plant.set_gravity_enabled(torso.model_instance(), False)
+
+
+def AddBody(
+    plant: MultibodyPlant, name: str, config: Ring | Torso
+) -> RigidBody:
+    """Adds the body of `sdf/{name}.sdf` with a scenario's mass and moments."""
+    text = _model_with_inertia(name, config.mass, config.inertia)
+    (instance,) = Parser(plant).AddModelsFromString(text, "sdf")
+    return plant.GetBodyByName(name, instance)
+
+
+def _model_with_inertia(name: str, mass: float, moments: np.ndarray) -> str:
+    """The SDF text of `sdf/{name}.sdf` with a scenario's mass and moments."""
+    root = ElementTree.parse(sdf_path(f"{name}.sdf")).getroot()
+    values = {"mass": mass}
+    values |= dict(zip(("ixx", "iyy", "izz"), moments, strict=True))
+    for tag, value in values.items():
+        root.find(f".//inertial//{tag}").text = repr(float(value))
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def AddSceneGraphFor(
+    builder: DiagramBuilder, plant: MultibodyPlant
+) -> SceneGraph:
+    """Adds a scene graph, and the plant as its source."""
+    scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    builder.Connect(
+        scene_graph.get_query_output_port(),
+        plant.get_geometry_query_input_port(),
+    )
+    builder.Connect(
+        plant.get_geometry_pose_output_port(),
+        scene_graph.get_source_pose_port(plant.get_source_id()),
+    )
+    return scene_graph
 
 
 def AddHydroelasticPads(

@@ -27,8 +27,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.plant import AddBenchPlant
+from brace_drake.brace_plant import AddBracePlant
 from brace_drake.scenario.bench import BenchScenario, Contact
+from brace_drake.scenario.bench_brace import brace_of_bench
 
 # A press that contact does not slow down, kg and kg m^2, within a step of
 # 10 us: then the force is that at the given depth and speed.
@@ -148,7 +149,7 @@ def press_pad(
         body.mass, body.inertia = _IMMOVABLE, np.full(3, _IMMOVABLE)
     scenario.gravity = 0.0
     builder = DiagramBuilder()
-    plant = AddBenchPlant(builder, scenario)
+    plant = AddBracePlant(builder, brace_of_bench(scenario))
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()
     own = plant.GetMyMutableContextFromRoot(context)

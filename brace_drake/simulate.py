@@ -12,10 +12,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 from pydrake.trajectories import PiecewisePolynomial
 
+from brace_drake.brace_station import BraceStation
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import BraceError
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.station import BenchStation, MakeBenchStation
+from brace_drake.station import MakeBenchStation
 from brace_drake.twin.bench_rollout import CHANNELS
 from brace_drake.twin.reference import (
     COLUMNS,
@@ -24,14 +25,14 @@ from brace_drake.twin.reference import (
 )
 
 # Takes the station and its context when a run is over.
-AtEnd = Callable[[BenchStation, Context], None]
+AtEnd = Callable[[BraceStation, Context], None]
 # Called with the simulated time, s.
 OnProgress = Callable[[float], None]
 _PROGRESS_S = 0.1
 
 
 def SimulateBench(
-    station: BenchStation,
+    station: BraceStation,
     duration: float,
     at_end: AtEnd | None = None,
     on_progress: OnProgress | None = None,

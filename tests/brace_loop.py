@@ -7,10 +7,14 @@ from brace_drake.laws import brace_control, kernels
 from brace_drake.laws.blocks import read_instruments
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
+from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.scenario.bench_numbers import (
+    BenchNumbers,
+    pack_bench,
+    pack_bench_brace,
+)
 from brace_drake.scenario.control_numbers import BraceRings, pack_control
 from brace_drake.scenario.controllers import BraceControl
-from brace_drake.systems.brace_forces import pack_bench_law
 
 PERIOD = 1e-3
 
@@ -28,7 +32,7 @@ def bench_rings(numbers: BenchNumbers) -> BraceRings:
     geometry = BraceGeometry(
         numbers.p_WB[None], numbers.p_RT[None], numbers.rest[None]
     )
-    limit = np.full(6, numbers.inverse_dynamics[9])
+    limit = numbers.control[brace_control.LIMIT]
     return BraceRings(geometry, numbers.ring[None, :4], limit)
 
 
@@ -59,7 +63,7 @@ def push(
     """
     bench = paper_bench()
     numbers = pack_control(control, bench_rings(bench))
-    law = pack_bench_law(bench)
+    law = pack_bench_brace(brace_of_bench(BenchScenario()), bench).force_law
     state = np.zeros(26)
     state[0] = state[7] = 1.0
     state[4:7] = state[11:14] = bench.rest

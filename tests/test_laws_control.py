@@ -5,7 +5,12 @@ import unittest
 
 import numpy as np
 
-from brace_drake.laws import control, controller
+from brace_drake.laws import (
+    bench_tick,
+    brace_control,
+    control,
+    pose_estimate,
+)
 from brace_drake.laws.linear_solve import solve_in_place
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
@@ -45,12 +50,12 @@ class TestImpedance(unittest.TestCase):
         self.assertAlmostEqual(virtual[0], 0.01, places=12)
 
     def test_the_force_goes_through_a_first_order_low_pass(self):
-        tau = 0.02
-        law = np.array([M_D, C_D, K_D, control.low_pass_gain_tau(tau, H), H])
-        memory = np.zeros(4)
+        gain, filtered = control.low_pass_gain_tau(0.02, H), np.zeros(6)
         for _ in range(20):
-            controller.filter_impedance(1.0, np.zeros(3), law, memory)
-        self.assertAlmostEqual(memory[0], 1.0 - math.exp(-1.0), places=12)
+            brace_control.filter_force(np.ones(3), gain, filtered)
+        passed = 1.0 - math.exp(-1.0)
+        expected = [passed, passed, passed, 0.0, 0.0, 0.0]
+        np.testing.assert_allclose(filtered, expected, rtol=1e-12)
 
 
 class TestFilters(unittest.TestCase):
@@ -69,53 +74,45 @@ class TestFilters(unittest.TestCase):
         np.testing.assert_allclose(V, 0.3, rtol=1e-12)
 
 
-class TestInverseDynamics(unittest.TestCase):
+class TestTick(unittest.TestCase):
+    """A first tick: no velocity yet, and a force that is filtered."""
+
     def setUp(self):
         self.numbers = pack_bench(BenchScenario())
 
-    def commands(self, virtual, estimate=None):
-        if estimate is None:
-            estimate = np.zeros(19)
-            estimate[12:15], estimate[15] = self.numbers.rest, 1.0
-        u = np.empty(6)
-        good = controller.calc_leg_commands(
-            estimate,
-            np.asarray(virtual, float),
-            self.numbers.inverse_dynamics,
-            self.numbers.p_WB,
-            self.numbers.p_RT,
-            u,
+    def commands(self, p=(0.0, 0.0, 0.0), force=0.0, desired=(0.0, 0.0, 0.0)):
+        """Leg commands with the ring at p, and the directions of the legs."""
+        numbers = self.numbers
+        d = numbers.p_RT + numbers.rest + p - numbers.p_WB
+        lengths = np.linalg.norm(d, axis=1)
+        readings = np.array([*lengths, 0.0, force, 0.0, *np.zeros(3)])
+        u, memory = np.empty(6), bench_tick.make_memory(numbers.rest)
+        good = bench_tick.control_tick(
+            readings, np.array(desired), numbers.controller_law, memory, u
         )
         self.assertTrue(good)
-        return u
+        return u, d / lengths[:, None]
 
     def test_at_rest_the_legs_carry_the_weight(self):
-        u = self.commands([0, 0, 0, 0])
-        d = self.numbers.p_RT + self.numbers.rest - self.numbers.p_WB
-        n = d / np.linalg.norm(d, axis=1)[:, None]
+        u, n = self.commands()
         np.testing.assert_allclose(u @ n, [0, 0, 0.85 * 9.81], atol=1e-12)
 
     def test_the_task_force_is_equation_six(self):
-        X, V, F = np.zeros(6), np.zeros(6), np.empty(6)
-        X[1], V[1], X[2] = 0.001, 0.02, 0.003
-        control.calc_task_force(
-            X,
-            V,
-            np.array([0.004, 0.05, 0.6]),
-            -3.0,
-            np.full(6, 2.0),
-            8.0,
-            1600.0,
-            80.0,
-            1,
-            F,
+        p, force, desired = (0.001, 0.002, 0.003), -3.0, (0.004, 0.05, 0.6)
+        u, n = self.commands(p, force, desired)
+        passed = force * (1.0 - math.exp(-H / 0.02))
+        virtual = np.zeros(3)
+        control.update_impedance(
+            M_D, C_D, K_D, np.array(desired), passed, H, virtual
         )
-        y = 2.0 * (0.6 + 80 * (0.05 - 0.02) + 1600 * (0.004 - 0.001)) - 3.0
-        self.assertAlmostEqual(F[1], y, places=12)
-        self.assertAlmostEqual(F[2], -2.0 * 1600 * 0.003 + 8.0, places=12)
+        y, y_d, y_dd = virtual
+        F = -0.85 * 1600.0 * np.array(p)
+        F[1] += 0.85 * (y_dd + 80.0 * y_d + 1600.0 * y) + passed
+        F[2] += 0.85 * 9.81
+        np.testing.assert_allclose(u @ n, F, rtol=0, atol=1e-9)
 
     def test_commands_stop_at_the_limit(self):
-        u = self.commands([-1e5, 0, 0, 0])
+        u, _ = self.commands(desired=(-1e5, 0.0, 0.0))
         self.assertEqual(np.abs(u).max(), 120.0)
 
     def test_the_pose_of_the_first_tick_gives_no_velocity(self):
@@ -124,16 +121,15 @@ class TestInverseDynamics(unittest.TestCase):
         p = numbers.rest + np.array([0, 0.001, 0])
         lengths = np.linalg.norm(numbers.p_RT + p - numbers.p_WB, axis=1)
         estimate = np.empty(19)
-        self.assertTrue(
-            controller.estimate_pose(
-                lengths,
-                numbers.estimator,
-                numbers.p_WB,
-                numbers.p_RT,
-                memory,
-                estimate,
-            )
+        good = pose_estimate.estimate_pose(
+            lengths,
+            numbers.control[brace_control.ESTIMATOR],
+            numbers.p_WB,
+            numbers.p_RT,
+            memory,
+            estimate,
         )
+        self.assertTrue(good)
         np.testing.assert_allclose(
             estimate[0:12], [0, 0.001, *[0] * 10], atol=1e-12
         )

@@ -6,10 +6,11 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
+from brace_drake.brace_plant import AddBracePlant
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.laws.rotation import quaternion_to_matrix
-from brace_drake.plant import AddBenchPlant
 from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_brace import brace_of_bench
 
 BODY = np.array([2.0, 0.3, 0.4, 0.6])
 
@@ -73,7 +74,7 @@ class TestFreeBody(unittest.TestCase):
     def test_it_steps_as_drakes_plant_does(self):
         scenario = BenchScenario(time_step=1e-3)
         builder = DiagramBuilder()
-        plant = AddBenchPlant(builder, scenario)
+        plant = AddBracePlant(builder, brace_of_bench(scenario))
         simulator = Simulator(builder.Build())
         context = plant.GetMyMutableContextFromRoot(
             simulator.get_mutable_context()

@@ -11,7 +11,7 @@ from brace_drake.errors import LimitsError
 from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT, shared_values
 from brace_drake.hardware.words import Cause, DeviceState, Mode, Reason
-from brace_drake.laws import controller
+from brace_drake.laws import bench_tick
 from brace_drake.operation.control import PicControl
 from brace_drake.operation.session import Session
 from brace_drake.scenario.bench_numbers import pack_bench
@@ -42,13 +42,12 @@ class TestPlant(unittest.TestCase):
         log = twin.simulate(motion, nominal)
         plant = BenchPlant(SCENARIO, seed=None)
         numbers = pack_bench(SCENARIO)
-        memory = np.zeros(controller.NUM_MEMORY)
-        memory[:3], memory[3] = numbers.rest, 1.0
-        plant.u[:], u, estimate = 0.0, np.zeros(6), np.zeros(19)
+        memory = bench_tick.make_memory(numbers.rest)
+        plant.u[:], u = 0.0, np.zeros(6)
         for row, desired in zip(log, motion.desired, strict=True):
             readings = plant.advance(u)
-            controller.control_tick(
-                readings, desired, numbers.controller_law, memory, estimate, u
+            bench_tick.control_tick(
+                readings, desired, numbers.controller_law, memory, u
             )
             np.testing.assert_array_equal(readings, row[6:18])
             np.testing.assert_array_equal(u, row[:6])

@@ -6,16 +6,21 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import PiecewisePolynomial
 
+from brace_drake.brace_station import MakeBraceStation
 from brace_drake.effects.registry import find_effect
 from brace_drake.effects.stack import modify_numbers, stack_effects
+from brace_drake.laws import brace_control
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace_numbers import pack_rings
 from brace_drake.simulate import SimulateBench
 from brace_drake.station import MakeBenchStation
+from brace_drake.systems.brace_controllers import MakeController
 from brace_drake.twin.bench_rollout import Motion, simulate_bench
 from brace_drake.twin.reference import MakeReference, reference_at_ticks
 
-RATE = 1000.0
+RATE, PIC = 1000.0, "pic_controller"
 LAYOUTS = ("pic", "blocks")
 
 
@@ -65,6 +70,15 @@ def bench(layout="pic", time_step=5e-4, with_torso=True) -> BenchScenario:
     return scenario
 
 
+def ports_of(diagram):
+    """Names and sizes of a diagram's inputs and outputs."""
+    inputs = map(diagram.get_input_port, range(diagram.num_input_ports()))
+    outputs = map(diagram.get_output_port, range(diagram.num_output_ports()))
+    return tuple(
+        {(p.get_name(), p.size()) for p in s} for s in (inputs, outputs)
+    )
+
+
 class TestDiagramEqualsRollout(unittest.TestCase):
     # Drake solves for accelerations in another order: rounding, times the
     # stiffness of the loop, makes a few nN.
@@ -89,6 +103,15 @@ class TestDiagramEqualsRollout(unittest.TestCase):
                 np.testing.assert_allclose(
                     log, rollout, rtol=0, atol=self.TOLERANCE
                 )
+
+    def test_effects_agree_without_a_torso(self):
+        friction = find_effect("coulomb_friction")
+        values = np.array([p.starts[0] for p in friction.parameters])
+        for layout in LAYOUTS:
+            with self.subTest(layout=layout):
+                scenario = bench(layout, with_torso=False)
+                log, rollout = run_both(scenario, uses=[(friction, values)])
+                np.testing.assert_allclose(log, rollout, rtol=0, atol=1e-6)
 
     def test_the_same_noise_gives_the_same_run(self):
         generator = np.random.default_rng(3)
@@ -129,22 +152,23 @@ class TestStation(unittest.TestCase):
         context = simulator.get_context()
         return station.sink.FindLog(context).data()[7].copy()
 
-    def test_ports_are_named_by_role(self):
-        roles = ["plant_state", "leg_command", "readings", "virtual"]
+    def test_ports_are_those_of_the_brace(self):
+        brace = BraceScenario(stages=[2])
+        controller = MakeController(brace.control, pack_rings(brace))
+        expected = ports_of(MakeBraceStation(brace, controller).diagram)
         for layout in LAYOUTS:
-            diagram = MakeBenchStation(bench(layout), self.reference).diagram
-            names = [
-                diagram.get_output_port(i).get_name()
-                for i in range(diagram.num_output_ports())
-            ]
-            self.assertEqual(names, roles)
-            self.assertEqual(diagram.get_input_port(0).get_name(), "noise")
+            station = MakeBenchStation(bench(layout), self.reference)
+            inputs, outputs = ports_of(station.diagram)
+            # The reference takes the place of `desired`; what the faster
+            # layout has estimated stays inside.
+            self.assertEqual(inputs, expected[0] - {("desired", 18)})
+            self.assertLessEqual(outputs, expected[1])
+            self.assertLessEqual(expected[1] - outputs, {("estimate", 18)})
 
     def test_a_gain_changed_in_the_context_changes_the_run(self):
-        changes = {
-            "pic": ("pic_law", 14 + 10),  # kp, after resolution, sigma, 10
-            "blocks": ("inverse_dynamics", 0),
-        }
+        kp_y = brace_control.K_P * 6 + 1
+        # In the law of a tick behind resolution and sigma.
+        changes = {"pic": ("pic_law", 14 + kp_y), "blocks": (PIC, kp_y)}
         for layout, (name, index) in changes.items():
             station = MakeBenchStation(bench(layout), self.reference)
             system = station.diagram.GetSubsystemByName(name)
@@ -184,7 +208,9 @@ class TestStation(unittest.TestCase):
 
         def double(context):
             own = system.GetMyMutableContextFromRoot(context)
-            own.get_mutable_numeric_parameter(0).SetAtIndex(24, 3200.0)
+            law = own.get_mutable_numeric_parameter(0)
+            for i in range(6):
+                law.SetAtIndex(14 + brace_control.K_P * 6 + i, 3200.0)
 
         scenario = bench()
         scenario.control.kp = 3200.0

@@ -18,7 +18,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.brace_plant import AddBracePlant
+from brace_drake.brace_plant import AddBraceBodies, AddBracePlant
 from brace_drake.brace_station import MakeBraceStation
 from brace_drake.campaign import LoadCampaign
 from brace_drake.fit.campaign_fit import fit_campaign
@@ -28,8 +28,8 @@ from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.make import full_task
 from brace_drake.learning.subjects import EffectRange, SubjectRanges
 from brace_drake.learning.task import LearningTask
-from brace_drake.plant import AddBenchBodies
 from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
 from brace_drake.simulate import SimulateBench
 from brace_drake.station import MakeBenchStation
@@ -69,7 +69,7 @@ def bare_plant(step):
     plant = builder.AddSystem(MultibodyPlant(step))
     scenario = BenchScenario()
     scenario.gravity = 0.0
-    AddBenchBodies(plant, scenario)
+    AddBraceBodies(plant, brace_of_bench(scenario))
     plant.SetUseSampledOutputPorts(False)
     plant.Finalize()
     diagram = builder.Build()

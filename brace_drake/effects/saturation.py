@@ -3,6 +3,7 @@
 import numpy as np
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.brace_control import LIMIT
 from brace_drake.laws.hooks import plug
 
 _UNLIMITED = 120.0
@@ -15,9 +16,9 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
 
 
 def _limit_commands(numbers, values: np.ndarray):
-    law = numbers.inverse_dynamics.copy()
-    law[9] = min(law[9], values[0])
-    return numbers.with_changes(inverse_dynamics=law)
+    law = numbers.control.copy()
+    law[LIMIT] = np.minimum(law[LIMIT], values[0])
+    return numbers.with_changes(control=law)
 
 
 _LIMIT = EffectParameter(

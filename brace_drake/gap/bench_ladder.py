@@ -10,7 +10,8 @@ from scipy.signal import cont2discrete, lfilter
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Rung, low_pass
 from brace_drake.gap.phases import MotionSignals
-from brace_drake.laws import blocks, controller
+from brace_drake.laws import bench_tick, blocks
+from brace_drake.laws.brace_control import MASS
 from brace_drake.laws.legs import solve_forward_kinematics
 from brace_drake.laws.rotation import quaternion_to_rotation_vector
 from brace_drake.twin.bench_twin import BenchTwin
@@ -53,14 +54,14 @@ def ring_poses(twin: BenchTwin, lengths: np.ndarray):
 
 @njit(cache=True)
 def _run_controller(readings, desired, law, memory, every, out):
-    estimate, commands = np.empty(19), np.empty(6)
+    commands = np.empty(6)
     for tick in range(len(readings)):
-        controller.control_tick(
-            readings[tick], desired[tick], law, memory, estimate, commands
+        bench_tick.control_tick(
+            readings[tick], desired[tick], law, memory, commands
         )
         if tick % every == 0:
             out[tick // every, 0:6] = commands
-            out[tick // every, 6] = memory[controller.NUM_POSE_MEMORY + 1]
+            out[tick // every, 6] = memory[bench_tick.Y_VIRTUAL]
 
 
 def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
@@ -76,8 +77,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
         at = np.minimum(ticks, times[-1])
         readings = np.zeros((len(ticks), 12))
         readings[:, 0:9] = CubicSpline(times, x[:, 6:15])(at)
-        memory = np.zeros(controller.NUM_MEMORY)
-        memory[0:3], memory[3] = numbers.rest, 1.0
+        memory = bench_tick.make_memory(numbers.rest)
         out = np.zeros((len(x), 7))
         _run_controller(
             readings,
@@ -103,7 +103,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
         )
         velocity = np.gradient(poses, 1.0 / rate, axis=0)
         acceleration = np.gradient(velocity, 1.0 / rate, axis=0)
-        wrench = acceleration * numbers.inverse_dynamics[2:8]
+        wrench = acceleration * numbers.control[MASS]
         wrench[:, 2] += numbers.ring[4]
         if prepared.run.contact:
             wrench[:, 0:3] += low_pass(x[:, _FORCE], _CUTOFF_HZ, rate)

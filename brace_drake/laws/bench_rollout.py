@@ -8,7 +8,7 @@ and diagnoses, thousands of runs, call.
 import numpy as np
 from numba import boolean, float64, int64, njit, types
 
-from brace_drake.laws import controller, hooked_forces
+from brace_drake.laws import bench_tick, hooked_forces
 from brace_drake.laws.hooks import (
     PLUG_POINTS,
     matrix,
@@ -92,7 +92,7 @@ def rollout_bench(
         desired: Reference y, y', y'' at each tick (ticks, 3).
         anchors: p_WB, p_RT of the plant (6, 3), m.
         laws: Rest position (3), viscous (6), contact (6), posture (12),
-            controller (56), resolution (2).
+            controller (102), resolution (2).
         bodies_mass: Mass, moments (3), weight of ring and torso (5,).
         noise: Reading noise at each tick (ticks, 12), or (0, 12).
         bodies: Initial q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,), updated.
@@ -121,10 +121,7 @@ def rollout_bench(
     lengths, rates, f, u = np.empty(6), np.empty(6), np.zeros(6), np.zeros(6)
     F_R, F_T, f_T = np.zeros(6), np.zeros(6), np.zeros(3)
     pads, ideal, readings = np.empty((2, 17)), np.zeros(12), np.zeros(12)
-    memory = np.zeros(controller.NUM_MEMORY)
-    memory[0:3] = rest
-    memory[3] = 1.0
-    virtual, estimate = memory[controller.NUM_POSE_MEMORY :], np.zeros(19)
+    memory = bench_tick.make_memory(rest)
     no_noise = np.empty(0)
     period = dt * steps_per_tick
     for tick in range(desired.shape[0]):
@@ -147,13 +144,14 @@ def rollout_bench(
                     noise[tick] if noise.shape[0] > 0 else no_noise,
                     active, sensing, parameters, sensing_memory, readings,
                 )  # fmt: skip
-                if not controller.control_tick(
-                    readings, desired[tick], control_law, memory, estimate, u
+                if not bench_tick.control_tick(
+                    readings, desired[tick], control_law, memory, u
                 ):
                     return tick
                 if tick % ticks_per_sample == 0:
                     row = log[tick // ticks_per_sample]
-                    _write_row(row, u, readings, with_torso, virtual[1])
+                    y_virtual = memory[bench_tick.Y_VIRTUAL]
+                    _write_row(row, u, readings, with_torso, y_virtual)
             hooked_forces.add_hooked_forces(
                 t, dt, with_torso, u, bodies, lengths, rates, J, rest, viscous,
                 posture_law, active, drive, torso, ring, parameters,

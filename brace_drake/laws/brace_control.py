@@ -10,7 +10,7 @@ is remembered are stacks of such rows.
 import numpy as np
 from numba import njit
 
-from brace_drake.laws import controller, pid, stages, task_impedance
+from brace_drake.laws import pid, pose_estimate, stages, task_impedance
 from brace_drake.laws.mraic import (
     NUM_MRAIC_LAW,
     NUM_MRAIC_MEMORY,
@@ -55,16 +55,39 @@ GOOD, NO_POSE, SINGULAR, BAD_STIFFNESS = range(4)
 
 
 @njit(**_compile)
-def estimate_rings(lengths, law, pose, poses, state):
+def take_work(n):
+    """Places to work in for a tick of n rings, made in one piece.
+
+    That is poses (n, 7), X and X' (2, 6n), task forces (6n,); and those of
+    `estimate_rings` and `send_to_legs`: R (n, 3, 3), lower anchors (n, 6, 3),
+    leg lengths (6n,), J and J_L (n, 6, 6), a matrix (6, 6), an estimate (19,).
+    """
+    work = np.empty(130 * n + 55)
+    poses = work[0 : 7 * n].reshape((n, 7))
+    state = work[7 * n : 19 * n].reshape((2, 6 * n))
+    F = work[19 * n : 25 * n]
+    R = work[25 * n : 34 * n].reshape((n, 3, 3))
+    p_WB = work[34 * n : 52 * n].reshape((n, 6, 3))
+    lengths = work[52 * n : 58 * n]
+    J = work[58 * n : 94 * n].reshape((n, 6, 6))
+    J_L = work[94 * n : 130 * n].reshape((n, 6, 6))
+    scratch = work[130 * n : 130 * n + 36].reshape((6, 6))
+    estimate = work[130 * n + 36 :]
+    return poses, state, F, (R, p_WB, lengths, J, J_L, scratch, estimate)
+
+
+@njit(**_compile)
+def estimate_rings(lengths, law, pose, poses, state, work):
     """Poses of all rings, from the lowest up, and their filtered rates.
 
     Args:
         lengths: Measured (6n,), m.
         law: Shared rows.
         pose: Memory of each ring's estimator (n, 20), updated, see
-            `controller.NUM_POSE_MEMORY`.
+            `pose_estimate.NUM_POSE_MEMORY`.
         poses: Output q_WR, p_WR (n, 7).
         state: Output X, X' (2, 6n).
+        work: See `take_work`.
 
     Returns:
         False where a pose could not be found.
@@ -73,15 +96,15 @@ def estimate_rings(lengths, law, pose, poses, state):
     estimator = law[ESTIMATOR].reshape((n, 6))
     lower = law[LOWER : LOWER + 3].reshape((n, 6, 3))
     upper = law[UPPER : UPPER + 3].reshape((n, 6, 3))
-    p_WB, R, estimate = np.empty((6, 3)), np.empty((3, 3)), np.empty(19)
+    R, p_WB, _, _, _, _, estimate = work
     for i in range(n):
         anchors = lower[0]
         if i > 0:
-            quaternion_to_matrix(poses[i - 1, 0:4], R)
-            stages.place_lower_anchors(poses[i - 1], R, lower[i], p_WB)
-            anchors = p_WB
+            quaternion_to_matrix(poses[i - 1, 0:4], R[i])
+            stages.place_lower_anchors(poses[i - 1], R[i], lower[i], p_WB[i])
+            anchors = p_WB[i]
         own = lengths[6 * i : 6 * i + 6]
-        if not controller.estimate_pose(
+        if not pose_estimate.estimate_pose(
             own, estimator[i], anchors, upper[i], pose[i], estimate
         ):
             return False
@@ -104,48 +127,54 @@ def filter_force(force, gain, filtered):
 
 
 @njit(**_compile)
-def send_to_legs(F, poses, law, command):
+def send_to_legs(F, poses, law, work, command):
     """Leg commands f = J^-T F at the estimated poses, each leg limited.
 
     Legs of stage i push ring i and pull back ring i - 1, so the stages are
     solved from the top down.
 
     Returns:
-        False where a stage is singular.
+        GOOD, or SINGULAR where a stage is.
     """
     n = poses.shape[0]
     lower = law[LOWER : LOWER + 3].reshape((n, 6, 3))
     upper = law[UPPER : UPPER + 3].reshape((n, 6, 3))
-    R, p_WB = np.empty((n, 3, 3)), np.empty((n, 6, 3))
-    J, J_L = np.empty((n, 6, 6)), np.empty((n, 6, 6))
-    stages.calc_kinematics(
-        poses, lower, upper, R, p_WB, np.empty(6 * n), J, J_L
-    )
-    if not stages.solve_leg_forces(J, J_L, F, np.empty((6, 6)), command):
-        return False
+    R, p_WB, lengths, J, J_L, scratch, _ = work
+    stages.calc_kinematics(poses, lower, upper, R, p_WB, lengths, J, J_L)
+    if not stages.solve_leg_forces(J, J_L, F, scratch, command):
+        return SINGULAR
     for k in range(6 * n):
         limit = law[LIMIT, k]
         command[k] = min(limit, max(-limit, command[k]))
-    return True
+    return GOOD
+
+
+@njit(**_compile)
+def follow_virtual(X_v, filtered, law, poses, state, F, work, command):
+    """Inverse dynamics (6) from the estimated state to X_v (3, 6n).
+
+    Returns:
+        GOOD or SINGULAR.
+    """
+    task_impedance.calc_task_forces(
+        state, X_v, filtered, law[FED_FORWARD],
+        law[K_P : K_V + 1], law[MASS], law[GRAVITY], F,
+    )  # fmt: skip
+    return send_to_legs(F, poses, law, work, command)
 
 
 @njit(**_compile)
 def advance_virtual(
     kind, desired, state, force, stiffness, law, memory, virtual, impedance
 ):
-    """Virtual poses and impedance in use of every kind but PID.
+    """Virtual poses and impedance in use of every kind but PIC and PID.
 
     Returns:
         False where a stiffness asked for is not a number.
     """
     period, selected = law[ESTIMATOR, 3], law[SELECTED]
     wanted, own = law[M_D : K_D + 1], law[NUM_SHARED_LAW:]
-    if kind == PIC:
-        task_impedance.advance_pic(
-            desired, force, period, selected, wanted[0], wanted[1], wanted[2],
-            virtual, impedance,
-        )  # fmt: skip
-    elif kind == MRAIC:
+    if kind == MRAIC:
         advance_mraic(
             desired, state, force, period, selected, wanted, own, memory,
             virtual, impedance,
@@ -172,6 +201,34 @@ def is_saturated(command, limit):
         if abs(command[k]) >= limit[k]:
             return True
     return False
+
+
+@njit(**_compile)
+def advance_brace_pic(
+    lengths, force, desired, law, pose, filtered, virtual, impedance, command
+):
+    """One tick of PIC: the bench's, with n = 1, and the brace's.
+
+    Args:
+        filtered: Filtered force (6n,), N, updated.
+        lengths ... command: As in `advance_brace`.
+
+    Returns:
+        GOOD, NO_POSE or SINGULAR.
+    """
+    nc = lengths.shape[0]
+    n = nc // 6
+    X_v = virtual.reshape((3, nc))
+    poses, state, F, work = take_work(n)
+    rings = pose.reshape((n, pose_estimate.NUM_POSE_MEMORY))
+    if not estimate_rings(lengths, law, rings, poses, state, work):
+        return NO_POSE
+    filter_force(force, law[ESTIMATOR, 5], filtered)
+    task_impedance.advance_pic(
+        desired.reshape((3, nc)), filtered, law[ESTIMATOR, 3], law[SELECTED],
+        law[M_D], law[C_D], law[K_D], X_v, impedance.reshape((3, nc)),
+    )  # fmt: skip
+    return follow_virtual(X_v, filtered, law, poses, state, F, work, command)
 
 
 @njit(**_compile)
@@ -206,14 +263,20 @@ def advance_brace(
     Returns:
         GOOD, NO_POSE, SINGULAR or BAD_STIFFNESS.
     """
+    filtered, own = memory[0], memory[1:]
+    if kind == PIC:
+        return advance_brace_pic(
+            lengths, force, desired, law, pose, filtered, virtual, impedance,
+            command,
+        )  # fmt: skip
     nc = lengths.shape[0]
     n = nc // 6
     X_d, X_v = desired.reshape((3, nc)), virtual.reshape((3, nc))
     used = impedance.reshape((3, nc))
-    poses, state, F = np.empty((n, 7)), np.empty((2, nc)), np.empty(nc)
-    if not estimate_rings(lengths, law, pose.reshape((n, 20)), poses, state):
+    poses, state, F, work = take_work(n)
+    rings = pose.reshape((n, pose_estimate.NUM_POSE_MEMORY))
+    if not estimate_rings(lengths, law, rings, poses, state, work):
         return NO_POSE
-    filtered, own = memory[0], memory[1:]
     filter_force(force, law[ESTIMATOR, 5], filtered)
     if kind == PID:
         task_impedance.advance_idc(X_d, X_v, used)
@@ -222,13 +285,9 @@ def advance_brace(
             is_saturated(command, law[LIMIT]),
             law[NUM_SHARED_LAW:], law[GRAVITY], own, F,
         )  # fmt: skip
-    else:
-        if not advance_virtual(
-            kind, X_d, state, filtered, stiffness, law, own, X_v, used
-        ):
-            return BAD_STIFFNESS
-        task_impedance.calc_task_forces(
-            state, X_v, filtered, law[FED_FORWARD],
-            law[K_P : K_V + 1], law[MASS], law[GRAVITY], F,
-        )  # fmt: skip
-    return GOOD if send_to_legs(F, poses, law, command) else SINGULAR
+        return send_to_legs(F, poses, law, work, command)
+    if not advance_virtual(
+        kind, X_d, state, filtered, stiffness, law, own, X_v, used
+    ):
+        return BAD_STIFFNESS
+    return follow_virtual(X_v, filtered, law, poses, state, F, work, command)

@@ -8,16 +8,30 @@ over few, with the place to work in among them.
 import numpy as np
 from numba import njit
 
-from brace_drake.laws import blocks, controller, stages
+from brace_drake.laws import blocks, brace_control, stages
 from brace_drake.laws.rotation import quaternion_to_matrix
 
 _compile = {"cache": True, "error_model": "numpy"}
 
-# Law of a tick: resolution (2), noise sigma (12), then `controller.NUM_LAW`.
-NUM_TICK_LAW = 14 + controller.NUM_LAW
-# A tick's results: leg command (6), readings (12), then the memories of the
-# impedance filter (4) and of the pose estimator (20).
-NUM_TICK = 18 + controller.NUM_MEMORY
+
+def num_tick_law(num_stages: int) -> int:
+    """Size of the law of a tick of PIC with its instruments.
+
+    That is resolution (2), noise sigma (9 S + 3), then the shared rows of
+    `brace_control` one after another (102 S).
+    """
+    return 5 + 9 * num_stages + 6 * brace_control.NUM_SHARED_LAW * num_stages
+
+
+def tick_sizes(num_stages: int) -> tuple[int, ...]:
+    """Sizes of what a tick of PIC with its instruments leaves, in order.
+
+    Leg command (6 S), readings: lengths (6 S), forces (3 S), marker (3);
+    X_v, X_v', X_v'' (18 S), impedance in use (18 S); then memory: filtered
+    force (6 S), pose estimators (20 S).
+    """
+    n = num_stages
+    return 6 * n, 6 * n, 3 * n, 3, 18 * n, 18 * n, 6 * n, 20 * n
 
 
 def num_law(num_stages: int) -> int:
@@ -161,28 +175,35 @@ def add_brace_legs(inputs, n, out):
 
 @njit(**_compile)
 def advance_tick(measured, desired, noise, law, tick):
-    """One control tick: from readings to commands.
+    """One tick of PIC: from readings to commands, `advance_brace_pic`.
 
     Args:
-        measured: Leg lengths (6), m, force (3), N, marker (3), m: (12,).
-        desired: y_d, y_d', y_d'' (3,).
-        noise: Standard normal draws (12,), or (0,) for exact readings.
-        law: See NUM_TICK_LAW.
-        tick: See NUM_TICK, updated.
+        measured: Leg lengths (6 n), m, force of each ring on the torso (3 n),
+            N, marker (3), m: (9 n + 3,).
+        desired: X_d, X_d', X_d'' (18 n,).
+        noise: Standard normal draws (9 n + 3,), or (0,) for exact readings.
+        law: See `num_tick_law`.
+        tick: See `tick_sizes`, updated.
 
     Returns:
-        False where no pose was found or the legs are singular.
+        As `brace_control.advance_brace_pic`.
     """
-    readings = tick[6:18]
+    size = measured.shape[0]
+    n = (size - 3) // 9
+    nc = 6 * n
+    readings = tick[nc : nc + size]
     readings[:] = measured
     if noise.shape[0] > 0:
-        blocks.read_instruments(law[0:2], noise * law[2:14], readings)
-    return controller.advance(
-        readings,
+        blocks.read_instruments(law[0:2], noise * law[2 : 2 + size], readings)
+    at = nc + size
+    return brace_control.advance_brace_pic(
+        readings[0:nc],
+        readings[nc : 9 * n],
         desired,
-        law[14:],
-        tick[22:],
-        tick[18:22],
-        np.empty(19),
-        tick[0:6],
+        law[2 + size :].reshape((brace_control.NUM_SHARED_LAW, nc)),
+        tick[at + 42 * n :],
+        tick[at + 36 * n : at + 42 * n],
+        tick[at : at + 18 * n],
+        tick[at + 18 * n : at + 36 * n],
+        tick[0:nc],
     )

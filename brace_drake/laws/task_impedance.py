@@ -98,13 +98,14 @@ def calc_task_forces(state, virtual, force, fed, gains, mass, gravity, F):
         F: Output (6n,), for each ring force first.
     """
     for i in range(F.shape[0]):
-        F[i] = (
-            mass[i]
-            * (
-                virtual[2, i]
-                + gains[1, i] * (virtual[1, i] - state[1, i])
-                + gains[0, i] * (virtual[0, i] - state[0, i])
-            )
-            + gravity[i]
-            + fed[i] * force[i]
+        # Always summed in this order: a run is the same bit by bit.
+        F[i] = mass[i] * (
+            -gains[1, i] * state[1, i] - gains[0, i] * state[0, i]
         )
+        F[i] += mass[i] * (
+            virtual[2, i]
+            + gains[1, i] * virtual[1, i]
+            + gains[0, i] * virtual[0, i]
+        )
+        F[i] += fed[i] * force[i]
+        F[i] += gravity[i]

@@ -14,7 +14,6 @@ from brace_drake.brace_station import BraceStation
 from brace_drake.errors import BraceError
 from brace_drake.kinematics import BraceGeometry, find_task_coordinates
 from brace_drake.laws import stages
-from brace_drake.station import BenchStation
 
 LEFT, RIGHT = 0, 1  # pads at +y and -y of a ring
 
@@ -89,7 +88,7 @@ def place_on_pads(force: np.ndarray) -> np.ndarray:
 
 
 def states_of_run(
-    station: BenchStation | BraceStation,
+    station: BraceStation,
     context: Context,
     rings: Sequence[str],
     force: np.ndarray,

@@ -90,8 +90,8 @@ class Contact:
 class Control:
     """Position-based impedance control on inverse dynamics.
 
-    `layout` is "pic", the controller as one system, or "blocks", a system for
-    each of its laws; both compute the same.
+    `layout` is "pic", instruments and controller as one system, which is fast,
+    or "blocks", those of the brace; both compute the same.
     """
 
     layout: str = "pic"

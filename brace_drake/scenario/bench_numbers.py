@@ -6,19 +6,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from brace_drake.kinematics import (
-    BraceGeometry,
-    circle_points,
-    holding_leg_forces,
+from brace_drake.kinematics import BraceGeometry, holding_leg_forces
+from brace_drake.laws.brace_control import C_D, ESTIMATOR, LOWER, UPPER
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace_numbers import (
+    BraceNumbers,
+    pack_brace,
+    pack_contact,
+    pack_rings,
 )
-from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
-from brace_drake.scenario.bench import (
-    BenchScenario,
-    Contact,
-    JointCircle,
-    Sensors,
-    Torso,
-)
+from brace_drake.scenario.control_numbers import ControlNumbers, pack_control
 
 
 @dataclass(frozen=True)
@@ -28,15 +27,13 @@ class BenchNumbers:
     Attributes:
         rest: Position of Ro and To in W at rest (3,), m.
         p_WB, p_RT: Anchors of the plant (6, 3), m.
-        p_WB_known, p_RT_known: Anchors as the controller knows them.
         viscous: Of each leg (6,), N s/m.
         contact: Stiffness, damping, friction, regularisation speed, pad
             offset, preload (6,).
         posture: K (3), D (3), K_r (3), D_r (3): (12,).
         ring, torso: Mass, moments (3), weight (5,).
-        estimator: Rest position (3), period, velocity gain (5,).
-        impedance: M_d, C_d, K_d, force gain, period (5,).
-        inverse_dynamics: kp, kd, diagonal of M (6), weight, limit (10,).
+        control: What the controller counts with: the shared rows of
+            `laws.brace_control`, anchors and masses among them (17, 6).
         resolution: Of lengths, m, and forces, N (2,).
         noise_sigma: Of lengths (6), force (3), marker (3): (12,).
     """
@@ -44,30 +41,34 @@ class BenchNumbers:
     rest: np.ndarray
     p_WB: np.ndarray
     p_RT: np.ndarray
-    p_WB_known: np.ndarray
-    p_RT_known: np.ndarray
     viscous: np.ndarray
     contact: np.ndarray
     posture: np.ndarray
     ring: np.ndarray
     torso: np.ndarray
-    estimator: np.ndarray
-    impedance: np.ndarray
-    inverse_dynamics: np.ndarray
+    control: np.ndarray
     resolution: np.ndarray
     noise_sigma: np.ndarray
 
     @property
+    def period(self) -> float:
+        """Of a control tick, s."""
+        return float(self.control[ESTIMATOR, 3])
+
+    @property
+    def p_WB_known(self) -> np.ndarray:
+        """Lower anchors as the controller knows them (6, 3), m."""
+        return self.control[LOWER : LOWER + 3].reshape((6, 3))
+
+    @property
+    def p_RT_known(self) -> np.ndarray:
+        """Upper anchors as the controller knows them (6, 3), m."""
+        return self.control[UPPER : UPPER + 3].reshape((6, 3))
+
+    @property
     def controller_law(self) -> np.ndarray:
-        """The controller's numbers as one vector (56,)."""
-        arrays = (
-            self.estimator,
-            self.impedance,
-            self.inverse_dynamics,
-            self.p_WB_known,
-            self.p_RT_known,
-        )
-        return np.concatenate([np.ravel(a) for a in arrays])
+        """The controller's numbers as one vector (102,)."""
+        return self.control.ravel()
 
     @property
     def holding_forces(self) -> np.ndarray:
@@ -79,97 +80,66 @@ class BenchNumbers:
         return replace(self, **arrays)
 
 
-def joint_points(circle: JointCircle, height: float) -> np.ndarray:
-    """Points of a joint circle at a height (6, 3), m."""
-    return circle_points(circle.radius, circle.angles_deg, height)
-
-
-def pack_contact(contact: Contact) -> np.ndarray:
-    """Stiffness, damping, friction, its speed, pad offset, preload (6,)."""
-    return np.array(
-        [
-            contact.stiffness,
-            contact.damping,
-            contact.friction,
-            contact.friction_regularization,
-            contact.pad_offset,
-            contact.preload,
-        ]
-    )
-
-
-def pack_posture(torso: Torso) -> np.ndarray:
-    """The posture's K (3), D (3), K_r (3), D_r (3): (12,)."""
-    return np.concatenate(
-        [
-            torso.posture_stiffness,
-            torso.posture_damping,
-            torso.posture_rot_stiffness,
-            torso.posture_rot_damping,
-        ]
-    )
-
-
-def pack_instruments(
-    sensors: Sensors, num_stages: int
-) -> dict[str, np.ndarray]:
-    """`resolution` and `noise_sigma` of a brace's instruments."""
-    noises = (
-        sensors.leg_length_noise,
-        sensors.force_noise,
-        sensors.marker_noise,
-    )
-    return {
-        "resolution": np.array(
-            [sensors.leg_length_resolution, sensors.force_resolution]
-        ),
-        "noise_sigma": np.repeat(noises, [6 * num_stages, 3 * num_stages, 3]),
-    }
-
-
 def pack_bench(scenario: BenchScenario) -> BenchNumbers:
-    """Arrays of the nominal twin that a scenario describes."""
-    stage, ring, torso = scenario.stage, scenario.ring, scenario.torso
-    control = scenario.control
-    period = 1.0 / scenario.control.rate
-    rest = np.array([0.0, 0.0, stage.upper_height])
-    p_WB = joint_points(stage.lower, stage.lower_height)
-    p_RT = joint_points(stage.upper, 0.0)
-    weight = ring.mass * scenario.gravity
-    velocity_gain = low_pass_gain_cutoff(control.velocity_cutoff_hz, period)
+    """Arrays of the nominal twin that a scenario describes.
+
+    They are those of the brace of one stage that the bench is.
+
+    Raises:
+        KinematicsError: Legs without length, or a stage singular at rest.
+    """
+    brace = brace_of_bench(scenario)
+    numbers, torso = pack_brace(brace), scenario.torso
+    control = pack_control(brace.control, pack_rings(brace)).law
+    # From a damping ratio it would come back rounded.
+    control[C_D, 0:3] = scenario.control.desired_damping
     return BenchNumbers(
-        rest=rest,
-        p_WB=p_WB,
-        p_RT=p_RT,
-        p_WB_known=p_WB,
-        p_RT_known=p_RT,
-        viscous=np.full(6, scenario.leg.viscous),
+        rest=numbers.geometry.rest[0],
+        p_WB=numbers.geometry.lower[0],
+        p_RT=numbers.geometry.upper[0],
+        viscous=numbers.viscous,
+        # The compiled twin knows the linear law alone, whatever the model.
         contact=pack_contact(scenario.contact),
-        posture=pack_posture(torso),
-        ring=np.array([ring.mass, *ring.inertia, weight]),
+        posture=numbers.posture,
+        ring=numbers.ring,
         torso=np.array([torso.mass, *torso.inertia, 0.0]),
-        estimator=np.array([*rest, period, velocity_gain]),
-        impedance=np.array(
-            [
-                control.desired_mass,
-                control.desired_damping,
-                control.desired_stiffness,
-                low_pass_gain_tau(control.force_filter_tau, period),
-                period,
-            ]
-        ),
-        inverse_dynamics=np.array(
-            [
-                control.kp,
-                control.kd,
-                *[ring.mass] * 3,
-                *ring.inertia,
-                weight,
-                scenario.leg.force_limit,
-            ]
-        ),
-        **pack_instruments(scenario.sensors, 1),
+        control=control,
+        resolution=numbers.resolution,
+        noise_sigma=numbers.noise_sigma,
     )
+
+
+def pack_bench_brace(brace: BraceScenario, bench: BenchNumbers) -> BraceNumbers:
+    """Arrays of the brace that a bench is, with the bench's, maybe changed.
+
+    Args:
+        brace: As `brace_of_bench` makes it.
+        bench: Of the same scenario; effects and subjects may have changed it.
+    """
+    numbers = pack_brace(brace)
+    is_linear = brace.contact.ring2.model == "linear"
+    return replace(
+        numbers,
+        geometry=BraceGeometry(
+            bench.p_WB[None], bench.p_RT[None], bench.rest[None]
+        ),
+        torso_rest=bench.rest,
+        viscous=bench.viscous,
+        # Else it is the plant that resolves the contact.
+        contact=bench.contact[None] if is_linear else numbers.contact,
+        posture=bench.posture,
+        ring=bench.ring,
+        resolution=bench.resolution,
+        noise_sigma=bench.noise_sigma,
+    )
+
+
+def pack_bench_control(
+    brace: BraceScenario, bench: BenchNumbers
+) -> ControlNumbers:
+    """Arrays of the bench's controller, arguments as above."""
+    control = pack_control(brace.control, pack_rings(brace))
+    return replace(control, law=bench.control)
 
 
 def hold_forces(numbers: BenchNumbers) -> tuple[float, ...]:

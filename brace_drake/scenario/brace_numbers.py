@@ -7,11 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry, Workspace, make_geometry
-from brace_drake.scenario.bench_numbers import (
-    pack_contact,
-    pack_instruments,
-    pack_posture,
-)
+from brace_drake.scenario.bench import Contact, Sensors, Torso
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.control_numbers import BraceRings
 
@@ -61,6 +57,49 @@ class BraceNumbers:
             self.posture,
         )
         return np.concatenate([np.ravel(a) for a in arrays])
+
+
+def pack_contact(contact: Contact) -> np.ndarray:
+    """Stiffness, damping, friction, its speed, pad offset, preload (6,)."""
+    return np.array(
+        [
+            contact.stiffness,
+            contact.damping,
+            contact.friction,
+            contact.friction_regularization,
+            contact.pad_offset,
+            contact.preload,
+        ]
+    )
+
+
+def pack_posture(torso: Torso) -> np.ndarray:
+    """The posture's K (3), D (3), K_r (3), D_r (3): (12,)."""
+    return np.concatenate(
+        [
+            torso.posture_stiffness,
+            torso.posture_damping,
+            torso.posture_rot_stiffness,
+            torso.posture_rot_damping,
+        ]
+    )
+
+
+def pack_instruments(
+    sensors: Sensors, num_stages: int
+) -> dict[str, np.ndarray]:
+    """`resolution` and `noise_sigma` of a brace's instruments."""
+    noises = (
+        sensors.leg_length_noise,
+        sensors.force_noise,
+        sensors.marker_noise,
+    )
+    return {
+        "resolution": np.array(
+            [sensors.leg_length_resolution, sensors.force_resolution]
+        ),
+        "noise_sigma": np.repeat(noises, [6 * num_stages, 3 * num_stages, 3]),
+    }
 
 
 def pack_geometry(scenario: BraceScenario) -> BraceGeometry:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry
-from brace_drake.laws import brace_control, controller, mraic, stages
+from brace_drake.laws import brace_control, mraic, pose_estimate, stages
 from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
 from brace_drake.scenario.controllers import TAGS, BraceControl
 
@@ -91,7 +91,7 @@ def _start_poses(X: np.ndarray, rest: np.ndarray) -> np.ndarray:
     """The estimator's memory (20n,) of rings that stand still at X (6n,)."""
     poses = np.empty((len(rest), 7))
     stages.place_rings(X, rest, poses)
-    memory = np.zeros((len(rest), controller.NUM_POSE_MEMORY))
+    memory = np.zeros((len(rest), pose_estimate.NUM_POSE_MEMORY))
     memory[:, 0:3], memory[:, 3:7] = poses[:, 4:7], poses[:, 0:4]
     return memory.ravel()
 

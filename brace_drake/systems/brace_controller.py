@@ -9,8 +9,8 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.errors import BraceError
 from brace_drake.laws import brace_control
-from brace_drake.laws.controller import NUM_POSE_MEMORY
 from brace_drake.laws.plug_in import PlugIn, idle
+from brace_drake.laws.pose_estimate import NUM_POSE_MEMORY
 from brace_drake.scenario.control_numbers import ControlNumbers
 from brace_drake.systems.hosting import EffectHost
 from brace_drake.systems.ticks import DeclareTick
@@ -29,7 +29,7 @@ def estimate_of_memory(
     """X, X' and filtered force (18n,) from a controller's memory.
 
     Args:
-        pose: Of the estimators (20n,), see `controller.NUM_POSE_MEMORY`.
+        pose: Of the estimators (20n,), see `pose_estimate.NUM_POSE_MEMORY`.
         force: Filtered (6n,).
         start: X before the first tick (6n,).
     """

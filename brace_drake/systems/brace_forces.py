@@ -18,21 +18,7 @@ from pydrake.systems.primitives import ConstantVectorSource, Multiplexer
 from brace_drake.errors import EffectError
 from brace_drake.laws import kernels
 from brace_drake.laws.plug_in import PlugIn
-from brace_drake.scenario.bench_numbers import BenchNumbers
 from brace_drake.systems.force_laws import ForceLaws
-
-
-def pack_bench_law(numbers: BenchNumbers) -> np.ndarray:
-    """The law of a bench's forces, see `kernels.num_law`."""
-    arrays = (
-        numbers.rest,
-        numbers.viscous,
-        numbers.p_WB,
-        numbers.p_RT,
-        numbers.contact,
-        numbers.posture,
-    )
-    return np.concatenate([np.ravel(a) for a in arrays])
 
 
 class BraceForces(LeafSystem):
@@ -74,7 +60,7 @@ class BraceForces(LeafSystem):
         self._port = self.DeclareVectorInputPort("inputs", num_inputs)
         self._contact_port = self.DeclareVectorInputPort("contact_force", 3 * n)
         self._with_pads = with_pads and with_torso
-        self._laws = ForceLaws(self, plug_ins or {}, time_step, with_pads)
+        self._laws = ForceLaws(self, plug_ins or {}, time_step, self._with_pads)
         if n > 1 and not self._laws.is_nominal:
             raise EffectError(f"effects sit on one stage; the brace has {n}")
         self._DeclareOutputs(6 * (n + with_torso))

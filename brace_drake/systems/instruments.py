@@ -26,6 +26,11 @@ class BraceInstruments(LeafSystem):
 
     Output ports:
         readings: As `measured`.
+        held_readings: Those of the last tick; only where effects have changed
+            their states since, see `logged_port`.
+
+    Attributes:
+        logged_port: What a log right behind a tick takes: readings of it.
 
     Numeric parameters: resolution (2,), of lengths, m, and forces, N, and
     noise_sigma (9 S + 3,); those of effects at `sensing`, whose states advance
@@ -60,9 +65,15 @@ class BraceInstruments(LeafSystem):
         self._output = self.DeclareVectorOutputPort(
             "readings", size, self._CalcReadings
         )
-        if not self._host.is_idle:
-            DeclareTick(self, self._period, self._Advance)
         self._readings = np.empty(size)
+        self.logged_port = self._output
+        if not self._host.is_idle:
+            held = self.DeclareDiscreteState(size)
+            self._held = int(held)
+            self.logged_port = self.DeclareStateOutputPort(
+                "held_readings", held
+            )
+            DeclareTick(self, self._period, self._Advance)
 
     def _Eval(self, context: Context):
         readings = self._readings
@@ -90,4 +101,6 @@ class BraceInstruments(LeafSystem):
         output.SetFromVector(self._readings)
 
     def _Advance(self, context: Context, discrete) -> None:
-        self._host.store(self._Eval(context), discrete)
+        memory = self._Eval(context)
+        discrete.get_mutable_vector(self._held).SetFromVector(self._readings)
+        self._host.store(memory, discrete)

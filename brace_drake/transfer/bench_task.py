@@ -11,66 +11,8 @@ from brace_drake.learning.rewards import improved
 from brace_drake.learning.subjects import EffectRange, SubjectRanges
 from brace_drake.learning.task import LearningTask
 from brace_drake.scenario.bench import BenchScenario, EffectUse
-from brace_drake.scenario.brace import (
-    BraceJoints,
-    BraceLeg,
-    BraceRing,
-    BraceScenario,
-    RingContacts,
-    StageJoints,
-)
-from brace_drake.scenario.controllers import (
-    BraceControl,
-    Estimation,
-    InnerLoop,
-    TargetImpedance,
-)
+from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.load import SaveScenario
-
-
-def brace_of_bench(bench: BenchScenario) -> BraceScenario:
-    """Stage 2 of a brace with the numbers of a bench, PIC along y.
-
-    Its effects are not among them: they are of the task, see `MakeBenchTask`.
-    """
-    stage, control = bench.stage, bench.control
-    heights = BraceScenario().ring_heights.copy()
-    heights[1:3] = stage.lower_height, stage.upper_height
-    heights[3] = max(heights[3], stage.upper_height + 0.01)
-    ratio = control.desired_damping / (
-        2.0 * np.sqrt(control.desired_mass * control.desired_stiffness)
-    )
-    joints = BraceJoints(stage2=StageJoints(stage.lower, stage.upper))
-    return BraceScenario(
-        stages=[2],
-        time_step=bench.time_step,
-        gravity=bench.gravity,
-        ring_heights=heights,
-        joints=joints,
-        ring=BraceRing(mass=bench.ring.mass, inertia=bench.ring.inertia),
-        leg=BraceLeg(
-            viscous=bench.leg.viscous, force_limit=bench.leg.force_limit
-        ),
-        torso=bench.torso,
-        contact=RingContacts(ring2=bench.contact),
-        control=BraceControl(
-            tag="vpic",
-            rate=control.rate,
-            estimation=Estimation(
-                control.velocity_cutoff_hz, control.force_filter_tau
-            ),
-            inner=InnerLoop(
-                kp=np.full(6, control.kp), kd=np.full(6, control.kd)
-            ),
-            impedance=TargetImpedance(
-                coordinates=["y"],
-                mass=np.full(3, control.desired_mass),
-                stiffness=np.full(3, control.desired_stiffness),
-                damping_ratio=float(ratio),
-            ),
-        ),
-        sensors=bench.sensors,
-    )
 
 
 def fix_effects(uses: list[EffectUse]) -> list[EffectRange]:
@@ -99,7 +41,9 @@ def MakeBenchTask(
         force_limit: F_max of the reward, N. The bench's wearer is stiffer than
             the paper's, and more than 4 N is on him from the start.
     """
-    SaveScenario(brace_of_bench(bench), file)
+    brace = brace_of_bench(bench)
+    brace.control.tag = "vpic"
+    SaveScenario(brace, file)
     reward = improved()
     limits = np.full(6, float(force_limit))
     return LearningTask(

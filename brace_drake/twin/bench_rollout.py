@@ -75,7 +75,7 @@ def simulate_bench(
     Raises:
         BraceError: The run broke down (the message says when).
     """
-    period = numbers.estimator[3]
+    period = numbers.period
     steps_per_tick = round(period / time_step)
     plugs = {p: (plug_ins or {}).get(p) or idle(p) for p in PLUG_POINTS}
     ticks = len(motion.desired)

@@ -1,0 +1,43 @@
+"""The bench's tick: PIC along y of a brace of one stage."""
+
+import numpy as np
+from numba import njit
+
+from brace_drake.laws import brace_control
+
+# Memory of the pose estimator (20), filtered force (6), X_v, X_v', X_v'' (18),
+# impedance in use (18); where y_v is among them.
+NUM_MEMORY = 62
+Y_VIRTUAL = 27
+
+
+@njit(cache=True)
+def make_memory(rest):
+    """A controller's memory (62,) before its first tick, ring at rest (3,)."""
+    memory = np.zeros(NUM_MEMORY)
+    memory[0:3], memory[3] = rest, 1.0
+    return memory
+
+
+@njit(cache=True, error_model="numpy")
+def control_tick(readings, desired, law, memory, commands):
+    """`brace_control.advance_brace_pic` with a reference along y alone.
+
+    Args:
+        readings: Leg lengths (6), m, force (3), N, marker (3), m.
+        desired: y_d, y_d', y_d'' (3,).
+        law: Shared rows of `brace_control`, one after another (102,).
+        memory: See NUM_MEMORY, updated.
+        commands: Leg forces (6,), N; output.
+
+    Returns:
+        False where no pose was found or the legs are singular.
+    """
+    X_d = np.zeros(18)
+    for row in range(3):
+        X_d[6 * row + 1] = desired[row]
+    result = brace_control.advance_brace_pic(
+        readings[0:6], readings[6:9], X_d, law.reshape((-1, 6)),
+        memory[0:20], memory[20:26], memory[26:44], memory[44:62], commands,
+    )  # fmt: skip
+    return result == brace_control.GOOD
