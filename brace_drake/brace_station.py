@@ -22,8 +22,8 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import BraceNumbers, pack_brace
 from brace_drake.station_parts import (
     AddBrace,
+    AddDrives,
     AddInstruments,
-    BraceParts,
     Feed,
     Join,
 )
@@ -84,53 +84,53 @@ def MakeBraceStation(
     numbers, plug_ins = pack_brace(scenario), stack_laws(uses)
     builder = DiagramBuilder()
     parts = AddBrace(builder, scenario, numbers, plug_ins, add_geometry)
+    drives = AddDrives(builder, scenario, parts)
+    period, drive_force = 1.0 / scenario.control.rate, drives.get_output_port()
     readings, logged = AddInstruments(
-        builder, parts, numbers, 1.0 / scenario.control.rate, noise, plug_ins
+        builder, parts, drives, numbers, period, noise, plug_ins
     )
-    ports = dict(readings)
+    ports = {"drive_force": drive_force, **readings}
     if controller is None:
-        builder.ExportInput(parts.drives.get_input_port(), "leg_command")
+        builder.ExportInput(drives.get_input_port(), "leg_command")
     else:
         _check_ports(controller, numbers.num_stages)
         ports |= ConnectController(
-            builder, controller, readings, parts, desired
+            builder, controller, readings, drives, desired
         )
-    return FinishStation(
-        builder, "brace_station", scenario, numbers, parts, ports, [logged]
-    )
+    logged = Join(builder, "log_row", [drive_force, logged])
+    plant, period = parts.plant, scenario.sensors.log_period
+    sinks = FinishStation(builder, plant, ports, logged, period)
+    diagram = builder.Build()
+    diagram.set_name("brace_station")
+    return BraceStation(diagram, plant, numbers, *sinks)
 
 
 def FinishStation(
     builder: DiagramBuilder,
-    name: str,
-    scenario: BraceScenario,
-    numbers: BraceNumbers,
-    parts: BraceParts,
+    plant: MultibodyPlant,
     ports: dict[str, OutputPort],
-    logged: list[OutputPort],
-) -> BraceStation:
-    """Adds exported ports and logs, and builds the diagram.
+    logged: OutputPort,
+    period: float,
+) -> tuple[VectorLogSink, VectorLogSink]:
+    """Exports ports, the plant's state first, and adds both logs.
 
     Args:
-        builder, scenario, numbers, parts: Of the brace.
-        name: Of the diagram.
+        builder, plant: Of the station.
         ports: To be exported, by name.
-        logged: Behind the drive forces.
+        logged: What `sink` logs.
+        period: Of the logs, s.
+
+    Returns:
+        `sink` and `state_sink`.
     """
-    plant, drive_force = parts.plant, parts.drives.get_output_port()
     state = plant.get_state_output_port()
-    builder.ExportOutput(state, "plant_state")
-    builder.ExportOutput(drive_force, "drive_force")
-    for port_name, port in ports.items():
-        builder.ExportOutput(port, port_name)
-    row, period = [drive_force, *logged], scenario.sensors.log_period
-    sink = LogVectorOutput(Join(builder, "log_row", row), builder, period)
-    sink.set_name("log")
-    state_sink = LogVectorOutput(state, builder, period)
-    state_sink.set_name("state_log")
-    diagram = builder.Build()
-    diagram.set_name(name)
-    return BraceStation(diagram, plant, numbers, sink, state_sink)
+    for name, port in {"plant_state": state, **ports}.items():
+        builder.ExportOutput(port, name)
+    sinks = []
+    for name, port in (("log", logged), ("state_log", state)):
+        sinks.append(LogVectorOutput(port, builder, period))
+        sinks[-1].set_name(name)
+    return tuple(sinks)
 
 
 def _check_ports(controller: System, n: int) -> None:
@@ -158,7 +158,7 @@ def ConnectController(
     builder: DiagramBuilder,
     controller: System,
     readings: dict[str, OutputPort],
-    parts: BraceParts,
+    drives: System,
     desired: Trajectory | OutputPort | None,
 ) -> dict[str, OutputPort]:
     """Adds a controller between readings and drives.
@@ -176,7 +176,7 @@ def ConnectController(
     if controller.HasInputPort("stiffness"):
         Feed(builder, controller.GetInputPort("stiffness"), None)
     builder.Connect(
-        controller.GetOutputPort("leg_command"), parts.drives.get_input_port()
+        controller.GetOutputPort("leg_command"), drives.get_input_port()
     )
     return {
         name: controller.GetOutputPort(name)

@@ -38,9 +38,11 @@ from brace_drake.scenario.control_numbers import ControlNumbers
 from brace_drake.scenario.effects import scenario_uses
 from brace_drake.station_parts import (
     AddBrace,
+    AddDrives,
     AddInstruments,
     BraceParts,
     Feed,
+    Join,
 )
 from brace_drake.systems.brace_controllers import BracePic
 from brace_drake.systems.pic_controller import PicController, pack_tick_law
@@ -48,12 +50,12 @@ from brace_drake.systems.pic_controller import PicController, pack_tick_law
 
 @dataclass
 class _Loop:
-    """What instruments and controller are made of."""
+    """What drives, instruments and controller are made of."""
 
+    scenario: BraceScenario
     numbers: BraceNumbers
     control: ControlNumbers
     plug_ins: Mapping[str, PlugIn]
-    desired: OutputPort
     noise: Trajectory | None
 
 
@@ -68,7 +70,8 @@ def MakeBenchStation(
     It is the brace of one stage, see `scenario.bench_brace`, with PIC along y;
     `sink` logs X_v, X_v', X_v'' (18,) behind the rest. In layout `blocks`
     instruments and controller are those of the brace; in `pic`, the faster
-    one, they are one system, see PicController.
+    one, they are one system, see PicController, and there are no drives: the
+    controller keeps to their limits.
 
     Args:
         scenario: Numbers of the nominal twin, and effects that are always on.
@@ -90,14 +93,16 @@ def MakeBenchStation(
     numbers = pack_bench_brace(brace, bench)
     builder = DiagramBuilder()
     parts = AddBrace(builder, brace, numbers, plug_ins)
+    source = builder.AddNamedSystem("reference", TrajectorySource(reference))
     control = pack_bench_control(brace, bench)
-    desired = _AddReference(builder, reference)
-    loop = _Loop(numbers, control, plug_ins, desired, noise)
-    ports, logged = _LAYOUTS[scenario.control.layout](builder, parts, loop)
-    logged = [*logged, ports["virtual"]]
-    return FinishStation(
-        builder, "bench_station", brace, numbers, parts, ports, logged
-    )
+    loop = _Loop(brace, numbers, control, plug_ins, noise)
+    add = _LAYOUTS[scenario.control.layout]
+    ports, logged = add(builder, parts, source.get_output_port(), loop)
+    period = scenario.sensors.log_period
+    sinks = FinishStation(builder, parts.plant, ports, logged, period)
+    diagram = builder.Build()
+    diagram.set_name("bench_station")
+    return BraceStation(diagram, parts.plant, numbers, *sinks)
 
 
 def _check_contact(scenario: BraceScenario, uses: Sequence[Use]) -> None:
@@ -112,28 +117,29 @@ def _check_contact(scenario: BraceScenario, uses: Sequence[Use]) -> None:
             )
 
 
-def _AddReference(builder: DiagramBuilder, reference: Trajectory) -> OutputPort:
-    """X_d, X_d', X_d'' (18,) of a reference along y."""
-    add = builder.AddNamedSystem
-    source = add("reference", TrajectorySource(reference))
-    rows = np.zeros((18, 3))
-    rows[1::6] = np.eye(3)
-    along_y = add("along_y", MatrixGain(rows))
-    builder.Connect(source.get_output_port(), along_y.get_input_port())
-    return along_y.get_output_port()
-
-
 def _AddBlocks(
-    builder: DiagramBuilder, parts: BraceParts, loop: _Loop
-) -> tuple[dict[str, OutputPort], list[OutputPort]]:
-    """Adds instruments and controller as the brace has them.
+    builder: DiagramBuilder, parts: BraceParts, y: OutputPort, loop: _Loop
+) -> tuple[dict[str, OutputPort], OutputPort]:
+    """Adds drives, instruments and controller as the brace has them.
+
+    Args:
+        builder: Of the diagram.
+        parts: Of the brace.
+        y: y_d, y_d', y_d''.
+        loop: Their numbers.
 
     Returns:
-        Ports to export by name, and readings to log.
+        Ports to export by name, and what to log.
     """
-    readings, logged = AddInstruments(
+    rows = np.zeros((18, 3))
+    rows[1::6] = np.eye(3)
+    desired = builder.AddNamedSystem("along_y", MatrixGain(rows))
+    builder.Connect(y, desired.get_input_port())
+    drives = AddDrives(builder, loop.scenario, parts)
+    readings, read = AddInstruments(
         builder,
         parts,
+        drives,
         loop.numbers,
         loop.control.period,
         loop.noise,
@@ -141,14 +147,21 @@ def _AddBlocks(
     )
     pic = BracePic(loop.control)
     pic.set_name("pic_controller")
-    ports = ConnectController(builder, pic, readings, parts, loop.desired)
-    return readings | ports, [logged]
+    ports = ConnectController(
+        builder, pic, readings, drives, desired.get_output_port()
+    )
+    ports = {"drive_force": drives.get_output_port(), **readings, **ports}
+    row = [ports["drive_force"], read, ports["virtual"]]
+    return ports, Join(builder, "log_row", row)
 
 
 def _AddPic(
-    builder: DiagramBuilder, parts: BraceParts, loop: _Loop
-) -> tuple[dict[str, OutputPort], list[OutputPort]]:
-    """Adds both as one system; arguments and results as `_AddBlocks`."""
+    builder: DiagramBuilder, parts: BraceParts, y: OutputPort, loop: _Loop
+) -> tuple[dict[str, OutputPort], OutputPort]:
+    """Adds all as one system, arguments and results as `_AddBlocks`.
+
+    Each further system would cost time in every step of the plant.
+    """
     add, n = builder.AddNamedSystem, loop.numbers.num_stages
     pic = add("pic_controller", PicController(loop.control, loop.plug_ins))
     law = pack_tick_law(loop.numbers, loop.control)
@@ -156,18 +169,22 @@ def _AddPic(
     split = add("tick_split", Demultiplexer(list(kernels.tick_sizes(n))))
     for source, name in (
         (parts.measured, "measured"),
-        (loop.desired, "desired"),
+        (y, "desired"),
         (law.get_output_port(), "law"),
     ):
         builder.Connect(source, pic.GetInputPort(name))
     Feed(builder, pic.GetInputPort("noise"), loop.noise)
-    builder.Connect(pic.GetOutputPort("tick"), split.get_input_port())
+    tick = pic.GetOutputPort("tick")
+    builder.Connect(tick, split.get_input_port())
     names = (
         "leg_command", "leg_length", "force", "marker", "virtual", "impedance",
     )  # fmt: skip
     ports = {name: split.get_output_port(i) for i, name in enumerate(names)}
-    builder.Connect(ports["leg_command"], parts.drives.get_input_port())
-    return ports, [ports[name] for name in names[1:4]]
+    # The law of the controller has limited the commands.
+    ports["drive_force"] = ports["leg_command"]
+    for port in parts.legs:
+        builder.Connect(ports["leg_command"], port)
+    return ports, tick
 
 
 _LAYOUTS = {"pic": _AddPic, "blocks": _AddBlocks}

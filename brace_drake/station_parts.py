@@ -36,17 +36,17 @@ from brace_drake.systems.instruments import BraceInstruments
 
 @dataclass
 class BraceParts:
-    """The brace without instruments and controller.
+    """The brace without drives, instruments and controller.
 
     Attributes:
         plant: Of rings and torso, and legs where they are bodies.
         forces: On them.
-        drives: Commands of the legs (6 S,), N, within the drives' limits.
+        legs: Inputs for the legs' forces (6 S,), N, all to be fed alike.
     """
 
     plant: MultibodyPlant
     forces: BraceForces
-    drives: Saturation
+    legs: list[InputPort]
 
     @property
     def measured(self) -> OutputPort:
@@ -61,7 +61,7 @@ def AddBrace(
     plug_ins: Mapping[str, PlugIn],
     add_geometry: AddGeometry | None = None,
 ) -> BraceParts:
-    """Adds bodies, the forces on them, and drives that give what they can.
+    """Adds bodies and the forces on them.
 
     Args:
         builder: Of the diagram.
@@ -74,11 +74,18 @@ def AddBrace(
     forces, legs = _AddForces(builder, plant, scenario, numbers, plug_ins)
     if plant_resolves_contact(scenario):
         AddContactForce(builder, plant, scenario.rings, forces)
-    limit = np.full(6 * numbers.num_stages, scenario.leg.force_limit)
+    return BraceParts(plant, forces, legs)
+
+
+def AddDrives(
+    builder: DiagramBuilder, scenario: BraceScenario, parts: BraceParts
+) -> Saturation:
+    """Adds drives that give what they can of the commands (6 S,), N."""
+    limit = np.full(6 * len(scenario.stages), scenario.leg.force_limit)
     drives = builder.AddNamedSystem("drives", Saturation(-limit, limit))
-    for port in legs:
+    for port in parts.legs:
         builder.Connect(drives.get_output_port(), port)
-    return BraceParts(plant, forces, drives)
+    return drives
 
 
 def _AddForces(
@@ -165,6 +172,7 @@ def _ScatterForce(
 def AddInstruments(
     builder: DiagramBuilder,
     parts: BraceParts,
+    drives: Saturation,
     numbers: BraceNumbers,
     period: float,
     noise: Trajectory | None,
@@ -185,7 +193,7 @@ def AddInstruments(
     )
     for source, port in (
         (parts.measured, "measured"),
-        (parts.drives.get_output_port(), "held_command"),
+        (drives.get_output_port(), "held_command"),
     ):
         builder.Connect(source, instruments.GetInputPort(port))
     Feed(builder, instruments.GetInputPort("noise"), noise)

@@ -86,10 +86,13 @@ class TestOneSystemEqualsTwo(unittest.TestCase):
         desired, sizes = np.zeros((3, 6 * n)), kernels.tick_sizes(n)
         for k in range(ticks):
             desired[:, 1::6] = y[k][:, None]
-            now = {"desired": desired.ravel()}
             measured = np.concatenate([lengths[k], force[k], np.zeros(3)])
-            tick = one.tick(measured=measured, **now).output("tick")
-            two.tick(leg_length=lengths[k], force=force[k], **now)
+            tick = one.tick(
+                measured=measured, desired=desired[:, 1::6].ravel()
+            ).output("tick")
+            two.tick(
+                leg_length=lengths[k], force=force[k], desired=desired.ravel()
+            )
             parts = np.split(tick, np.cumsum(sizes)[:-1])
             for name, found in (
                 ("leg_command", parts[0]),

@@ -36,7 +36,7 @@ class PicController(LeafSystem):
     Input ports:
         measured: Of S stages true leg lengths (6 S), m, force of each ring on
             the torso (3 S), N, displacement of the torso (3), m.
-        desired: X_d, X_d', X_d'' (18 S,).
+        desired: y_d of each ring, then y_d', y_d'' (3 S,); else X_d is 0.
         noise: Standard normal draws of the tick (9 S + 3,); left unconnected
             the readings are exact and not rounded.
         law: See `kernels.num_tick_law`.
@@ -54,9 +54,10 @@ class PicController(LeafSystem):
         self._legs, self._forces = slice(0, 6 * n), slice(6 * n, 9 * n)
         declare = self.DeclareVectorInputPort
         self._measured_port = declare("measured", 9 * n + 3)
-        self._desired_port = declare("desired", 18 * n)
+        self._desired_port = declare("desired", 3 * n)
         self._noise_port = declare("noise", 9 * n + 3)
         self._law_port = declare("law", kernels.num_tick_law(n))
+        self._X_d = np.zeros(18 * n)
         still = np.zeros(15 * n + 3), control.virtual, np.zeros(24 * n)
         held = self.DeclareDiscreteState(np.concatenate([*still, control.pose]))
         self.DeclareStateOutputPort("tick", held)
@@ -75,9 +76,10 @@ class PicController(LeafSystem):
         noise = _NO_NOISE
         if self._noise_port.HasValue(context):
             noise = self._noise_port.Eval(context)
+        self._X_d[1::6] = self._desired_port.Eval(context)
         result = kernels.advance_tick(
             measured,
-            self._desired_port.Eval(context),
+            self._X_d,
             noise,
             self._law_port.Eval(context),
             tick,
