@@ -164,8 +164,8 @@ def _AddPic(
     """
     add, n = builder.AddNamedSystem, loop.numbers.num_stages
     pic = add("pic_controller", PicController(loop.control, loop.plug_ins))
-    law = pack_tick_law(loop.numbers, loop.control)
-    law = add("pic_law", ConstantVectorSource(law))
+    numbers = pack_tick_law(loop.numbers, loop.control)
+    law = add("pic_law", ConstantVectorSource(numbers))
     split = add("tick_split", Demultiplexer(list(kernels.tick_sizes(n))))
     for source, name in (
         (parts.measured, "measured"),
