@@ -15,7 +15,7 @@ from pydrake.systems.framework import (
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from pydrake.trajectories import Trajectory
 
-from brace_drake.brace_plant import AddGeometry
+from brace_drake.brace_plant import AddGeometry, plant_resolves_contact
 from brace_drake.effects.stack import Use, stack_laws
 from brace_drake.errors import ScenarioError
 from brace_drake.scenario.brace import BraceScenario
@@ -27,6 +27,7 @@ from brace_drake.station_parts import (
     Feed,
     Join,
 )
+from brace_drake.systems.contact_force import AddPadForceLog
 
 
 @dataclass
@@ -42,7 +43,9 @@ class BraceStation:
     the commands within the drives' limits; the controller's own.
 
     `sink` logs drive forces (6 S), leg lengths (6 S), forces (3 S) and marker
-    (3) every `log_period`, at a tick; `state_sink` the plant's state.
+    (3) every `log_period`, at a tick; `state_sink` the plant's state;
+    `pad_sink`, where it was asked for and the plant resolves contact, the force
+    of each pad on the torso (6 S), N, left before right.
     """
 
     diagram: Diagram
@@ -50,6 +53,7 @@ class BraceStation:
     numbers: BraceNumbers
     sink: VectorLogSink
     state_sink: VectorLogSink
+    pad_sink: VectorLogSink | None = None
 
 
 def MakeBraceStation(
@@ -59,6 +63,7 @@ def MakeBraceStation(
     noise: Trajectory | None = None,
     add_geometry: AddGeometry | None = None,
     uses: Sequence[Use] = (),
+    log_pads: bool = False,
 ) -> BraceStation:
     """Builds the brace of a scenario around a controller.
 
@@ -75,6 +80,7 @@ def MakeBraceStation(
         uses: Effects with their parameters, on a brace of one stage whose
             pads are linear; those that change the brace's numbers are not for
             it.
+        log_pads: Also log the forces of single pads, see `BraceStation`.
 
     Raises:
         EffectError: Effects that this brace does not take.
@@ -99,7 +105,9 @@ def MakeBraceStation(
         )
     logged = Join(builder, "log_row", [drive_force, logged])
     plant, period = parts.plant, scenario.sensors.log_period
-    sinks = FinishStation(builder, plant, ports, logged, period)
+    sinks = FinishStation(
+        builder, plant, ports, logged, period, pads_of(scenario, log_pads)
+    )
     diagram = builder.Build()
     diagram.set_name("brace_station")
     return BraceStation(diagram, plant, numbers, *sinks)
@@ -111,17 +119,19 @@ def FinishStation(
     ports: dict[str, OutputPort],
     logged: OutputPort,
     period: float,
-) -> tuple[VectorLogSink, VectorLogSink]:
-    """Exports ports, the plant's state first, and adds both logs.
+    pads: Sequence[str] = (),
+) -> tuple[VectorLogSink, VectorLogSink, VectorLogSink | None]:
+    """Exports ports, the plant's state first, and adds the logs.
 
     Args:
         builder, plant: Of the station.
         ports: To be exported, by name.
         logged: What `sink` logs.
         period: Of the logs, s.
+        pads: Rings whose pads' forces are logged too.
 
     Returns:
-        `sink` and `state_sink`.
+        `sink`, `state_sink`, `pad_sink`.
     """
     state = plant.get_state_output_port()
     for name, port in {"plant_state": state, **ports}.items():
@@ -130,7 +140,14 @@ def FinishStation(
     for name, port in (("log", logged), ("state_log", state)):
         sinks.append(LogVectorOutput(port, builder, period))
         sinks[-1].set_name(name)
-    return tuple(sinks)
+    pad_sink = AddPadForceLog(builder, plant, pads, period) if pads else None
+    return sinks[0], sinks[1], pad_sink
+
+
+def pads_of(scenario: BraceScenario, log_pads: bool) -> Sequence[str]:
+    """Rings whose pads are to be logged: those whose contact plants resolve."""
+    log_pads = log_pads and plant_resolves_contact(scenario)
+    return scenario.rings if log_pads else ()
 
 
 def _check_ports(controller: System, n: int) -> None:

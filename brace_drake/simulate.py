@@ -88,6 +88,7 @@ def RecordBench(
     noise_seed: int | None = None,
     at_end: AtEnd | None = None,
     on_progress: OnProgress | None = None,
+    log_pads: bool = False,
 ) -> Run:
     """A recording that the diagram makes of a reference, from rest.
 
@@ -96,6 +97,7 @@ def RecordBench(
         run: With a reference; its `contact` says whether the torso is there.
         noise_seed: Of the instruments' noise; None: exact readings.
         at_end, on_progress: See `SimulateBench`.
+        log_pads: See `MakeBenchStation`.
 
     Returns:
         The run with all channels of the bench, every `log_period`.
@@ -111,7 +113,9 @@ def RecordBench(
         draws = np.random.default_rng(noise_seed)
         noise = MakeHeldNoise(draws, times[-1], scenario.control.rate)
     scenario = replace(scenario, torso=torso)
-    station = MakeBenchStation(scenario, reference, noise=noise)
+    station = MakeBenchStation(
+        scenario, reference, noise=noise, log_pads=log_pads
+    )
     try:
         log = SimulateBench(station, times[-1], at_end, on_progress)
     except RuntimeError as error:

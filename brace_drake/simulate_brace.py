@@ -65,6 +65,7 @@ def SimulateBrace(
     on_progress: OnProgress | None = None,
     add_geometry: AddGeometry | None = None,
     at_end: AtEnd | None = None,
+    log_pads: bool = False,
 ) -> BraceLog:
     """Runs a scenario's brace, with its controller, over a reference.
 
@@ -75,6 +76,7 @@ def SimulateBrace(
         on_progress: Called every 0.1 s of simulated time.
         add_geometry: See `AddBracePlant`, as `torso.contact` makes it.
         at_end: Called with station and root context after the run.
+        log_pads: See `MakeBraceStation`.
 
     Raises:
         BraceError: The reference is of other rings, the run broke down, or a
@@ -93,7 +95,7 @@ def SimulateBrace(
     if not run.contact:
         add_geometry = None
     station = MakeBraceStation(
-        scenario, controller, desired, noise, add_geometry
+        scenario, controller, desired, noise, add_geometry, log_pads=log_pads
     )
     logged = _Advance(station, scenario, end, on_progress or _ignore, at_end)
     if not all(np.isfinite(values).all() for values in logged.values()):
@@ -124,6 +126,7 @@ def RecordBrace(
     on_progress: OnProgress | None = None,
     add_geometry: AddGeometry | None = None,
     at_end: AtEnd | None = None,
+    log_pads: bool = False,
 ) -> Run:
     """A recording of a reference: `SimulateBrace` as channels.
 
@@ -131,7 +134,7 @@ def RecordBrace(
     as the bench does, legs 1 to 6.
     """
     log = SimulateBrace(
-        scenario, run, noise_seed, on_progress, add_geometry, at_end
+        scenario, run, noise_seed, on_progress, add_geometry, at_end, log_pads
     )
     lowest = 1 if recorded_device(scenario) == BENCH else scenario.stages[0]
     channels = {"time_s": log.time}

@@ -20,6 +20,7 @@ from brace_drake.brace_station import (
     BraceStation,
     ConnectController,
     FinishStation,
+    pads_of,
 )
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.errors import EffectError
@@ -64,6 +65,7 @@ def MakeBenchStation(
     reference: Trajectory,
     uses: Sequence[Use] = (),
     noise: Trajectory | None = None,
+    log_pads: bool = False,
 ) -> BraceStation:
     """Builds the bench of a scenario that follows a reference.
 
@@ -79,6 +81,7 @@ def MakeBenchStation(
         uses: Effects with their parameters, beside those of the scenario.
         noise: Standard normal draws (12 rows), constant around each tick, in
             place of the exported port.
+        log_pads: Also log the forces of single pads, see `BraceStation`.
 
     Raises:
         EffectError: More effects than the twin carries, or effects of a
@@ -99,7 +102,9 @@ def MakeBenchStation(
     add = _LAYOUTS[scenario.control.layout]
     ports, logged = add(builder, parts, source.get_output_port(), loop)
     period = scenario.sensors.log_period
-    sinks = FinishStation(builder, parts.plant, ports, logged, period)
+    sinks = FinishStation(
+        builder, parts.plant, ports, logged, period, pads_of(brace, log_pads)
+    )
     diagram = builder.Build()
     diagram.set_name("bench_station")
     return BraceStation(diagram, parts.plant, numbers, *sinks)

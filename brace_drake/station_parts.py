@@ -30,7 +30,7 @@ from brace_drake.laws.plug_in import PlugIn
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import BraceNumbers
 from brace_drake.systems.brace_forces import BraceForces, ConnectBraceForces
-from brace_drake.systems.contact_force_hold import AddContactForce
+from brace_drake.systems.contact_force import AddContactForce
 from brace_drake.systems.instruments import BraceInstruments
 
 

@@ -1,12 +1,14 @@
 """Accuracy and speed of pads on the torso: the tables behind the defaults.
 
-python tools/torso_contact.py [--measures FILE] [--quick]
+python tools/torso_contact.py [--measures FILE] [--png FILE]
 
-First table: forces of six pads against those on the finest grid, the largest
-error of a pad as a part of its load (at least that at rest) and of the sum of
-all pads, while all rings move by up to 5 mm along y, 3 mm along x and z, and
-0.02 rad about each axis. Second table: time of a step of a plant of three free
-rings and the torso, the least of several.
+First table: forces of six pads against those of whole faces on the finest
+grid, the largest error of a pad as a part of its load (at least that at rest)
+and of the sum of all pads, while all rings move by up to 5 mm along y, 3 mm
+along x and z, and 0.02 rad about each axis. Second table: time of a 1 ms step
+of a plant of three free rings and the torso, of the processor, the least of
+many short stretches: whole faces and points, then the discrete contact
+approximations with the default points. The picture shows both.
 """
 
 import argparse
@@ -24,7 +26,7 @@ from pydrake.systems.analysis import Simulator
 from brace_drake.resources import scenario_path
 from brace_drake.scenario.bench import Contact
 from brace_drake.torso.contact import map_linear_contact
-from brace_drake.torso.fitted import fit_torso
+from brace_drake.torso.fitted import PAD_RESOLUTION, RESOLUTION, fit_torso
 from brace_drake.torso.measures import LoadMeasures
 from brace_drake.torso.parametric import make_parametric_loft
 from brace_drake.torso.personalize import RING_HEIGHTS
@@ -40,23 +42,30 @@ MOTIONS = {
     "pitch": RigidTransform(RollPitchYaw(0.0, 0.02, 0.0), [0.0, 0.0, 0.0]),
     "yaw": RigidTransform(RollPitchYaw(0.0, 0.0, 0.02), [0.0, 0.0, 0.0]),
 }
-RESOLUTIONS = (0.01, 0.015, 0.02, 0.025, 0.03)
+WHOLE = (0, 0)
+DEFAULT = tuple(Contact().pad_points)
 FINEST = 0.0075
+# Resolutions elsewhere and under pads, and what pads are.
+CASES = (
+    *((r, r, WHOLE) for r in (0.03, 0.025, 0.02, 0.015)),
+    *((RESOLUTION, r, DEFAULT) for r in (0.025, 0.012, 0.008, 0.005)),
+    *((RESOLUTION, PAD_RESOLUTION, n) for n in ((2, 2), (3, 3), (4, 4))),
+)
 APPROXIMATIONS = {
     "lagged": DiscreteContactApproximation.kLagged,
     "similar": DiscreteContactApproximation.kSimilar,
     "sap": DiscreteContactApproximation.kSap,
     "tamsi": DiscreteContactApproximation.kTamsi,
 }
-STEPS, REPEATS = 20, 5
+STEP, STEPS, REPEATS = 1e-3, 4, 15
 
 
-def make(loft, resolution):
+def make(loft, resolution, pad_resolution, points):
     """A fitted torso and its contact numbers."""
-    contact = Contact()
-    size = contact.pad_size[0], contact.pad_size[2]
-    torso = fit_torso(loft, RING_HEIGHTS, size, resolution)
-    return torso, map_linear_contact(contact, torso.mean_effective_area)
+    linear = Contact(pad_points=list(points))
+    size = linear.pad_size[0], linear.pad_size[2]
+    torso = fit_torso(loft, RING_HEIGHTS, size, resolution, pad_resolution)
+    return torso, map_linear_contact(linear, torso.mean_effective_area)
 
 
 def pad_forces(torso, contact):
@@ -66,34 +75,26 @@ def pad_forces(torso, contact):
     return forces, -np.einsum("mpi,pi->mp", forces, normals)
 
 
-def print_accuracy(loft):
-    """The first table."""
-    finest, normal = pad_forces(*make(loft, FINEST))
+def calc_errors(found, expected):
+    """Largest error of a pad at each motion, and that of the sum, %."""
+    (forces, along), (finest, normal) = found, expected
     load = np.maximum(np.abs(normal), np.abs(normal[0]))
-    names = " ".join(f"{name:>7}" for name in MOTIONS)
-    print(f"error of a pad, %        {names}    sum")
-    for resolution in RESOLUTIONS:
-        torso, contact = make(loft, resolution)
-        forces, along = pad_forces(torso, contact)
-        error = 100.0 * np.max(np.abs(along - normal) / load, axis=1)
-        total = np.linalg.norm((forces - finest).sum(axis=1))
-        total *= 100.0 / np.linalg.norm(finest.sum(axis=1))
-        row = " ".join(f"{e:7.2f}" for e in error)
-        count = len(torso.solid.tetrahedra)
-        print(f"{1e3 * resolution:5.1f} mm {count:6d} tets {row} {total:6.2f}")
+    single = 100.0 * np.max(np.abs(along - normal) / load, axis=1)
+    total = np.linalg.norm((forces - finest).sum(axis=1))
+    return single, 100.0 * total / np.linalg.norm(finest.sum(axis=1))
 
 
-def time_step(torso, contact, step):
+def time_step(torso, contact):
     """Least time of a plant's step, s, and its contact faces."""
-    diagram, plant, _ = MakeRingsAndTorso(torso, contact, step, 0.85, 40.0)
+    diagram, plant, _ = MakeRingsAndTorso(torso, contact, STEP, 0.85, 40.0)
     context = diagram.CreateDefaultContext()
     simulator = Simulator(diagram, context)
-    simulator.Initialize()
+    simulator.AdvanceTo(STEPS * STEP)
     best = np.inf
     for i in range(REPEATS):
-        start = time.perf_counter()
-        simulator.AdvanceTo((i + 1) * STEPS * step)
-        best = min(best, (time.perf_counter() - start) / STEPS)
+        start = time.process_time()
+        simulator.AdvanceTo((i + 2) * STEPS * STEP)
+        best = min(best, (time.process_time() - start) / STEPS)
     own = plant.GetMyContextFromRoot(context)
     results = plant.get_contact_results_output_port().Eval(own)
     faces = sum(
@@ -103,33 +104,93 @@ def time_step(torso, contact, step):
     return best, faces
 
 
-def print_speed(loft, steps):
-    """The second table."""
-    for resolution in RESOLUTIONS[1:]:
-        torso, contact = make(loft, resolution)
-        for step in steps:
-            cells = []
-            for name, kind in APPROXIMATIONS.items():
-                best, faces = time_step(
-                    torso, replace(contact, approximation=kind), step
-                )
-                cells.append(f"{name} {1e6 * best:6.0f}")
-            print(
-                f"{1e3 * resolution:5.1f} mm, {faces:4d} faces,"
-                f" {1e3 * step:g} ms, us a step: {', '.join(cells)}"
+def print_cases(loft):
+    """Both tables of all cases; their errors and times."""
+    expected = pad_forces(*make(loft, FINEST, FINEST, WHOLE))
+    names = " ".join(f"{name:>6}" for name in MOTIONS)
+    print(f"{'error of a pad, %':21} {names}    sum  faces us a step")
+    table = {}
+    for case in CASES:
+        torso, contact = make(loft, *case)
+        single, total = calc_errors(pad_forces(torso, contact), expected)
+        best, faces = time_step(torso, contact)
+        row = " ".join(f"{e:6.2f}" for e in single)
+        print(
+            f"{_label(case):21} {row} {total:6.2f} {faces:6d} {1e6 * best:9.0f}"
+        )
+        table[case] = single.max(), total, best
+    return table
+
+
+def _label(case):
+    points = case[2]
+    what = "whole" if points == WHOLE else f"{points[0]} x {points[1]}"
+    return f"{what}, {1e3 * case[1]:g} mm"
+
+
+def print_approximations(loft):
+    """Times of a step with the default pads."""
+    torso, contact = make(loft, RESOLUTION, PAD_RESOLUTION, DEFAULT)
+    for name, kind in APPROXIMATIONS.items():
+        best, _ = time_step(torso, replace(contact, approximation=kind))
+        print(f"{name:21} {1e6 * best:6.0f} us a step")
+
+
+def draw(table, path):
+    """Errors over facets, and over the time of a step."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    over_facet, over_time = figure.subplots(1, 2, sharey=True)
+    groups = {
+        "whole faces": [c for c in CASES if c[2] == WHOLE],
+        f"{DEFAULT[0]} x {DEFAULT[1]} points": [
+            c for c in CASES if c[2] == DEFAULT
+        ],
+    }
+    colours = ("#3b6ea5", "#c8553d")
+    for (name, cases), colour in zip(groups.items(), colours, strict=True):
+        cases = sorted(set(cases), key=lambda c: c[1])
+        facets = [1e3 * case[1] for case in cases]
+        single, total, best = np.array([table[case] for case in cases]).T
+        over_facet.plot(facets, single, "o-", color=colour, label=name)
+        over_facet.plot(facets, total, "o:", color=colour)
+        over_time.plot(1e6 * best, single, "o", color=colour)
+    for case in CASES:
+        if case[2] not in (WHOLE, DEFAULT):
+            error, _, best = table[case]
+            over_time.plot(1e6 * best, error, "s", color="#666666")
+            text = f"{case[2][0]} x {case[2][1]}"
+            over_time.annotate(
+                text,
+                (1e6 * best, error),
+                (5, 5),
+                textcoords="offset points",
+                fontsize=8,
             )
+    over_facet.set_xlabel("facet under pads, mm")
+    over_facet.set_ylabel("error of force, %: pad (solid), sum (dotted)")
+    over_facet.set_ylim(bottom=0.0)
+    over_facet.legend(frameon=False)
+    over_time.set_xscale("log")
+    over_time.set_xlabel("plant step, us of the processor")
+    for axes in (over_facet, over_time):
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=110)
 
 
 def main():
-    """Prints both tables."""
+    """Prints the tables; draws them."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     nominal = scenario_path("torso_nominal.measures.yaml")
     parser.add_argument("--measures", default=nominal)
-    parser.add_argument("--quick", action="store_true", help="1 ms only")
+    parser.add_argument("--png", metavar="FILE", help="also draw a picture")
     args = parser.parse_args()
     loft = make_parametric_loft(LoadMeasures(args.measures))
-    print_accuracy(loft)
-    print_speed(loft, (1e-3,) if args.quick else (1e-3, 5e-4, 2e-4))
+    table = print_cases(loft)
+    print_approximations(loft)
+    if args.png:
+        draw(table, args.png)
 
 
 if __name__ == "__main__":

@@ -65,6 +65,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         metavar="M",
         help="largest facet of the solid, m (default: 0.025)",
     )
+    parser.add_argument(
+        "--pad-resolution",
+        type=float,
+        metavar="M",
+        help="the same under pads, m (default: 0.005)",
+    )
     AddScenario(parser)
     parser.set_defaults(run=Run)
 
@@ -72,7 +78,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Fits and writes; prints what was measured and where it is."""
     # Drake is slow to import.
-    from brace_drake.torso.fitted import RESOLUTION
+    from brace_drake.torso.fitted import PAD_RESOLUTION, RESOLUTION
     from brace_drake.torso.personalize import (
         LoadSurfaceOf,
         WritePersonal,
@@ -84,7 +90,9 @@ def Run(args: argparse.Namespace) -> int:
     frame = ScanFrame(args.unit, tuple(args.origin), args.axes)
     loft = LoadSurfaceOf(args.source, frame)
     resolution = RESOLUTION if args.resolution is None else args.resolution
-    personal = personalize(loft, scenarios, resolution)
+    under_pads = args.pad_resolution
+    under_pads = PAD_RESOLUTION if under_pads is None else under_pads
+    personal = personalize(loft, scenarios, resolution, under_pads)
     WritePersonal(HoldFolder(Path(args.out)), personal)
     for line in describe(personal):
         print(line)

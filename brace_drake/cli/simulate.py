@@ -120,7 +120,12 @@ def _record_bench(scenario, args, at_end):
     run = load_motion(args.motion)
     with MakeBar(run) as on_progress:
         recorded = RecordBench(
-            scenario, run, args.noise_seed, at_end, on_progress
+            scenario,
+            run,
+            args.noise_seed,
+            at_end,
+            on_progress,
+            wants_playback(args),
         )
     return recorded, scenario.device, ()
 
@@ -140,6 +145,12 @@ def _record_brace(scenario, args, at_end):
         add_geometry = MakeTorsoGeometry(LoadTorso(args.torso))
     with MakeBar(run) as on_progress:
         recorded = RecordBrace(
-            scenario, run, args.noise_seed, on_progress, add_geometry, at_end
+            scenario,
+            run,
+            args.noise_seed,
+            on_progress,
+            add_geometry,
+            at_end,
+            wants_playback(args),
         )
     return recorded, recorded_device(scenario), recorded_stages(scenario)

@@ -28,12 +28,15 @@ class PlaybackStates:
         torso: The same of the torso (N, 7); None: there is none.
         pad_force: Force of each pad on the torso in W (N, S, 2, 3), N, left
             pad, at +y, first.
+        is_of_pads: Whether that is of each pad, or the net force of a ring at
+            the pad that presses.
     """
 
     times: np.ndarray
     rings: np.ndarray
     torso: np.ndarray | None
     pad_force: np.ndarray
+    is_of_pads: bool = False
 
     def __post_init__(self):
         n, s = len(self.times), self.rings.shape[1]
@@ -93,7 +96,10 @@ def states_of_run(
     rings: Sequence[str],
     force: np.ndarray,
 ) -> PlaybackStates:
-    """Poses of a simulated run, from the station's log of the plant's state.
+    """Poses and forces of a simulated run, from the station's logs.
+
+    Where the station has logged the forces of single pads, they are shown; else
+    `force` is placed on pads.
 
     Args:
         station: Of bench or brace.
@@ -115,7 +121,12 @@ def states_of_run(
             pose[4:7] = X_WB.translation()
     n, times = len(rings), log.sample_times().copy()
     torso = poses[:, n] if len(names) > n else None
-    return PlaybackStates(times, poses[:, :n], torso, place_on_pads(force))
+    if station.pad_sink is not None:
+        pads = station.pad_sink.FindLog(context).data().T
+        pad_force, is_of_pads = pads.reshape(-1, n, 2, 3), True
+    else:
+        pad_force, is_of_pads = place_on_pads(force), False
+    return PlaybackStates(times, poses[:, :n], torso, pad_force, is_of_pads)
 
 
 def states_of_readings(

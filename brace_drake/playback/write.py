@@ -20,8 +20,8 @@ from brace_drake.playback.states import PlaybackStates
 from brace_drake.scenario.load import Scenario
 
 _FORCE = """\
-<span style="color:#cc141a">&#9632;</span> force of a ring on the torso, at the
-    pad that presses: 100 mm for {newtons:g} N, largest {largest:.1f} N<br>"""
+<span style="color:#cc141a">&#9632;</span> force of a {what}:
+    100 mm for {newtons:g} N, largest {largest:.1f} N<br>"""
 
 FRAMES_PER_SECOND = 25.0
 # What a headset would fetch; a page that is to be complete must not.
@@ -139,7 +139,10 @@ def make_caption(states: PlaybackStates, title: str) -> str:
     """The page's heading: what is seen, and the scale of the forces."""
     largest = float((states.pad_force**2).sum(axis=-1).max() ** 0.5)
     newtons = 0.1 * newtons_per_metre(states.pad_force)
-    force = _FORCE.format(newtons=newtons, largest=largest)
+    what = "ring on the torso, at the pad that presses"
+    if states.is_of_pads:
+        what = "pad on the torso"
+    force = _FORCE.format(what=what, newtons=newtons, largest=largest)
     return _CAPTION.format(
         title=html.escape(title),
         force=force if largest > 0.0 else "",

@@ -40,6 +40,7 @@ _WORDS = {
     "control.layout": ("pic", "blocks"),
     "mechanism": ("task_space", "articulated"),
 }
+_MOST_POINTS = 10  # of a pad, in a row
 # What holds of one ring or stage holds of each.
 _ONE_OF_MANY = re.compile(r"\.(ring|stage)[1-3]")
 
@@ -71,7 +72,7 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
     if is_brace:
         _check_parts(source, scenario)
         for name, contact in vars(scenario.contact).items():
-            _check_preload(source, f"contact.{name}", contact)
+            _check_contact(source, f"contact.{name}", contact)
         check_brace(source, scenario)
         return
     check_effects(source, scenario.effects, scenario.device)
@@ -91,7 +92,7 @@ def _check_bench(source: str, scenario: BenchScenario) -> None:
             f"more than stage.lower_height, {stage.lower_height}",
         )
     _check_parts(source, scenario)
-    _check_preload(source, "contact", contact)
+    _check_contact(source, "contact", contact)
 
 
 def _check_parts(source: str, scenario: BenchScenario | BraceScenario) -> None:
@@ -112,7 +113,12 @@ def _check_parts(source: str, scenario: BenchScenario | BraceScenario) -> None:
         )
 
 
-def _check_preload(source: str, path: str, contact: Contact) -> None:
+def _check_contact(source: str, path: str, contact: Contact) -> None:
+    points = contact.pad_points
+    whole = all(type(n) is int and 0 <= n <= _MOST_POINTS for n in points)
+    if len(points) != 2 or not whole or (0 in points and any(points)):
+        allowed = f"two whole numbers of 1 to {_MOST_POINTS}, or 0, 0"
+        fail(source, f"{path}.pad_points", points, allowed)
     if contact.preload >= contact.pad_offset:
         fail(
             source,

@@ -44,6 +44,7 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.torso.files import obj_text, vtk_text
 from brace_drake.torso.fitted import FittedTorso
 from brace_drake.torso.pads import Pad
+from brace_drake.torso.points import SHARE, make_point_pad
 from brace_drake.torso.solid import Solid, surface_volume
 
 # Drake's mesh may differ from ours by what the text of its file rounds.
@@ -63,6 +64,7 @@ class TorsoContact:
         relaxation_time: c / k, s; `sap`.
         preload: Depth of each pad at rest, m.
         reach: Pads farther than this from the torso at rest do not meet it, m.
+        points: Of a pad, across and up, see `points`; 0, 0: its whole face.
         approximation: Of Drake's discrete contact.
     """
 
@@ -73,6 +75,7 @@ class TorsoContact:
     relaxation_time: float = 0.0
     preload: float = 0.0
     reach: float = 0.05
+    points: tuple[int, int] = (0, 0)
     approximation: DiscreteContactApproximation = (
         DiscreteContactApproximation.kLagged
     )
@@ -95,6 +98,7 @@ def map_linear_contact(contact: Contact, effective_area: float) -> TorsoContact:
         stiction_tolerance=contact.friction_regularization,
         relaxation_time=relaxation,
         preload=contact.preload,
+        points=tuple(int(n) for n in contact.pad_points),
     )
 
 
@@ -132,6 +136,9 @@ def AddTorsoContact(
             known = ", ".join(str(r) for r in sorted(rings))
             raise TorsoError(f"ring {ring} has no pads; allowed: {known}")
     modulus = contact.foundation_modulus * torso.deepest
+    in_points = min(contact.points) > 0
+    if in_points:
+        modulus /= SHARE
     found = {
         "torso": AddCompliantSolid(
             plant, scene_graph, torso_body, torso.solid, modulus, contact
@@ -143,7 +150,8 @@ def AddTorsoContact(
             continue
         body = ring_bodies[pad.place.ring]
         p_TR = [0.0, 0.0, torso.ring_heights[pad.place.ring - 1]]
-        geometry = AddRigidPad(plant, body, pad, p_TR, contact)
+        face = make_point_pad(pad, *contact.points) if in_points else pad
+        geometry = AddRigidPad(plant, body, face, p_TR, contact)
         found[pad.place.name] = geometry
         if distance_at_rest(pad, torso.solid, contact.preload) > contact.reach:
             out_of_reach.append(geometry)

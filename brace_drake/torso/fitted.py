@@ -22,9 +22,9 @@ from brace_drake.torso.solid import (
 )
 
 DENSITY = 1000.0  # kg/m^3, of the torso: section 2.3 of the paper
-# Widest facet, m: forces within 2 % and the fastest such grid, measured by
-# tools/torso_contact.py.
-RESOLUTION = 0.025
+# Widest facet, m, and that under pads: what points of pads need for forces
+# within 4 %, measured by tools/torso_contact.py.
+RESOLUTION, PAD_RESOLUTION = 0.025, 0.005
 # Depth of the shell, m: deeper than pads sink, and far from the axis.
 SHELL = 0.02
 # How far the solid's volume may be from the surface's.
@@ -80,6 +80,7 @@ def fit_torso(
     ring_heights: Sequence[float],
     pad_size: tuple[float, float],
     resolution: float = RESOLUTION,
+    pad_resolution: float | None = None,
 ) -> FittedTorso:
     """Makes the solid of a torso and the pads that fit it.
 
@@ -87,13 +88,14 @@ def fit_torso(
         ring_heights: z in T of the moving rings at rest, m.
         pad_size: Width and height of a pad, m.
         resolution: Largest width of a facet, m.
+        pad_resolution: The same under pads; None: as elsewhere.
 
     Raises:
         TorsoError: The pads have no place on it, or its solid would be another
             shape than its surface.
     """
     places = place_pads(loft, ring_heights, pad_size)
-    grid = make_grid(loft, places, resolution)
+    grid = make_grid(loft, places, resolution, pad_resolution)
     solid = fill_outlines(grid.outlines, grid.axis, (SHELL,))
     surface = loft_surface(loft)
     ratio = surface_volume(solid.vertices, solid.triangles) / surface_volume(

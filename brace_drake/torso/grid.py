@@ -1,8 +1,9 @@
 """Where a solid's nodes lie: lines along the pads' edges, coarser elsewhere.
 
-Each facet under a pad costs contact faces at every step of the plant, so the
-grid has as few as the resolution allows, and its lines run along the edges of
-the pads: a facet cut by an edge would be two.
+Each facet under a whole pad costs contact faces at every step of the plant, so
+the grid has as few as the resolution allows, and its lines run along the edges
+of the pads: a facet cut by an edge would be two. Pads of points cost alike on
+any grid: facets under them are smaller, so that points meet the true surface.
 """
 
 from __future__ import annotations
@@ -31,15 +32,22 @@ class Grid:
 
 
 def make_grid(
-    loft: Loft, places: Sequence[PadPlace], resolution: float
+    loft: Loft,
+    places: Sequence[PadPlace],
+    resolution: float,
+    pad_resolution: float | None = None,
 ) -> Grid:
     """Nodes on a loft, with lines along the pads' edges.
 
     Args:
         resolution: Largest width of a facet, m; those under pads may be
             taller.
+        pad_resolution: The same under pads, and above, below and between
+            them; None: as elsewhere.
     """
-    heights = _heights(loft, places, resolution)
+    if pad_resolution is None:
+        pad_resolution = resolution
+    heights = _heights(loft, places, resolution, pad_resolution)
     sectors = [_edges(loft, places, heights, side) for side in (1, -1)]
     (left_front, left_back), (right_front, right_back) = sectors
     turn = 2.0 * np.pi
@@ -47,8 +55,10 @@ def make_grid(
     corners.append(left_front + turn)
     radius = np.sqrt(np.mean(loft.radii**2))
     blocks = []
-    for a, b in pairwise(corners):
-        count = max(1, int(np.ceil(np.mean(b - a) * radius / resolution)))
+    # Under the left pads, behind, under the right pads, in front.
+    widths = pad_resolution, resolution, pad_resolution, resolution
+    for (a, b), width in zip(pairwise(corners), widths, strict=True):
+        count = max(1, int(np.ceil(np.mean(b - a) * radius / width)))
         share = np.arange(count) / count
         blocks.append(a[:, None] + (b - a)[:, None] * share)
     angles = np.concatenate(blocks, axis=1)
@@ -59,7 +69,7 @@ def make_grid(
     )
 
 
-def _heights(loft, places, resolution: float) -> np.ndarray:
+def _heights(loft, places, resolution, pad_resolution) -> np.ndarray:
     """Heights of the sections: ends of the torso, of pads, and between."""
     spans = [p.p_TP[2] + np.array([-0.5, 0.5]) * p.size[1] for p in places]
     ends = [loft.heights[0], loft.heights[-1], *np.ravel(spans)]
@@ -71,7 +81,7 @@ def _heights(loft, places, resolution: float) -> np.ndarray:
     parts = []
     for a, b in pairwise(knots):
         under_pad = any(low < 0.5 * (a + b) < high for low, high in spans)
-        spacing = resolution * (_TALLER if under_pad else 1.0)
+        spacing = _TALLER * pad_resolution if under_pad else resolution
         count = max(1, int(np.ceil((b - a) / spacing - 1e-9)))
         parts.append(np.linspace(a, b, count, endpoint=False))
     return np.append(np.concatenate(parts), knots[-1])

@@ -17,6 +17,7 @@ from brace_drake.scenario.load import SaveScenario
 from brace_drake.torso.contact import TorsoContact, map_linear_contact
 from brace_drake.torso.fitted import (
     DENSITY,
+    PAD_RESOLUTION,
     RESOLUTION,
     FittedTorso,
     fit_torso,
@@ -78,6 +79,7 @@ def personalize(
     loft: Loft,
     scenarios: Mapping[str, WithTorso],
     resolution: float = RESOLUTION,
+    pad_resolution: float = PAD_RESOLUTION,
 ) -> Personal:
     """Fits solid, pads and scenarios to a torso's surface.
 
@@ -87,19 +89,22 @@ def personalize(
             at ring 2 gives the size of the pads and the contact's numbers, and
             its rings' heights, where it has three, where the pads sit.
         resolution: Largest width of a facet, m.
+        pad_resolution: The same under pads.
 
     Raises:
         TorsoError: The pads have no place on it, or the mesh is too coarse.
     """
-    if not 0.001 <= resolution <= 0.1:
-        raise TorsoError(
-            f"resolution is {resolution:g} m; allowed: 0.001 to 0.1"
-        )
+    for name, value in (
+        ("resolution", resolution),
+        ("resolution under pads", pad_resolution),
+    ):
+        if not 0.001 <= value <= 0.1:
+            raise TorsoError(f"{name} is {value:g} m; allowed: 0.001 to 0.1")
     first = next(iter(scenarios.values()))
     linear = ring_contacts(first)[2]
     heights = ring_heights(first)
     size = float(linear.pad_size[0]), float(linear.pad_size[2])
-    torso = fit_torso(loft, heights, size, resolution)
+    torso = fit_torso(loft, heights, size, resolution, pad_resolution)
     contact = map_linear_contact(linear, torso.mean_effective_area)
     return Personal(
         loft,
