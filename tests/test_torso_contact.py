@@ -27,71 +27,28 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.torso.contact import (
     AddTorsoContact,
     MakeTorsoGeometry,
-    TorsoContact,
     check_volume,
     distance_at_rest,
     map_linear_contact,
 )
-from brace_drake.torso.depth import deepest
 from brace_drake.torso.files import obj_text
-from brace_drake.torso.fitted import FittedTorso, calc_inertia, fit_torso
+from brace_drake.torso.fitted import fit_torso
 from brace_drake.torso.folder import LoadTorso, WriteTorso
 from brace_drake.torso.measures import Curve, TorsoMeasures
-from brace_drake.torso.pads import Pad, PadPlace
 from brace_drake.torso.parametric import make_parametric_loft
 from brace_drake.torso.press import (
     MakeRingsAndTorso,
     press_pads,
     read_forces,
 )
-from brace_drake.torso.solid import fill_outlines
-
-RINGS = (-0.09, 0.0, 0.06)
-SIZE = (0.06, 0.08)
-CONTACT = TorsoContact(foundation_modulus=4e5)
-
-
-def block_torso(pads):
-    """A block 0.3 m wide and deep, 0.4 m tall, with given pads at ring 1."""
-    x = np.array([0.15, 0.15, 0.0, -0.15, -0.15, -0.15, 0.0, 0.15])
-    y = np.array([0.0, 0.15, 0.15, 0.15, 0.0, -0.15, -0.15, -0.15])
-    heights = np.linspace(-0.2, 0.2, 5)
-    outlines = np.stack(
-        [
-            np.tile(x, (5, 1)),
-            np.tile(y, (5, 1)),
-            np.repeat(heights[:, None], 8, axis=1),
-        ],
-        axis=-1,
-    )
-    axis = np.column_stack([np.zeros((5, 2)), heights])
-    solid = fill_outlines(outlines, axis)
-    inertia = calc_inertia(solid.vertices, solid.triangles)
-    return FittedTorso(solid, deepest(solid), pads, np.zeros(1), inertia)
-
-
-def flat_pad(side, offset=0.15, size=SIZE):
-    """A rectangle that faces the torso at y = side * offset."""
-    u, v = 0.5 * np.array(size)
-    corners = [(-u, -v), (u, -v), (u, v), (-u, v)]
-    vertices = np.array([[a, side * offset, b] for a, b in corners])
-    # From above the first corner to the last: towards -y.
-    triangles = np.array([[0, 1, 2], [0, 2, 3]])
-    if side < 0:
-        triangles = triangles[:, ::-1]
-    place = PadPlace(
-        1,
-        side,
-        np.array([0.0, side * offset, 0.0]),
-        np.array([0.0, side, 0.0]),
-        np.array([1.0, 0.0, 0.0]),
-        size,
-    )
-    return Pad(place, vertices, triangles)
-
-
-def shift(x, y, z):
-    return RigidTransform([x, y, z])
+from tests.torso_blocks import (
+    CONTACT,
+    RINGS,
+    SIZE,
+    block_torso,
+    flat_pad,
+    shift,
+)
 
 
 class TestFoundation(unittest.TestCase):
@@ -146,27 +103,6 @@ class TestFoundation(unittest.TestCase):
             forces = press_pads(torso, CONTACT, [shift(0, -d, 0)])[0]
             for force in forces[::2]:
                 self.assertLess(abs(-force[1] / expected - 1.0), 0.02)
-
-    def test_forces_converge_with_the_mesh(self):
-        curve = Curve(cobb_deg=40.0, apex=-0.02, axial_rotation_deg=-12.0)
-        loft = make_parametric_loft(TorsoMeasures(curve=curve))
-        motions = [shift(0, 0, 0), shift(0.003, -0.002, 0), shift(0, 0, 0.003)]
-        results = []
-        for resolution in (0.03, 0.02, 0.01):
-            torso = fit_torso(loft, RINGS, SIZE, resolution)
-            contact = replace(
-                map_linear_contact(Contact(), torso.mean_effective_area),
-                friction=0.0,
-            )
-            results.append(press_pads(torso, contact, motions))
-        finest = results[-1]
-        errors = [
-            np.linalg.norm(r - finest) / np.linalg.norm(finest)
-            for r in results[:-1]
-        ]
-        self.assertLess(errors[1], 0.6 * errors[0])
-        self.assertLess(errors[1], 0.01)
-        self.assertLess(errors[0], 0.02)
 
     def test_the_default_grid_gives_the_effective_areas_within_two_percent(
         self,
