@@ -172,7 +172,8 @@ class TestDeploy(unittest.TestCase):
             rows = log.splitlines()
             self.assertEqual(len(rows), 301)
             timing = measure_timing(session)
-            self.assertGreater(timing.ticks, 1300)
+            # A second to settle, then each of the 300.
+            self.assertGreaterEqual(timing.ticks, 1300)
             self.assertEqual(len(timing.latency_us), 3)
             self.assertIn("ticks at", str(timing))
 
