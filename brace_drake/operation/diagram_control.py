@@ -84,11 +84,11 @@ class DiagramControl(HostControl):
             ScenarioError: Numbers that are not allowed.
         """
         numbers, rings = pack_brace(scenario), pack_rings(scenario)
+        self._controller = MakeController(scenario.control, rings)
         control = pack_control(scenario.control, rings)
         super().__init__(
             numbers.geometry, numbers.viscous, numbers.ring[4], control
         )
-        self._controller = MakeController(scenario.control, rings)
         self._diagram = MakeHostDiagram(
             self._controller, stiffness, limits, self.period
         )
