@@ -12,6 +12,7 @@ from brace_drake.cli.main import make_parser  # noqa: E402
 
 project = "brace_drake"
 author = "the brace_drake authors"
+copyright = "2026, the brace_drake authors"
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
