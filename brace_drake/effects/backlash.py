@@ -4,6 +4,7 @@ import math
 from operator import attrgetter
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.parameters import DRIVE_VISCOUS
 from brace_drake.laws.hooks import plug
 
 _EQUATION = (
@@ -94,16 +95,7 @@ CARDS = (
         equation=_EQUATION,
         parameters=(
             _WIDTH,
-            EffectParameter(
-                "drive_viscous_N_s_m",
-                "N s/m",
-                1.0,
-                1000.0,
-                (40.0,),
-                "viscous friction b of the drive, as on the data sheet",
-                off=None,
-                choices=(40.0,),
-            ),
+            DRIVE_VISCOUS,
         ),
         laws={"drive": _gap_drive, "sensing": _gap_sensing},
         constants=attrgetter("holding_forces"),
