@@ -155,6 +155,10 @@ class TestBadScenarios(unittest.TestCase):
                 "leg",
                 "half its stroke",
             ),
+            "start: {ring3: [0, 0, 0, 1.0e+308, 0, 0]}": (
+                "start.ring3",
+                "a pose in reach",
+            ),
             "start: {ring3: [0, 0, -0.0249, 0, 0, 0.31]}": (
                 "start.ring3",
                 "a pose in reach",

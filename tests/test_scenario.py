@@ -154,6 +154,10 @@ class TestLoad(unittest.TestCase):
             "control: {layout: fast}": ("control.layout", "pic or blocks"),
             "time_step: 3e-4": ("time_step", "control period"),
             "sensors: {log_period: 0.0015}": ("sensors.log_period", "multiple"),
+            "sensors: {log_period: 1.0e+308}": (
+                "sensors.log_period",
+                "multiple",
+            ),
             "stage: {upper_height: 0.1}": ("stage.upper_height", "0.145"),
             "ring: {inertia: [1, x, 3]}": ("ring.inertia[1]", "a number"),
             "effects: [{name: ''}]": ("effects[0].name",),

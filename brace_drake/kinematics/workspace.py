@@ -83,14 +83,19 @@ class Workspace:
 def measure_stages(
     geometry: BraceGeometry, X: np.ndarray, stroke: float
 ) -> list[StageMeasures]:
-    """Measures of each stage at task coordinates X (6 S,), bottom to top."""
+    """Measures of each stage at task coordinates X (6 S,), bottom to top.
+
+    A stage whose lengths are beyond floating point is singular.
+    """
     lengths, J, _ = geometry.at(X)
     change = np.abs(lengths - geometry.rest_lengths).reshape(-1, 6)
     measures = []
     for own, at, upper in zip(change, J, geometry.upper, strict=True):
         L = np.linalg.norm(upper, axis=1).max()
         scaled = at / np.array([1.0, 1.0, 1.0, L, L, L])
-        values = np.linalg.svd(scaled, compute_uv=False)
+        values = np.zeros(6)
+        if np.isfinite(scaled).all():
+            values = np.linalg.svd(scaled, compute_uv=False)
         condition = values[0] / values[-1] if values[-1] > 0.0 else np.inf
         measures.append(
             StageMeasures(

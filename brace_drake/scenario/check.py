@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
@@ -104,7 +105,8 @@ def _check_parts(source: str, scenario: BenchScenario | BraceScenario) -> None:
             fail(source, f"{path}.inertia", body.inertia, allowed)
     period = 1.0 / scenario.control.rate
     ratio = scenario.sensors.log_period / period
-    if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6:
+    whole = math.isfinite(ratio) and abs(ratio - round(ratio)) <= 1e-6
+    if ratio < 0.5 or not whole:
         fail(
             source,
             "sensors.log_period",
@@ -130,7 +132,8 @@ def _check_contact(source: str, path: str, contact: Contact) -> None:
 
 def _check_period(source: str, values: dict, path: str, period: float) -> None:
     ratio = period / values[path]
-    if ratio < 0.5 or abs(ratio - round(ratio)) > 1e-6:
+    whole = math.isfinite(ratio) and abs(ratio - round(ratio)) <= 1e-6
+    if ratio < 0.5 or not whole:
         fail(
             source,
             path,
