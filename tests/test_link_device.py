@@ -1,6 +1,7 @@
 """Every fault of an emulated device ends where PROTOCOL.md says, in time."""
 
 import math
+import time
 import unittest
 from dataclasses import replace
 
@@ -111,6 +112,21 @@ class TestStates(unittest.TestCase):
                 session.Start(desired)
             bench.run(100)
             self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+
+    def test_a_device_that_arms_and_sends_no_state_is_stopped(self):
+        bench = Lockstep()
+        bench.agree()
+        # Long enough for a machine that others share.
+        limits = DEFAULT._replace(stale=0.5)
+        session = Session(bench, PicControl(SCENARIO), limits)
+        session.Start(np.zeros((500, 3)))
+        self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+        session.CheckAlive()
+        self.assertFalse(session.is_over)
+        time.sleep(0.6)
+        session.CheckAlive()
+        self.assertEqual(session.trip.cause, Cause.STALE_DATA)
+        self.assertEqual(bench.firmware.state, DeviceState.STOPPED)
 
     def test_nothing_but_a_sealed_arm_of_this_session_arms(self):
         bench = Lockstep()

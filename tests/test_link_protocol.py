@@ -192,6 +192,20 @@ class TestWhatIsMadeFromTheDefinition(unittest.TestCase):
         for message in MESSAGES:
             self.assertIn(f"### {message.name}\n", text)
 
+    def test_the_line_takes_as_many_bytes_as_the_document_says(self):
+        text = " ".join(DOCUMENT.read_text(encoding="utf-8").split())
+        # Frames of 1 kHz without a zero to stuff: two delimiters, one code.
+        rates = [
+            make_codec(stages).size(name) + 12 + 2 + 3
+            for stages in (1, 3)
+            for name in ("STATE", "COMMAND")
+        ]
+        self.assertIn(
+            "the states take {} kB/s, the commands {}: 1 Mbaud, or USB. At"
+            " three stages they take {} and {} kB/s".format(*rates),
+            text,
+        )
+
     def test_words_of_one_number_keep_their_own_meanings(self):
         text, header = DOCUMENT.read_text(encoding="utf-8"), format_header()
         for number, name, meaning in (

@@ -120,6 +120,9 @@ class Session:
         self._control.GoHome(round(home / period))
         self._home_at = self._at + round((home + _HOME_MARGIN) / period)
         self.done, self._moving = False, True
+        if self._last_arrival is None:
+            # A device that never sends a state must not be waited for forever.
+            self._last_arrival = time.perf_counter()
         if not self._dry:
             self._link.Arm()
 
