@@ -17,14 +17,17 @@ from brace_drake.operation.contact_estimate import (
     contact_regressors,
 )
 from brace_drake.operation.motion import desired_at_ticks, place_motion
+from brace_drake.operation.overlay import DEVICE, TWIN, Overlay
 from brace_drake.operation.page import Page
 from brace_drake.operation.session import Row
 from brace_drake.operation.station import MakeControl, moving_rings
+from brace_drake.playback.look import make_look
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.twin.bench_rollout import CHANNELS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.motion_library import MakeMotion
 from tests.link_bench import SCENARIO
+from tests.meshcat_page import read_commands
 
 
 def follow(
@@ -81,6 +84,49 @@ class TestBeside(unittest.TestCase):
     def test_the_page_gets_every_channel(self):
         said = TwinBeside(SCENARIO).describe()
         self.assertEqual(tuple(said["ratio"]), CHANNELS[6:18])
+
+    def test_the_page_gets_curves_of_device_and_twin(self):
+        beside, _ = follow("push", seconds=2.5)
+        said = beside.describe()
+        self.assertAlmostEqual(said["time_s"], 2.499)
+        device, twin = beside.readings
+        self.assertEqual(
+            said["signals"]["ring2_force_y_N"], (device[7], twin[7])
+        )
+        places = said["signals"]["ring2_y_m"]
+        self.assertLess(max(places), -5e-4)
+        self.assertAlmostEqual(*places, delta=5e-5)
+
+
+class TestOverlay(unittest.TestCase):
+    def test_both_are_shown_where_their_readings_say(self):
+        for scenario, rings in ((SCENARIO, (2,)), (BraceScenario(), (1, 2, 3))):
+            overlay = Overlay(scenario)
+            url = overlay.meshcat.web_url()
+            self.assertTrue(url.startswith("http://127.0.0.1:"), url)
+            geometry, n = make_look(scenario).geometry, 6 * len(rings)
+            shown = []
+            for y in (-0.004, 0.003):
+                X = np.zeros(n)
+                X[n - 5] = y
+                rest = np.zeros(9 * len(rings) + 3)
+                rest[0:n], rest[-2] = geometry.at(X)[0], 0.5 * y
+                shown.append(rest)
+            overlay.Show(*shown)
+            # Lengths of no pose leave it where it was.
+            overlay.Show(np.zeros_like(shown[0]), shown[1])
+            placed = {
+                c["path"]: c["matrix"]
+                for c in read_commands(overlay.meshcat.StaticHtml())
+                if c["type"] == "set_transform"
+            }
+            name, i = f"ring{rings[-1]}", len(rings) - 1
+            for under, y in ((DEVICE, -0.004), (TWIN, 0.003)):
+                ring = np.reshape(placed[f"{under}/brace/{name}"], (4, 4)).T
+                expected = geometry.rest[i] + [0.0, y, 0.0]
+                np.testing.assert_allclose(ring[:3, 3], expected, atol=1e-8)
+                torso = np.reshape(placed[f"{under}/torso"], (4, 4)).T
+                self.assertAlmostEqual(torso[1, 3], 0.5 * y)
 
 
 class TestBesideABrace(unittest.TestCase):

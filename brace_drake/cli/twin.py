@@ -21,8 +21,9 @@ example:
       results/monday/repaired.scenario.yaml
 
 The device follows the motion; the twin does the same beside it. A page shows
-how far they are apart, in noise floors, and what stiffness and damping the
-contact of the ring that moves has. A channel that leaves its band raises an
+both in 3D, the twin as a ghost, and their curves in one plot, how far they are
+apart, in noise floors, and what stiffness and damping the contact of the ring
+that moves has. A channel that leaves its band raises an
 alarm, which ends the motion with --stop-at-alarm. The page is for this machine
 alone unless --host says so.
 """
@@ -61,6 +62,7 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.operation.beside import TwinBeside
     from brace_drake.operation.console import CountDown, ReadKeys
     from brace_drake.operation.motion import RING, desired_at_ticks
+    from brace_drake.operation.overlay import Overlay
     from brace_drake.operation.page import Page
     from brace_drake.operation.session import Session
     from brace_drake.operation.station import (
@@ -83,9 +85,12 @@ def Run(args: argparse.Namespace) -> int:
         ReadKeys() as keys,
     ):
         print(f"page: {page.url}", flush=True)
+        overlay = Overlay(scenario, args.host)
+        # Laws are loaded at first calls, which no tick could wait for.
+        overlay.Show(*beside.readings)
         desired = desired_at_ticks(motion, link.hello.rate_hz)
         session = Session(link, MakeControl(scenario, limits), limits)
-        show = _Show(beside, page, session, args.stop_at_alarm)
+        show = _Show(beside, page, session, overlay, args.stop_at_alarm)
         if not CountDown(args.countdown, f"{motion.name} moves", keys):
             raise StoppedError(f"{motion.name}: not begun")
         session.Start(desired)
@@ -110,8 +115,9 @@ class _Show:
         largest: Channel of the largest gap so far, and that, noise floors.
     """
 
-    def __init__(self, beside, page, session, stops: bool):
+    def __init__(self, beside, page, session, overlay, stops: bool):
         self._beside, self._page, self._session = beside, page, session
+        self._overlay, self._scene = overlay, overlay.meshcat.port()
         self._stops, self._shown = stops, 0.0
         self.told: list[str] = []
         self._present: list[str] = []
@@ -136,4 +142,5 @@ class _Show:
             self._session.Stop(Cause.HOST_STOP)
         if time.monotonic() - self._shown > _SHOW:
             self._shown = time.monotonic()
-            self._page.Show(said)
+            self._page.Show(said | {"scene": self._scene})
+            self._overlay.Show(*self._beside.readings)

@@ -31,6 +31,9 @@ class TwinBeside:
         ratio: RMS gap of each over the last second, in noise floors.
         alarms: Channels out of their band now, by name.
         contact: Running estimate of stiffness and damping of a ring's pads.
+        readings: Those of device and twin that were compared last.
+        signals: Of the last tick, by name, device's and twin's.
+        time: Of it, from the motion's beginning, s.
     """
 
     def __init__(
@@ -56,6 +59,7 @@ class TwinBeside:
         """
         rings = moving_rings(scenario)
         self._ring = rings.index(ring) if ring in rings else 0
+        self._name = f"ring{rings[self._ring]}"
         self._control = MakeControl(scenario, limits)
         self._plant = MakePlant(scenario, seed=None)
         self._band = band
@@ -75,6 +79,9 @@ class TwinBeside:
         self.ratio = np.ones(len(self.channels))
         self.alarms: list[str] = []
         self._readings = self._plant.advance(self._plant.hold).copy()
+        self.readings = self._readings, self._readings
+        self.signals: dict[str, tuple[float, float]] = {}
+        self.time = 0.0
 
     def Take(self, row: Row) -> None:
         """Takes a tick of the device, in order: readings, reference, pose."""
@@ -85,7 +92,20 @@ class TwinBeside:
         self._Judge()
         command = self._control.Tick(twin, row.desired)
         self._Learn(row, twin)
+        self._Keep(row, twin)
         self._readings = self._plant.advance(command).copy()
+
+    def _Keep(self, row: Row, twin: np.ndarray) -> None:
+        i, legs = self._ring, len(row.command)
+        at = legs + 3 * i + 1
+        places = row.y_ring[i], self._control.y_ring[i]
+        forces = row.readings[at], twin[at]
+        self.signals = {
+            f"{self._name}_y_m": (float(places[0]), float(places[1])),
+            f"{self._name}_force_y_N": (float(forces[0]), float(forces[1])),
+        }
+        self.readings = row.readings, twin
+        self.time = row.tick * self._period
 
     def _Judge(self) -> None:
         """An alarm begins outside the band and ends well inside it."""
@@ -122,6 +142,8 @@ class TwinBeside:
             "alarms": self.alarms,
             "stiffness_N_m": float(k),
             "damping_N_s_m": float(c),
+            "time_s": self.time,
+            "signals": self.signals,
         }
 
 

@@ -69,7 +69,9 @@ def newtons_per_metre(pad_force: np.ndarray) -> float:
     return float(power * next(n for n in (1, 2, 5, 10) if n * power >= least))
 
 
-def AddScene(meshcat: Meshcat, look: Look, torso_mesh: Path | None) -> None:
+def AddScene(
+    meshcat: Meshcat, look: Look, torso_mesh: Path | None, under: str = ""
+) -> None:
     """Adds all shapes; `SetScene` then puts them in their places.
 
     Args:
@@ -77,6 +79,7 @@ def AddScene(meshcat: Meshcat, look: Look, torso_mesh: Path | None) -> None:
         look: Sizes.
         torso_mesh: File of a torso's surface (.obj, .gltf), m, in its frame;
             None: an elliptic trunk that touches the pads.
+        under: Path that all of it lies under, such as "/twin".
     """
     meshcat.SetProperty("/Background", "top_color", [1.0, 1.0, 1.0])
     meshcat.SetProperty("/Background", "bottom_color", [0.86, 0.89, 0.93])
@@ -84,14 +87,15 @@ def AddScene(meshcat: Meshcat, look: Look, torso_mesh: Path | None) -> None:
     meshcat.SetProperty("/Grid", "visible", False)
     _AddWorldAxes(meshcat, look.clamped_height)
     height = RigidTransform([0.0, 0.0, look.clamped_height])
-    _AddRing(meshcat, "/brace/clamped", look, _CLAMPED)
-    meshcat.SetTransform("/brace/clamped", height)
+    clamped = f"{under}/brace/clamped"
+    _AddRing(meshcat, clamped, look, _CLAMPED)
+    meshcat.SetTransform(clamped, height)
     joints = look.geometry.lower[0] - height.translation()
-    _AddJoints(meshcat, "/brace/clamped", look, joints)
+    _AddJoints(meshcat, clamped, look, joints)
     for i, (name, contact) in enumerate(
         zip(look.rings, look.contacts, strict=True)
     ):
-        path = f"/brace/{name}"
+        path = f"{under}/brace/{name}"
         _AddRing(meshcat, path, look, _RING)
         joints = look.geometry.upper[i]
         if i + 1 < len(look.rings):
@@ -100,11 +104,11 @@ def AddScene(meshcat: Meshcat, look: Look, torso_mesh: Path | None) -> None:
         if contact is not None:
             for side, s in (("left", 1.0), ("right", -1.0)):
                 _AddPad(meshcat, f"{path}/{side}_pad", look, contact, s)
-                _AddArrow(meshcat, f"/forces/{name}_{side}")
+                _AddArrow(meshcat, f"{under}/forces/{name}_{side}")
     for k, rest in enumerate(look.geometry.rest_lengths):
-        _AddLeg(meshcat, f"/brace/leg{k + 1}", look, rest)
+        _AddLeg(meshcat, f"{under}/brace/leg{k + 1}", look, rest)
     if any(look.contacts):
-        _AddTorso(meshcat, look, torso_mesh)
+        _AddTorso(meshcat, f"{under}/torso", look, torso_mesh)
 
 
 def SetScene(
@@ -113,27 +117,39 @@ def SetScene(
     sample: int,
     set_transform: SetPose,
     set_property: Callable,
+    under: str = "",
+    scale: float | None = None,
 ) -> None:
-    """Puts all that moves in its place at a sample of the states."""
+    """Puts all that moves in its place at a sample of the states.
+
+    Args:
+        look: Sizes.
+        states: What happened.
+        sample: Of the states.
+        set_transform, set_property: Of Meshcat, or of an animation's frame.
+        under: As in `AddScene`.
+        scale: Of the arrows, N/m; None: `newtons_per_metre` of the states.
+    """
     rings = states.rings[sample]
     lower, upper = leg_anchors(look, rings)
     for k, (a, b) in enumerate(zip(lower, upper, strict=True)):
         R = RotationMatrix.MakeFromOneVector(b - a, 2)
-        set_transform(f"/brace/leg{k + 1}/tube", RigidTransform(R, a))
-        set_transform(f"/brace/leg{k + 1}/rod", RigidTransform(R, b))
-    scale = newtons_per_metre(states.pad_force)
+        leg = f"{under}/brace/leg{k + 1}"
+        set_transform(f"{leg}/tube", RigidTransform(R, a))
+        set_transform(f"{leg}/rod", RigidTransform(R, b))
+    scale = scale or newtons_per_metre(states.pad_force)
     for i, (name, pose) in enumerate(zip(look.rings, rings, strict=True)):
         X_WR, contact = transform(pose), look.contacts[i]
-        set_transform(f"/brace/{name}", X_WR)
+        set_transform(f"{under}/brace/{name}", X_WR)
         if contact is None:
             continue
         for side, s in enumerate((1.0, -1.0)):
             tip = X_WR @ np.array([0.0, s * _pad_back(contact), 0.03])
-            path = f"/forces/{name}_{('left', 'right')[side]}"
+            path = f"{under}/forces/{name}_{('left', 'right')[side]}"
             arrow = states.pad_force[sample, i, side] / scale
             _SetArrow(path, tip, arrow, set_transform, set_property)
     if states.torso is not None and any(look.contacts):
-        set_transform("/torso", transform(states.torso[sample]))
+        set_transform(f"{under}/torso", transform(states.torso[sample]))
 
 
 def make_animation(
@@ -237,18 +253,18 @@ def _SetArrow(path, tip, arrow, set_transform, set_property) -> None:
     set_property(f"{path}/shaft", "scale", [head, head, shaft])
 
 
-def _AddTorso(meshcat, look: Look, torso_mesh: Path | None) -> None:
+def _AddTorso(meshcat, path: str, look: Look, torso_mesh: Path | None) -> None:
     if torso_mesh is not None:
-        meshcat.SetObject("/torso/body", Mesh(str(torso_mesh)), _TORSO)
+        meshcat.SetObject(f"{path}/body", Mesh(str(torso_mesh)), _TORSO)
     else:
         width = min(c.pad_offset for c in look.contacts if c is not None)
         ends = look.clamped_height - _BELOW, look.geometry.rest[-1, 2] + _ABOVE
         vertices, faces = make_torso_mesh(
             width, _DEPTH * width, *(z - look.torso_rest for z in ends)
         )
-        meshcat.SetTriangleMesh("/torso/body", vertices, faces, _TORSO)
+        meshcat.SetTriangleMesh(f"{path}/body", vertices, faces, _TORSO)
     rest = RigidTransform([0.0, 0.0, look.torso_rest])
-    meshcat.SetTransform("/torso", rest)
+    meshcat.SetTransform(path, rest)
 
 
 def _AddWorldAxes(meshcat, height: float) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from brace_drake.output import WriteText
-from brace_drake.playback.look import make_look
+from brace_drake.playback.look import Look, make_look
 from brace_drake.playback.scene import (
     AddScene,
     SetScene,
@@ -74,10 +74,15 @@ def AddPlayback(
     look = make_look(scenario)
     AddScene(meshcat, look, torso_mesh)
     SetScene(look, states, 0, meshcat.SetTransform, meshcat.SetProperty)
+    LookAtBrace(meshcat, look)
+    meshcat.SetAnimation(make_animation(look, states, frames_per_second))
+
+
+def LookAtBrace(meshcat: Meshcat, look: Look) -> None:
+    """Puts the camera in front of the brace, to its right and above."""
     middle = 0.5 * (look.clamped_height + look.geometry.rest[-1, 2])
     meshcat.SetCamera(Meshcat.PerspectiveCamera(fov=32.0))
     meshcat.SetCameraPose([0.98, -0.62, middle + 0.55], [0.0, 0.0, middle])
-    meshcat.SetAnimation(make_animation(look, states, frames_per_second))
 
 
 def WritePlayback(
@@ -123,14 +128,14 @@ def ShowPlayback(
     return meshcat
 
 
-def StartLocalMeshcat() -> Meshcat:
-    """A Meshcat that only this machine can reach."""
+def StartLocalMeshcat(host: str = "localhost") -> Meshcat:
+    """A Meshcat that only this machine can reach, or who reaches `host`."""
     log = logging.getLogger("drake")
     level = log.level
     # Drake tells an address that is of no use for a page on disk.
     log.setLevel(logging.WARNING)
     try:
-        return Meshcat(MeshcatParams(host="localhost"))
+        return Meshcat(MeshcatParams(host=host))
     finally:
         log.setLevel(level)
 
