@@ -56,7 +56,7 @@ at("k").textContent=d.stiffness_N_m.toFixed(0);
 at("c").textContent=d.damping_N_s_m.toFixed(0);
 at("rows").replaceChildren(...Object.entries(d.ratio).map(([n,v])=>{
 const r=document.createElement("tr"),m=document.createElement("meter");
-m.max=3*d.band;m.high=d.band;m.value=v;
+m.max=3*d.band;m.low=m.high=d.band;m.optimum=0;m.value=v;
 for(const x of [n,m,v.toFixed(2)]){const t=document.createElement("td");
 t.append(x);r.append(t)}return r}))};</script></html>"""
 
