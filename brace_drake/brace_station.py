@@ -177,8 +177,11 @@ def ConnectController(
     readings: dict[str, OutputPort],
     drives: System,
     desired: Trajectory | OutputPort | None,
+    stiffness: OutputPort | None = None,
 ) -> dict[str, OutputPort]:
-    """Adds a controller between readings and drives.
+    """Adds a controller between readings and what takes its commands.
+
+    Inputs that nothing feeds are exported.
 
     Returns:
         Its outputs that are exported, by name.
@@ -191,7 +194,7 @@ def ConnectController(
         builder.Connect(readings[name], controller.GetInputPort(name))
     Feed(builder, controller.GetInputPort("desired"), desired)
     if controller.HasInputPort("stiffness"):
-        Feed(builder, controller.GetInputPort("stiffness"), None)
+        Feed(builder, controller.GetInputPort("stiffness"), stiffness)
     builder.Connect(
         controller.GetOutputPort("leg_command"), drives.get_input_port()
     )

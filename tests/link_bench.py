@@ -14,7 +14,7 @@ from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT, SHARED, shared_values
 from brace_drake.hardware.sequence import SequenceWatch
 from brace_drake.hardware.words import Mode
-from brace_drake.operation.control import PicControl
+from brace_drake.operation.control import HostControl
 from brace_drake.operation.session import Session
 from brace_drake.scenario.bench import BenchScenario
 
@@ -138,7 +138,7 @@ class Lockstep:
 def start(limits=DEFAULT, depth=0.005, seconds=4.0, **more):
     """A bench in lockstep with a session that has settled and moves."""
     bench = Lockstep(limits, **more)
-    session = begin(bench, PicControl(SCENARIO), limits, wave(depth, seconds))
+    session = begin(bench, HostControl(SCENARIO), limits, wave(depth, seconds))
     return bench, session
 
 

@@ -25,7 +25,7 @@ from brace_drake.operation.campaign_plan import (
     LoadPlan,
     remaining_runs,
 )
-from brace_drake.operation.control import PicControl
+from brace_drake.operation.control import HostControl
 from brace_drake.operation.deploy import (
     RunController,
     Timing,
@@ -70,7 +70,7 @@ class TestDeploy(unittest.TestCase):
             )
 
     def test_any_law_with_a_tick_can_be_deployed_and_is_supervised(self):
-        class Wild(PicControl):
+        class Wild(HostControl):
             """Pushes along y without end, as a bad policy would."""
 
             def Tick(self, readings, desired):
@@ -94,7 +94,7 @@ class TestDeploy(unittest.TestCase):
             self.assertNotEqual(device.firmware.state, DeviceState.ARMED)
 
     def test_a_law_that_fails_stops_the_device_and_is_told(self):
-        class Broken(PicControl):
+        class Broken(HostControl):
             ticks = 0
 
             def Tick(self, readings, desired):
@@ -166,7 +166,7 @@ class TestDeploy(unittest.TestCase):
             path = device.terminal.path
             with OpenDevice(path, SCENARIO, PATIENT) as link:
                 session, log = RunController(
-                    link, PicControl(SCENARIO), PATIENT, np.zeros((300, 3)),
+                    link, HostControl(SCENARIO), PATIENT, np.zeros((300, 3)),
                     False,
                 )  # fmt: skip
             rows = log.splitlines()

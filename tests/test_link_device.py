@@ -13,7 +13,7 @@ from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT, shared_values
 from brace_drake.hardware.words import Cause, DeviceState, Mode, Reason
 from brace_drake.laws import bench_tick
-from brace_drake.operation.control import PicControl
+from brace_drake.operation.control import HostControl
 from brace_drake.operation.session import Session
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.twin.bench_twin import BenchTwin
@@ -105,7 +105,7 @@ class TestStates(unittest.TestCase):
         for y in (0.013, -0.0121, math.nan):
             bench = Lockstep()
             bench.agree()
-            session = Session(bench, PicControl(SCENARIO), DEFAULT)
+            session = Session(bench, HostControl(SCENARIO), DEFAULT)
             desired = np.zeros((500, 3))
             desired[250, 0] = y
             with self.assertRaisesRegex(LimitsError, "allowed 12 mm"):
@@ -118,7 +118,7 @@ class TestStates(unittest.TestCase):
         bench.agree()
         # Long enough for a machine that others share.
         limits = DEFAULT._replace(stale=0.5)
-        session = Session(bench, PicControl(SCENARIO), limits)
+        session = Session(bench, HostControl(SCENARIO), limits)
         session.Start(np.zeros((500, 3)))
         self.assertEqual(bench.firmware.state, DeviceState.ARMED)
         session.CheckAlive()
@@ -315,7 +315,7 @@ class TestFaults(unittest.TestCase):
         bench.agree()
         bench.plant.bodies[4:7] += (0.003, -0.005, 0.002)
         bench.run(300)
-        control = PicControl(SCENARIO)
+        control = HostControl(SCENARIO)
         session = Session(bench, control, DEFAULT)
         session.Start(np.zeros((500, 3)), settle=1.0)
         bench.run(1400)

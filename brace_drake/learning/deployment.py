@@ -12,7 +12,7 @@ from brace_drake.laws.cubic import calc_cubic
 from brace_drake.learning.policy import Policy
 from brace_drake.learning.policy_systems import PolicySystem
 from brace_drake.learning.task import LearningTask, load_task_scenario
-from brace_drake.operation.diagram_control import DiagramControl
+from brace_drake.operation.control import HostControl
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.control_numbers import spread
 from brace_drake.twin.motion_library import RATE_HZ, SafeMotion
@@ -35,7 +35,7 @@ def load_policy_scenario(
 
 def MakePolicyControl(
     policy: Policy, scenario: BraceScenario, limits: Limits
-) -> DiagramControl:
+) -> HostControl:
     """The host's control with the stiffness that a policy asks for.
 
     Bounds and rate are held twice outside of the network: by the policy's own
@@ -50,7 +50,7 @@ def MakePolicyControl(
         raise PolicyError(
             f"the policy is for {rings} rings; allowed on the device: {stages}"
         )
-    return DiagramControl(scenario, limits, PolicySystem(policy))
+    return HostControl(scenario, limits, PolicySystem(policy))
 
 
 def motion_of_task(task: LearningTask, num_rings: int = 1) -> SafeMotion:

@@ -89,7 +89,7 @@ def RunController(
 
     Args:
         link: Agreed.
-        control: With `Tick(readings, desired)`, as `PicControl`.
+        control: With `Tick(readings, desired)`, as `HostControl`.
         limits: Of the supervisor.
         desired: y_d, y_d', y_d'' at each tick (ticks, 3), of several rings
             (ticks, 3, S).

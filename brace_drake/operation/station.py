@@ -11,8 +11,7 @@ from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
 from brace_drake.hardware.messages import BAUD
 from brace_drake.hardware.words import Cause, DeviceState, cause_name
-from brace_drake.operation.control import PicControl
-from brace_drake.operation.diagram_control import DiagramControl
+from brace_drake.operation.control import HostControl
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BraceScenario
@@ -148,7 +147,7 @@ def MakeControl(
     scenario: BenchScenario | BraceScenario,
     limits: Limits,
     tag: str | None = None,
-):
+) -> HostControl:
     """The host's controller of a scenario.
 
     Args:
@@ -166,8 +165,7 @@ def MakeControl(
                 f"no controller {tag!r} in a scenario of the bench; there is"
                 " pic (a scenario of a brace has them all)"
             )
-        return PicControl(scenario)
-    if tag is not None:
+    elif tag is not None:
         control = dataclasses.replace(scenario.control, tag=tag)
         scenario = dataclasses.replace(scenario, control=control)
-    return DiagramControl(scenario, limits)
+    return HostControl(scenario, limits)
