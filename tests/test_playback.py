@@ -25,7 +25,12 @@ from brace_drake.playback import (
 )
 from brace_drake.playback.look import make_look
 from brace_drake.playback.meshes import make_ring_mesh, make_torso_mesh
-from brace_drake.playback.scene import leg_anchors, newtons_per_metre
+from brace_drake.playback.scales import (
+    calc_pressures,
+    colour_of,
+    newtons_per_metre,
+)
+from brace_drake.playback.scene import leg_anchors
 from brace_drake.playback.write import StartLocalMeshcat
 from brace_drake.resources import scenario_path
 from brace_drake.scenario.bench import BenchScenario
@@ -138,6 +143,25 @@ class TestPage(unittest.TestCase):
             gone = self.tracks[f"/forces/ring2_{other}/head", ".scale"]
             self.assertLess(max(gone[frame]), 0.01)
 
+    def test_pads_are_the_darker_the_more_they_press(self):
+        pressures = calc_pressures(
+            self.states.rings, self.states.pad_force, self.look.contacts
+        )[::5]
+        self.assertGreater(pressures.max(), 300.0)
+        for i in range(3):
+            for side, word in enumerate(("left", "right")):
+                path = f"/brace/ring{i + 1}/{word}_pad/body/<object>"
+                keys = self.tracks[path, ".material.color"]
+                own = pressures[:, i, side]
+                # 4 N and more on 48 cm^2: the scale ends at 1 kPa.
+                for frame in range(41):
+                    np.testing.assert_allclose(
+                        keys[frame], colour_of(own[frame] / 1000.0)
+                    )
+                green = [keys[k][1] for k in np.argsort(own, kind="stable")]
+                self.assertTrue((np.diff(green) <= 0.0).all())
+        self.assertIn("0 to 1\n    kPa", self.page)
+
     def test_all_shapes_of_the_brace_are_there(self):
         paths = {
             c["path"]
@@ -152,6 +176,21 @@ class TestPage(unittest.TestCase):
 
 
 class TestStates(unittest.TestCase):
+    def test_pressure_is_the_force_into_the_torso_over_the_face(self):
+        turned = np.cos(np.pi / 4), 0.0, 0.0, np.sin(np.pi / 4)
+        rings = np.zeros((2, 1, 7))
+        rings[:, 0, 0:4] = (1.0, 0.0, 0.0, 0.0), turned
+        # 4.8 N on 60 x 80 mm are 1 kPa; a quarter turn takes y to -x.
+        force = np.zeros((2, 1, 2, 3))
+        force[0, 0] = [3.0, -4.8, 1.0], [0.0, 2.4, 0.0]
+        force[1, 0] = [4.8, -2.0, 0.0], [4.8, 0.0, 0.0]
+        contact = BraceScenario().contact.ring1
+        found = calc_pressures(rings, force, [contact])
+        expected = [[[1000.0, 500.0]], [[1000.0, 0.0]]]
+        np.testing.assert_allclose(found, expected, atol=1e-9)
+        free = calc_pressures(rings, force, [None])
+        np.testing.assert_array_equal(free, 0.0)
+
     def test_anchors_at_rest_are_those_of_the_joint_circles(self):
         look = make_look(BenchScenario())
         rest = np.array([[1.0, 0, 0, 0, 0, 0, 0.235]])

@@ -20,6 +20,7 @@ from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.simulate import RecordBench
 from brace_drake.simulate_brace import RecordBrace, SimulateBrace
 from brace_drake.twin.reference import reference_columns
+from tests.meshcat_page import read_commands
 from tests.test_simulate_command import run
 from tests.test_station import smooth_push
 
@@ -137,8 +138,17 @@ class TestCommand(unittest.TestCase):
         np.savetxt(motion, rows, "%.9f", ",", header=head, comments="")
         out = self.folder / "out"
         words = ("--motion", motion, "--out", out, "--torso", torso)
-        code, _, error = run("simulate", file, *words)
+        page = self.folder / "page.html"
+        code, _, error = run("simulate", file, *words, "--html", page)
         self.assertEqual(code, 0, error)
+        # Drawn is this torso, not a plain one.
+        (drawn,) = (
+            c["object"]
+            for c in read_commands(page.read_text())
+            if c["type"] == "set_object" and c["path"] == "/torso/body"
+        )
+        text = drawn["geometries"][0]["data"]
+        self.assertEqual(text, (torso / "torso.obj").read_text())
         (recorded,) = LoadCampaign(out).runs
         lengths = recorded.stack([f"leg{k}_length_m" for k in range(1, 19)])
         X = find_task_coordinates(pack_geometry(scenario), lengths[-1])
@@ -152,6 +162,10 @@ class TestCommand(unittest.TestCase):
         code, _, error = run("simulate", bench, *words)
         self.assertEqual(code, 2)
         self.assertIn("--torso is for a brace", error)
+        linear = torso / "brace.scenario.yaml"
+        code, _, error = run("simulate", linear, *words)
+        self.assertEqual(code, 2)
+        self.assertIn("contact.ring1.model is 'linear'", error)
 
     def test_the_seed_decides_the_noise(self):
         first, again, other = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 
 def AddPlaybackOptions(parser: argparse.ArgumentParser) -> None:
@@ -10,7 +11,8 @@ def AddPlaybackOptions(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--html",
         metavar="FILE",
-        help="also write a 3D playback, a page that needs no network",
+        help="also write a 3D playback with forces and pressures of the pads, a"
+        " page that needs no network",
     )
     parser.add_argument(
         "--meshcat",
@@ -24,7 +26,13 @@ def wants_playback(args: argparse.Namespace) -> bool:
     return bool(args.html or args.meshcat)
 
 
-def PlayStates(args: argparse.Namespace, scenario, states, title: str) -> None:
+def PlayStates(
+    args: argparse.Namespace,
+    scenario,
+    states,
+    title: str,
+    torso_mesh: Path | None = None,
+) -> None:
     """Does what --html and --meshcat ask for.
 
     Args:
@@ -32,6 +40,7 @@ def PlayStates(args: argparse.Namespace, scenario, states, title: str) -> None:
         scenario: Of bench or brace.
         states: PlaybackStates of a run.
         title: Of the page.
+        torso_mesh: File of the torso's surface; else a plain one is drawn.
 
     Raises:
         OutputError: The page cannot be written.
@@ -39,10 +48,10 @@ def PlayStates(args: argparse.Namespace, scenario, states, title: str) -> None:
     from brace_drake.playback import ShowPlayback, WritePlayback
 
     if args.html:
-        WritePlayback(scenario, states, args.html, title)
+        WritePlayback(scenario, states, args.html, title, torso_mesh=torso_mesh)
         print(f"playback: {args.html}")
     if args.meshcat:
-        meshcat = ShowPlayback(scenario, states)
+        meshcat = ShowPlayback(scenario, states, torso_mesh)
         try:
             input(f"playing at {meshcat.web_url()}; Enter ends it. ")
         except EOFError:

@@ -95,7 +95,8 @@ def Run(args: argparse.Namespace) -> int:
     if wants_playback(args):
         scenario.torso.present = recorded.contact
         states = _states(scenario, recorded, *ended[0])
-        PlayStates(args, scenario, states, f"{subject}, {recorded.file}")
+        title = f"{subject}, {recorded.file}"
+        PlayStates(args, scenario, states, title, _torso_mesh(args))
     return 0
 
 
@@ -110,6 +111,13 @@ def _states(scenario, recorded, station, context):
         for axis in "xyz"
     ]
     return states_of_run(station, context, rings, np.transpose(force))
+
+
+def _torso_mesh(args) -> Path | None:
+    """The surface of --torso."""
+    from brace_drake.torso.folder import SURFACE
+
+    return Path(args.torso) / SURFACE if args.torso else None
 
 
 def _record_bench(scenario, args, at_end):
@@ -139,6 +147,13 @@ def _record_brace(scenario, args, at_end):
 
     run, add_geometry = load_motion(args.motion, rings=(1, 2, 3)), None
     if args.torso:
+        models = [contact.model for contact in scenario.contacts]
+        if "hydroelastic" not in models:
+            raise ScenarioError(
+                f"{args.scenario}: contact.{scenario.rings[0]}.model is"
+                f" {models[0]!r}, and no other ring's is 'hydroelastic', which"
+                " --torso is for"
+            )
         from brace_drake.torso.contact import MakeTorsoGeometry
         from brace_drake.torso.folder import LoadTorso
 

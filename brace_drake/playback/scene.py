@@ -20,6 +20,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from brace_drake.playback.look import Look
 from brace_drake.playback.meshes import make_ring_mesh, make_torso_mesh
+from brace_drake.playback.scales import Scales, colour_of
 from brace_drake.playback.states import PlaybackStates, transform
 
 _CLAMPED, _RING = Rgba(0.33, 0.37, 0.42), Rgba(0.16, 0.42, 0.72)
@@ -41,7 +42,6 @@ _RADIAL, _VERTICAL = 0.011, 0.006
 _ARM, _JOINT_RADIUS, _AXIS = 0.004, 0.007, 0.0015
 _AXIS_LENGTH, _AXIS_START = 0.05, (0.20, -0.20)
 _SHAFT, _HEAD_RADIUS, _HEAD = 0.004, 0.010, 0.020
-_LONGEST_ARROW = 0.12  # the largest force's
 # A torso drawn without a scan: its depth to its width, and what it is longer
 # than the brace, m.
 _DEPTH, _BELOW, _ABOVE = 0.72, 0.05, 0.09
@@ -59,14 +59,6 @@ def leg_anchors(look: Look, rings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         upper.append((X_WR @ look.geometry.upper[i].T).T)
         X_WL = X_WR
     return np.vstack(lower), np.vstack(upper)
-
-
-def newtons_per_metre(pad_force: np.ndarray) -> float:
-    """Scale of the arrows: a round number that keeps the largest in view."""
-    largest = np.linalg.norm(pad_force, axis=-1).max(initial=0.0)
-    least = max(largest, 1e-3) / _LONGEST_ARROW
-    power = 10.0 ** np.floor(np.log10(least))
-    return float(power * next(n for n in (1, 2, 5, 10) if n * power >= least))
 
 
 def AddScene(
@@ -114,11 +106,11 @@ def AddScene(
 def SetScene(
     look: Look,
     states: PlaybackStates,
+    scales: Scales,
     sample: int,
     set_transform: SetPose,
     set_property: Callable,
     under: str = "",
-    scale: float | None = None,
 ) -> None:
     """Puts all that moves in its place at a sample of the states.
 
@@ -128,7 +120,6 @@ def SetScene(
         sample: Of the states.
         set_transform, set_property: Of Meshcat, or of an animation's frame.
         under: As in `AddScene`.
-        scale: Of the arrows, N/m; None: `newtons_per_metre` of the states.
     """
     rings = states.rings[sample]
     lower, upper = leg_anchors(look, rings)
@@ -137,7 +128,6 @@ def SetScene(
         leg = f"{under}/brace/leg{k + 1}"
         set_transform(f"{leg}/tube", RigidTransform(R, a))
         set_transform(f"{leg}/rod", RigidTransform(R, b))
-    scale = scale or newtons_per_metre(states.pad_force)
     for i, (name, pose) in enumerate(zip(look.rings, rings, strict=True)):
         X_WR, contact = transform(pose), look.contacts[i]
         set_transform(f"{under}/brace/{name}", X_WR)
@@ -145,15 +135,23 @@ def SetScene(
             continue
         for side, s in enumerate((1.0, -1.0)):
             tip = X_WR @ np.array([0.0, s * _pad_back(contact), 0.03])
-            path = f"{under}/forces/{name}_{('left', 'right')[side]}"
-            arrow = states.pad_force[sample, i, side] / scale
+            word = ("left", "right")[side]
+            arrow = states.pad_force[sample, i, side] / scales.newtons_per_metre
+            path = f"{under}/forces/{name}_{word}"
             _SetArrow(path, tip, arrow, set_transform, set_property)
+            share = scales.pressures[sample, i, side] / scales.top
+            colour = [*colour_of(share), 1.0]
+            body = f"{under}/brace/{name}/{word}_pad/body"
+            set_property(body, "color", colour)
     if states.torso is not None and any(look.contacts):
         set_transform(f"{under}/torso", transform(states.torso[sample]))
 
 
 def make_animation(
-    look: Look, states: PlaybackStates, frames_per_second: float
+    look: Look,
+    states: PlaybackStates,
+    scales: Scales,
+    frames_per_second: float,
 ) -> MeshcatAnimation:
     """The motion, in real time, again and again."""
     animation = MeshcatAnimation(frames_per_second)
@@ -163,9 +161,13 @@ def make_animation(
             animation.SetTransform(frame, path, X)
 
         def set_property(path, name, value, frame=frame):
+            if name == "color":
+                # The viewer animates what its 3D objects have themselves.
+                path, name = f"{path}/<object>", "material.color"
+                value = value[0:3]
             animation.SetProperty(frame, path, name, value)
 
-        SetScene(look, states, sample, set_transform, set_property)
+        SetScene(look, states, scales, sample, set_transform, set_property)
     animation.set_autoplay(True)
     animation.set_loop_mode(MeshcatAnimation.LoopMode.kLoopRepeat)
     animation.set_repetitions(1000)

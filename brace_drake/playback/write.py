@@ -10,18 +10,22 @@ from pydrake.geometry import Meshcat, MeshcatParams
 
 from brace_drake.output import WriteText
 from brace_drake.playback.look import Look, make_look
-from brace_drake.playback.scene import (
-    AddScene,
-    SetScene,
-    make_animation,
-    newtons_per_metre,
+from brace_drake.playback.scales import (
+    NO_PRESSURE,
+    TOP_PRESSURE,
+    Scales,
+    make_scales,
 )
+from brace_drake.playback.scene import AddScene, SetScene, make_animation
 from brace_drake.playback.states import PlaybackStates
 from brace_drake.scenario.load import Scenario
 
 _FORCE = """\
 <span style="color:#cc141a">&#9632;</span> force of a {what}:
-    100 mm for {newtons:g} N, largest {largest:.1f} N<br>"""
+    100 mm for {newtons:g} N, largest {largest:.1f} N<br>
+    <span style="background:linear-gradient(90deg,{colours});
+    padding:0 24px">&nbsp;</span> mean pressure of a pad's face: 0 to {top:g}
+    kPa, largest {pressure:.2f} kPa<br>"""
 
 FRAMES_PER_SECOND = 25.0
 # What a headset would fetch; a page that is to be complete must not.
@@ -72,10 +76,13 @@ def AddPlayback(
         ScenarioError: The scenario's device has no rings.
     """
     look = make_look(scenario)
+    scales = make_scales(look, states)
     AddScene(meshcat, look, torso_mesh)
-    SetScene(look, states, 0, meshcat.SetTransform, meshcat.SetProperty)
+    SetScene(look, states, scales, 0, meshcat.SetTransform, meshcat.SetProperty)
     LookAtBrace(meshcat, look)
-    meshcat.SetAnimation(make_animation(look, states, frames_per_second))
+    meshcat.SetAnimation(
+        make_animation(look, states, scales, frames_per_second)
+    )
 
 
 def LookAtBrace(meshcat: Meshcat, look: Look) -> None:
@@ -108,7 +115,8 @@ def WritePlayback(
     AddPlayback(meshcat, scenario, states, frames_per_second, torso_mesh)
     text = meshcat.StaticHtml().replace(_OUTSIDE, "")
     title = title or scenario.device
-    caption = make_caption(states, title)
+    scales = make_scales(make_look(scenario), states)
+    caption = make_caption(states, scales, title)
     text = text.replace("Drake MeshCat", html.escape(title), 1)
     text = text.replace("<head>", _VIEWPORT, 1)
     head, body = text.split("<body>", 1)
@@ -140,16 +148,26 @@ def StartLocalMeshcat(host: str = "localhost") -> Meshcat:
         log.setLevel(level)
 
 
-def make_caption(states: PlaybackStates, title: str) -> str:
-    """The page's heading: what is seen, and the scale of the forces."""
+def make_caption(states: PlaybackStates, scales: Scales, title: str) -> str:
+    """The page's heading: what is seen, and the scales."""
     largest = float((states.pad_force**2).sum(axis=-1).max() ** 0.5)
-    newtons = 0.1 * newtons_per_metre(states.pad_force)
     what = "ring on the torso, at the pad that presses"
     if states.is_of_pads:
         what = "pad on the torso"
-    force = _FORCE.format(what=what, newtons=newtons, largest=largest)
+    force = _FORCE.format(
+        what=what,
+        newtons=0.1 * scales.newtons_per_metre,
+        largest=largest,
+        colours=",".join(_css(c) for c in (NO_PRESSURE, TOP_PRESSURE)),
+        top=1e-3 * scales.top,
+        pressure=1e-3 * float(scales.pressures.max()),
+    )
     return _CAPTION.format(
         title=html.escape(title),
         force=force if largest > 0.0 else "",
         seconds=float(states.times[-1] - states.times[0]),
     )
+
+
+def _css(colour) -> str:
+    return f"rgb({','.join(str(round(255 * share)) for share in colour)})"
