@@ -58,6 +58,7 @@ APPROXIMATIONS = {
     "tamsi": DiscreteContactApproximation.kTamsi,
 }
 STEP, STEPS, REPEATS = 1e-3, 4, 15
+_TICKS_US = 300, 500, 1000, 2000, 5000
 
 
 def make(loft, resolution, pad_resolution, points):
@@ -173,6 +174,8 @@ def draw(table, path):
     over_facet.set_ylim(bottom=0.0)
     over_facet.legend(frameon=False)
     over_time.set_xscale("log")
+    over_time.set_xticks(_TICKS_US, [f"{tick}" for tick in _TICKS_US])
+    over_time.minorticks_off()
     over_time.set_xlabel("plant step, us of the processor")
     for axes in (over_facet, over_time):
         axes.spines[["top", "right"]].set_visible(False)

@@ -23,7 +23,7 @@ from brace_drake.torso.solid import (
 
 DENSITY = 1000.0  # kg/m^3, of the torso: section 2.3 of the paper
 # Widest facet, m, and that under pads: what points of pads need for forces
-# within 4 %, measured by tools/torso_contact.py.
+# of single pads within 3 %, measured by tools/torso_contact.py.
 RESOLUTION, PAD_RESOLUTION = 0.025, 0.005
 # Depth of the shell, m: deeper than pads sink, and far from the axis.
 SHELL = 0.02
