@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context
+from pydrake.systems.framework import Context, Diagram
 from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.brace_station import BraceStation
@@ -50,11 +50,32 @@ def SimulateBench(
         marker (3), m; virtual position, m.
     """
     simulator = Simulator(station.diagram)
+    context = simulator.get_context()
+    AdvanceRun(simulator, station.diagram, duration, on_progress)
+    if at_end is not None:
+        at_end(station, context)
+    log = station.sink.FindLog(context).data().T
+    return np.hstack([log[:, 0:18], log[:, 19:20]])
+
+
+def AdvanceRun(
+    simulator: Simulator,
+    diagram: Diagram,
+    duration: float,
+    on_progress: OnProgress | None = None,
+) -> None:
+    """Advances a run from time 0 to its last sample.
+
+    Args:
+        simulator: Of the diagram, or of one around it.
+        diagram: Of the station.
+        duration: s.
+        on_progress: Called every 0.1 s of simulated time.
+    """
     context = simulator.get_mutable_context()
     # A callback finds its context's Python object faster than it makes one.
     contexts = [
-        system.GetMyContextFromRoot(context)
-        for system in station.diagram.GetSystems()
+        system.GetMyContextFromRoot(context) for system in diagram.GetSystems()
     ]
     with without_garbage_collection():
         if on_progress is not None:
@@ -64,10 +85,6 @@ def SimulateBench(
         # A little further, so that the last sample is among the events.
         simulator.AdvanceTo(duration + 1e-6)
     del contexts
-    if at_end is not None:
-        at_end(station, context)
-    log = station.sink.FindLog(context).data().T
-    return np.hstack([log[:, 0:18], log[:, 19:20]])
 
 
 @contextmanager

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context, DiagramBuilder
+from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput
 
 from brace_drake.brace_plant import AddGeometry
@@ -19,16 +18,17 @@ from brace_drake.errors import BraceError
 from brace_drake.laws import stages
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
-from brace_drake.simulate import MakeHeldNoise, without_garbage_collection
+from brace_drake.simulate import (
+    AdvanceRun,
+    AtEnd,
+    MakeHeldNoise,
+    OnProgress,
+)
 from brace_drake.systems.brace_controllers import MakeController
 from brace_drake.twin.brace_reference import MakeBraceReference
 from brace_drake.twin.reference import reference_columns
 
-# Called with the simulated time, s.
-OnProgress = Callable[[float], None]
-AtEnd = Callable[[BraceStation, Context], None]
 _LOGGED = ("drive_force", "leg_length", "force", "marker", "virtual")
-_PROGRESS_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def SimulateBrace(
     station = MakeBraceStation(
         scenario, controller, desired, noise, add_geometry, log_pads=log_pads
     )
-    logged = _Advance(station, scenario, end, on_progress or _ignore, at_end)
+    logged = _Advance(station, scenario, end, on_progress, at_end)
     if not all(np.isfinite(values).all() for values in logged.values()):
         raise BraceError("the simulated run broke down")
     # What is logged in multiples of a period is of no other length.
@@ -172,7 +172,7 @@ def _Advance(
     station: BraceStation,
     scenario: BraceScenario,
     end: float,
-    on_progress: OnProgress,
+    on_progress: OnProgress | None,
     at_end: AtEnd | None,
 ) -> dict[str, np.ndarray]:
     """Simulates from rest; each logged port's samples (N, size)."""
@@ -186,31 +186,18 @@ def _Advance(
     }
     diagram = builder.Build()
     simulator = Simulator(diagram)
-    context = simulator.get_mutable_context()
-    # A callback finds its context's Python object faster than it makes one.
-    contexts = [
-        system.GetMyContextFromRoot(context) for system in inner.GetSystems()
-    ]
     try:
-        with without_garbage_collection():
-            for time in np.arange(_PROGRESS_S, end, _PROGRESS_S):
-                simulator.AdvanceTo(time)
-                on_progress(time)
-            # A little further, so that the last sample is among the events.
-            simulator.AdvanceTo(end + 1e-6)
+        AdvanceRun(simulator, inner, end, on_progress)
     except RuntimeError as error:
         raise BraceError(f"the simulated run broke down: {error}") from error
-    on_progress(end)
-    del contexts
+    if on_progress is not None:
+        on_progress(end)
+    context = simulator.get_context()
     if at_end is not None:
         at_end(station, context)
     return {
         name: sink.FindLog(context).data().T for name, sink in sinks.items()
     }
-
-
-def _ignore(time: float) -> None:
-    pass
 
 
 def _ring_states(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -135,11 +135,6 @@ def _check(policy: Policy, path: str | Path) -> None:
             f"{path}: the network has {size} outputs; allowed:"
             f" {len(policy.law.start)}, as there are stiffnesses"
         )
-
-
-def with_rate(policy: Policy, largest: float) -> Policy:
-    """A copy with another rate limit: largest change at a decision."""
-    return replace(policy, law=replace(policy.law, largest=largest))
 
 
 def ExportOnnx(policy: Policy, path: str | Path) -> None:

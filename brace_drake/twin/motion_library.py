@@ -55,18 +55,6 @@ class SafeMotion:
         return Run(file, self.contact, self.kind, None, "fit", channels)
 
 
-def motion_of_run(run: Run, meaning: str) -> SafeMotion:
-    """A run's reference as a motion from time 0."""
-    return SafeMotion(
-        run.name,
-        meaning,
-        run.contact,
-        run.motion,
-        run.time_s - run.time_s[0],
-        run.stack(COLUMNS),
-    )
-
-
 def _hold(t):
     return np.zeros((len(t), 3))
 
