@@ -18,8 +18,13 @@ from pydrake.trajectories import Trajectory
 from brace_drake.brace_plant import AddGeometry, plant_resolves_contact
 from brace_drake.effects.stack import Use, stack_laws
 from brace_drake.errors import ScenarioError
+from brace_drake.hardware.limits import Limits
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import BraceNumbers, pack_brace
+from brace_drake.scenario.brace_numbers import (
+    BraceNumbers,
+    pack_brace,
+    pack_rings,
+)
 from brace_drake.station_parts import (
     AddBrace,
     AddDrives,
@@ -27,7 +32,9 @@ from brace_drake.station_parts import (
     Feed,
     Join,
 )
+from brace_drake.station_safety import NAME, AddSupervisor, Supervision
 from brace_drake.systems.contact_force import AddPadForceLog
+from brace_drake.systems.safety_supervisor import SafetySupervisor
 
 
 @dataclass
@@ -55,6 +62,13 @@ class BraceStation:
     state_sink: VectorLogSink
     pad_sink: VectorLogSink | None = None
 
+    @property
+    def supervisor(self) -> SafetySupervisor | None:
+        """What may have stopped it, where it was built with limits."""
+        if not self.diagram.HasSubsystemNamed(NAME):
+            return None
+        return self.diagram.GetSubsystemByName(NAME)
+
 
 def MakeBraceStation(
     scenario: BraceScenario,
@@ -64,6 +78,7 @@ def MakeBraceStation(
     add_geometry: AddGeometry | None = None,
     uses: Sequence[Use] = (),
     log_pads: bool = False,
+    limits: Limits | None = None,
 ) -> BraceStation:
     """Builds the brace of a scenario around a controller.
 
@@ -81,6 +96,8 @@ def MakeBraceStation(
             pads are linear; those that change the brace's numbers are not for
             it.
         log_pads: Also log the forces of single pads, see `BraceStation`.
+        limits: Of a supervisor behind the controller, which then has the
+            output `estimate`; None: there is none.
 
     Raises:
         EffectError: Effects that this brace does not take.
@@ -100,9 +117,14 @@ def MakeBraceStation(
         builder.ExportInput(drives.get_input_port(), "leg_command")
     else:
         _check_ports(controller, numbers.num_stages)
+        supervision = None
+        if limits is not None:
+            rings = pack_rings(scenario)
+            supervision = Supervision(limits, rings, numbers.viscous, period)
         ports |= ConnectController(
-            builder, controller, readings, drives, desired
-        )
+            builder, controller, readings, drives, desired,
+            supervision=supervision,
+        )  # fmt: skip
     logged = Join(builder, "log_row", [drive_force, logged])
     plant, period = parts.plant, scenario.sensors.log_period
     sinks = FinishStation(
@@ -178,8 +200,11 @@ def ConnectController(
     drives: System,
     desired: Trajectory | OutputPort | None,
     stiffness: OutputPort | None = None,
+    supervision: Supervision | None = None,
 ) -> dict[str, OutputPort]:
     """Adds a controller between readings and what takes its commands.
+
+    With `supervision` there is a safety supervisor behind it.
 
     Inputs that nothing feeds are exported.
 
@@ -195,11 +220,13 @@ def ConnectController(
     Feed(builder, controller.GetInputPort("desired"), desired)
     if controller.HasInputPort("stiffness"):
         Feed(builder, controller.GetInputPort("stiffness"), stiffness)
-    builder.Connect(
-        controller.GetOutputPort("leg_command"), drives.get_input_port()
-    )
-    return {
+    ports = {
         name: controller.GetOutputPort(name)
         for name in ("leg_command", "virtual", "impedance", "estimate")
         if controller.HasOutputPort(name)
     }
+    if supervision is None:
+        builder.Connect(ports["leg_command"], drives.get_input_port())
+    else:
+        AddSupervisor(builder, supervision, readings, ports, drives)
+    return ports

@@ -15,6 +15,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from brace_drake.brace_station import BraceStation
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import BraceError
+from brace_drake.hardware.limits import Limits
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.station import MakeBenchStation
 from brace_drake.twin.bench_rollout import CHANNELS
@@ -106,6 +107,7 @@ def RecordBench(
     at_end: AtEnd | None = None,
     on_progress: OnProgress | None = None,
     log_pads: bool = False,
+    limits: Limits | None = None,
 ) -> Run:
     """A recording that the diagram makes of a reference, from rest.
 
@@ -114,7 +116,7 @@ def RecordBench(
         run: With a reference; its `contact` says whether the torso is there.
         noise_seed: Of the instruments' noise; None: exact readings.
         at_end, on_progress: See `SimulateBench`.
-        log_pads: See `MakeBenchStation`.
+        log_pads, limits: See `MakeBenchStation`.
 
     Returns:
         The run with all channels of the bench, every `log_period`.
@@ -131,7 +133,7 @@ def RecordBench(
         noise = MakeHeldNoise(draws, times[-1], scenario.control.rate)
     scenario = replace(scenario, torso=torso)
     station = MakeBenchStation(
-        scenario, reference, noise=noise, log_pads=log_pads
+        scenario, reference, noise=noise, log_pads=log_pads, limits=limits
     )
     try:
         log = SimulateBench(station, times[-1], at_end, on_progress)

@@ -15,6 +15,7 @@ from brace_drake.brace_station import BraceStation, MakeBraceStation
 from brace_drake.campaign.columns import BENCH, BRACE, BRACE_STAGES
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import BraceError
+from brace_drake.hardware.limits import Limits
 from brace_drake.laws import stages
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
@@ -66,6 +67,7 @@ def SimulateBrace(
     add_geometry: AddGeometry | None = None,
     at_end: AtEnd | None = None,
     log_pads: bool = False,
+    limits: Limits | None = None,
 ) -> BraceLog:
     """Runs a scenario's brace, with its controller, over a reference.
 
@@ -76,7 +78,7 @@ def SimulateBrace(
         on_progress: Called every 0.1 s of simulated time.
         add_geometry: See `AddBracePlant`, as `torso.contact` makes it.
         at_end: Called with station and root context after the run.
-        log_pads: See `MakeBraceStation`.
+        log_pads, limits: See `MakeBraceStation`.
 
     Raises:
         BraceError: The reference is of other rings, the run broke down, or a
@@ -95,8 +97,9 @@ def SimulateBrace(
     if not run.contact:
         add_geometry = None
     station = MakeBraceStation(
-        scenario, controller, desired, noise, add_geometry, log_pads=log_pads
-    )
+        scenario, controller, desired, noise, add_geometry, log_pads=log_pads,
+        limits=limits,
+    )  # fmt: skip
     logged = _Advance(station, scenario, end, on_progress, at_end)
     if not all(np.isfinite(values).all() for values in logged.values()):
         raise BraceError("the simulated run broke down")
@@ -127,6 +130,7 @@ def RecordBrace(
     add_geometry: AddGeometry | None = None,
     at_end: AtEnd | None = None,
     log_pads: bool = False,
+    limits: Limits | None = None,
 ) -> Run:
     """A recording of a reference: `SimulateBrace` as channels.
 
@@ -134,8 +138,9 @@ def RecordBrace(
     as the bench does, legs 1 to 6.
     """
     log = SimulateBrace(
-        scenario, run, noise_seed, on_progress, add_geometry, at_end, log_pads
-    )
+        scenario, run, noise_seed, on_progress, add_geometry, at_end, log_pads,
+        limits,
+    )  # fmt: skip
     lowest = 1 if recorded_device(scenario) == BENCH else scenario.stages[0]
     channels = {"time_s": log.time}
     for k in range(log.leg_length.shape[1]):

@@ -24,6 +24,7 @@ from brace_drake.brace_station import (
 )
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.errors import EffectError
+from brace_drake.hardware.limits import Limits
 from brace_drake.laws import kernels
 from brace_drake.laws.plug_in import PlugIn
 from brace_drake.scenario.bench import BenchScenario
@@ -34,7 +35,7 @@ from brace_drake.scenario.bench_numbers import (
     pack_bench_control,
 )
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import BraceNumbers
+from brace_drake.scenario.brace_numbers import BraceNumbers, pack_rings
 from brace_drake.scenario.control_numbers import ControlNumbers
 from brace_drake.scenario.effects import scenario_uses
 from brace_drake.station_parts import (
@@ -45,6 +46,7 @@ from brace_drake.station_parts import (
     Feed,
     Join,
 )
+from brace_drake.station_safety import Supervision
 from brace_drake.systems.brace_controllers import BracePic
 from brace_drake.systems.pic_controller import PicController, pack_tick_law
 
@@ -58,6 +60,7 @@ class _Loop:
     control: ControlNumbers
     plug_ins: Mapping[str, PlugIn]
     noise: Trajectory | None
+    limits: Limits | None
 
 
 def MakeBenchStation(
@@ -66,6 +69,7 @@ def MakeBenchStation(
     uses: Sequence[Use] = (),
     noise: Trajectory | None = None,
     log_pads: bool = False,
+    limits: Limits | None = None,
 ) -> BraceStation:
     """Builds the bench of a scenario that follows a reference.
 
@@ -82,6 +86,8 @@ def MakeBenchStation(
         noise: Standard normal draws (12 rows), constant around each tick, in
             place of the exported port.
         log_pads: Also log the forces of single pads, see `BraceStation`.
+        limits: Of a supervisor behind the controller, in layout `blocks`
+            whatever the scenario says; None: there is none.
 
     Raises:
         EffectError: More effects than the twin carries, or effects of a
@@ -98,8 +104,9 @@ def MakeBenchStation(
     parts = AddBrace(builder, brace, numbers, plug_ins)
     source = builder.AddNamedSystem("reference", TrajectorySource(reference))
     control = pack_bench_control(brace, bench)
-    loop = _Loop(brace, numbers, control, plug_ins, noise)
-    add = _LAYOUTS[scenario.control.layout]
+    loop = _Loop(brace, numbers, control, plug_ins, noise, limits)
+    layout = scenario.control.layout if limits is None else "blocks"
+    add = _LAYOUTS[layout]
     ports, logged = add(builder, parts, source.get_output_port(), loop)
     period = scenario.sensors.log_period
     sinks = FinishStation(
@@ -152,9 +159,16 @@ def _AddBlocks(
     )
     pic = BracePic(loop.control)
     pic.set_name("pic_controller")
+    supervision = None
+    if loop.limits is not None:
+        rings = pack_rings(loop.scenario)
+        supervision = Supervision(
+            loop.limits, rings, loop.numbers.viscous, loop.control.period
+        )
     ports = ConnectController(
-        builder, pic, readings, drives, desired.get_output_port()
-    )
+        builder, pic, readings, drives, desired.get_output_port(),
+        supervision=supervision,
+    )  # fmt: skip
     ports = {"drive_force": drives.get_output_port(), **readings, **ports}
     row = [ports["drive_force"], read, ports["virtual"]]
     return ports, Join(builder, "log_row", row)

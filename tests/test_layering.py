@@ -27,6 +27,7 @@ LAYERS = (
         "leg_station",
         "pad_station",
         "station_parts",
+        "station_safety",
         "brace_station",
         "simulate",
         "simulate_brace",

@@ -60,6 +60,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="of personalize: what the hydroelastic rings of a brace meet"
         " (default: half spaces)",
     )
+    parser.add_argument(
+        "--limits",
+        metavar="FILE",
+        help="hold these limits as on a device, such as diagrams/limits.yaml:"
+        " what breaks them releases the rings (default: no supervisor)",
+    )
     AddNoiseSeed(parser)
     AddPlaybackOptions(parser)
     parser.set_defaults(run=Run)
@@ -92,12 +98,33 @@ def Run(args: argparse.Namespace) -> int:
     )
     seconds = recorded.time_s[-1]
     print(f"campaign: {out}, {recorded.file}, {seconds:.3f} s")
+    _print_stop(*ended[0])
     if wants_playback(args):
         scenario.torso.present = recorded.contact
         states = _states(scenario, recorded, *ended[0])
         title = f"{subject}, {recorded.file}"
         PlayStates(args, scenario, states, title, _torso_mesh(args))
     return 0
+
+
+def _print_stop(station, context) -> None:
+    """Says what a supervisor has stopped, where there is one."""
+    if station.supervisor is None:
+        return
+    own = station.supervisor.GetMyContextFromRoot(context)
+    memory = station.supervisor.memory(own)
+    if memory.trip.cause:
+        print(f"stopped at {memory.since:.3f} s: {memory.trip}")
+    else:
+        print("limits: held")
+
+
+def _load_limits(scenario, args):
+    """Of --limits, for the scenario's rings; None without."""
+    from brace_drake.hardware.limits_file import LoadLimits
+
+    rings = getattr(scenario, "stages", [2])
+    return LoadLimits(args.limits, rings) if args.limits else None
 
 
 def _states(scenario, recorded, station, context):
@@ -134,6 +161,7 @@ def _record_bench(scenario, args, at_end):
             at_end,
             on_progress,
             wants_playback(args),
+            _load_limits(scenario, args),
         )
     return recorded, scenario.device, ()
 
@@ -167,5 +195,6 @@ def _record_brace(scenario, args, at_end):
             add_geometry,
             at_end,
             wants_playback(args),
+            _load_limits(scenario, args),
         )
     return recorded, recorded_device(scenario), recorded_stages(scenario)

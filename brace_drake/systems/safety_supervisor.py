@@ -31,6 +31,8 @@ class SafetySupervisor(LeafSystem):
         pose: X of each ring (n,); may be left unconnected.
         virtual_pose: X_v of each ring (n,); may be left unconnected.
         stiffness: K_d of each ring (n,); may be left unconnected.
+        expected_force: What the legs leave for the torso (n / 2,), N, that
+            `force` may not be far from; may be left unconnected.
         reading_time: When the readings were taken (1,), s; unconnected: now.
         request: 1 arms (from RELEASED), 2 disarms, 3 stops, 4 clears (1,); acts
             when it changes. Unconnected: armed from the start.
@@ -57,18 +59,22 @@ class SafetySupervisor(LeafSystem):
         self._pose_port = declare("pose", n)
         self._virtual_port = declare("virtual_pose", n)
         self._stiffness_port = declare("stiffness", n)
+        self._expected_port = declare("expected_force", n // 2)
         self._time_port = declare("reading_time", 1)
         self._request_port = declare("request", 1)
         start = safety.start_memory(self._setup)
         self._memory = int(
             self.DeclareAbstractState(AbstractValue.Make((start, 0.0, False)))
         )
-        for name, size, calc in (
-            ("leg_command", n, self._CalcCommand),
-            ("stiffness", n, self._CalcStiffness),
-            ("status", NUM_STATUS, self._CalcStatus),
+        for name, size, calc, ports in (
+            ("leg_command", n, self._CalcCommand, [self._command_port]),
+            ("stiffness", n, self._CalcStiffness, [self._stiffness_port]),
+            ("status", NUM_STATUS, self._CalcStatus, []),
         ):
-            self.DeclareVectorOutputPort(name, BasicVector(size), calc)
+            # Else what sees a command that passed could not be an input.
+            tickets = {self.input_port_ticket(p.get_index()) for p in ports}
+            tickets.add(self.all_state_ticket())
+            self.DeclareVectorOutputPort(name, BasicVector(size), calc, tickets)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             period, period - TICK_LEAD / 2.0, self._Tick
         )
@@ -116,6 +122,7 @@ class SafetySupervisor(LeafSystem):
             self._force_port.Eval(context).tolist(),
             pose=optional(self._pose_port),
             virtual=optional(self._virtual_port),
+            expected=optional(self._expected_port),
         )
 
     def _CalcCommand(self, context: Context, output: BasicVector) -> None:
