@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context, Diagram
+from pydrake.systems.framework import Context
 from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.brace_station import BraceStation
@@ -25,11 +25,11 @@ from brace_drake.twin.reference import (
     reference_of_run,
 )
 
-# Takes the station and its context when a run is over.
+# Takes the station and the root context, when a run is over or as it goes on.
 AtEnd = Callable[[BraceStation, Context], None]
 # Called with the simulated time, s.
 OnProgress = Callable[[float], None]
-_PROGRESS_S = 0.1
+_PROGRESS_S, _WATCH_S = 0.1, 0.04
 
 
 def SimulateBench(
@@ -37,6 +37,7 @@ def SimulateBench(
     duration: float,
     at_end: AtEnd | None = None,
     on_progress: OnProgress | None = None,
+    watch: AtEnd | None = None,
 ) -> np.ndarray:
     """Simulates the diagram from rest.
 
@@ -45,6 +46,7 @@ def SimulateBench(
         duration: s.
         at_end: See AtEnd; for logs beside the one that is returned.
         on_progress: Called every 0.1 s of simulated time.
+        watch: Called every 0.04 s; the run then is no faster than real time.
 
     Returns:
         Log (samples, 19): commands (6), N; lengths (6), m; force (3), N;
@@ -52,7 +54,7 @@ def SimulateBench(
     """
     simulator = Simulator(station.diagram)
     context = simulator.get_context()
-    AdvanceRun(simulator, station.diagram, duration, on_progress)
+    AdvanceRun(simulator, station, duration, on_progress, watch)
     if at_end is not None:
         at_end(station, context)
     log = station.sink.FindLog(context).data().T
@@ -61,23 +63,29 @@ def SimulateBench(
 
 def AdvanceRun(
     simulator: Simulator,
-    diagram: Diagram,
+    station: BraceStation,
     duration: float,
     on_progress: OnProgress | None = None,
+    watch: AtEnd | None = None,
 ) -> None:
     """Advances a run from time 0 to its last sample.
 
     Args:
-        simulator: Of the diagram, or of one around it.
-        diagram: Of the station.
+        simulator: Of the station's diagram, or of one around it.
+        station: Of bench or brace.
         duration: s.
         on_progress: Called every 0.1 s of simulated time.
+        watch: See `SimulateBench`.
     """
     context = simulator.get_mutable_context()
     # A callback finds its context's Python object faster than it makes one.
     contexts = [
-        system.GetMyContextFromRoot(context) for system in diagram.GetSystems()
+        system.GetMyContextFromRoot(context)
+        for system in station.diagram.GetSystems()
     ]
+    if watch is not None:
+        simulator.set_target_realtime_rate(1.0)
+        _monitor(simulator, station, watch)
     with without_garbage_collection():
         if on_progress is not None:
             for time in np.arange(_PROGRESS_S, duration, _PROGRESS_S):
@@ -86,6 +94,18 @@ def AdvanceRun(
         # A little further, so that the last sample is among the events.
         simulator.AdvanceTo(duration + 1e-6)
     del contexts
+
+
+def _monitor(simulator: Simulator, station: BraceStation, watch: AtEnd) -> None:
+    shown = [-1]
+
+    def Look(root: Context):
+        frame = int(root.get_time() / _WATCH_S + 1e-9)
+        if frame > shown[0]:
+            shown[0] = frame
+            watch(station, root)
+
+    simulator.set_monitor(Look)
 
 
 @contextmanager
@@ -108,6 +128,7 @@ def RecordBench(
     on_progress: OnProgress | None = None,
     log_pads: bool = False,
     limits: Limits | None = None,
+    watch: AtEnd | None = None,
 ) -> Run:
     """A recording that the diagram makes of a reference, from rest.
 
@@ -115,7 +136,7 @@ def RecordBench(
         scenario: Of the bench, with the effects that it carries.
         run: With a reference; its `contact` says whether the torso is there.
         noise_seed: Of the instruments' noise; None: exact readings.
-        at_end, on_progress: See `SimulateBench`.
+        at_end, on_progress, watch: See `SimulateBench`.
         log_pads, limits: See `MakeBenchStation`.
 
     Returns:
@@ -136,7 +157,7 @@ def RecordBench(
         scenario, reference, noise=noise, log_pads=log_pads, limits=limits
     )
     try:
-        log = SimulateBench(station, times[-1], at_end, on_progress)
+        log = SimulateBench(station, times[-1], at_end, on_progress, watch)
     except RuntimeError as error:
         raise BraceError(f"the simulated run broke down: {error}") from error
     if not np.isfinite(log).all():

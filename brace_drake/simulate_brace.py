@@ -68,6 +68,7 @@ def SimulateBrace(
     at_end: AtEnd | None = None,
     log_pads: bool = False,
     limits: Limits | None = None,
+    watch: AtEnd | None = None,
 ) -> BraceLog:
     """Runs a scenario's brace, with its controller, over a reference.
 
@@ -79,6 +80,7 @@ def SimulateBrace(
         add_geometry: See `AddBracePlant`, as `torso.contact` makes it.
         at_end: Called with station and root context after the run.
         log_pads, limits: See `MakeBraceStation`.
+        watch: See `SimulateBench`.
 
     Raises:
         BraceError: The reference is of other rings, the run broke down, or a
@@ -100,7 +102,7 @@ def SimulateBrace(
         scenario, controller, desired, noise, add_geometry, log_pads=log_pads,
         limits=limits,
     )  # fmt: skip
-    logged = _Advance(station, scenario, end, on_progress, at_end)
+    logged = _Advance(station, scenario, end, on_progress, at_end, watch)
     if not all(np.isfinite(values).all() for values in logged.values()):
         raise BraceError("the simulated run broke down")
     # What is logged in multiples of a period is of no other length.
@@ -122,25 +124,17 @@ def SimulateBrace(
     return log
 
 
-def RecordBrace(
-    scenario: BraceScenario,
-    run: Run,
-    noise_seed: int | None = None,
-    on_progress: OnProgress | None = None,
-    add_geometry: AddGeometry | None = None,
-    at_end: AtEnd | None = None,
-    log_pads: bool = False,
-    limits: Limits | None = None,
-) -> Run:
+def RecordBrace(scenario: BraceScenario, run: Run, **options) -> Run:
     """A recording of a reference: `SimulateBrace` as channels.
 
     Legs and rings have the numbers of the whole brace; stage 2 alone records
     as the bench does, legs 1 to 6.
+
+    Args:
+        scenario, run: See `SimulateBrace`.
+        options: Its other arguments.
     """
-    log = SimulateBrace(
-        scenario, run, noise_seed, on_progress, add_geometry, at_end, log_pads,
-        limits,
-    )  # fmt: skip
+    log = SimulateBrace(scenario, run, **options)
     lowest = 1 if recorded_device(scenario) == BENCH else scenario.stages[0]
     channels = {"time_s": log.time}
     for k in range(log.leg_length.shape[1]):
@@ -179,6 +173,7 @@ def _Advance(
     end: float,
     on_progress: OnProgress | None,
     at_end: AtEnd | None,
+    watch: AtEnd | None,
 ) -> dict[str, np.ndarray]:
     """Simulates from rest; each logged port's samples (N, size)."""
     builder = DiagramBuilder()
@@ -192,7 +187,7 @@ def _Advance(
     diagram = builder.Build()
     simulator = Simulator(diagram)
     try:
-        AdvanceRun(simulator, inner, end, on_progress)
+        AdvanceRun(simulator, station, end, on_progress, watch)
     except RuntimeError as error:
         raise BraceError(f"the simulated run broke down: {error}") from error
     if on_progress is not None:

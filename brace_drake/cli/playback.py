@@ -17,7 +17,8 @@ def AddPlaybackOptions(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--meshcat",
         action="store_true",
-        help="then play it in a browser on this machine until Enter",
+        help="show it in a browser on this machine: a simulation as it runs, in"
+        " real time, and what has ended again and again until Enter",
     )
 
 
@@ -32,6 +33,7 @@ def PlayStates(
     states,
     title: str,
     torso_mesh: Path | None = None,
+    meshcat=None,
 ) -> None:
     """Does what --html and --meshcat ask for.
 
@@ -41,6 +43,7 @@ def PlayStates(
         states: PlaybackStates of a run.
         title: Of the page.
         torso_mesh: File of the torso's surface; else a plain one is drawn.
+        meshcat: That has shown it live; None: a new one.
 
     Raises:
         OutputError: The page cannot be written.
@@ -51,7 +54,7 @@ def PlayStates(
         WritePlayback(scenario, states, args.html, title, torso_mesh=torso_mesh)
         print(f"playback: {args.html}")
     if args.meshcat:
-        meshcat = ShowPlayback(scenario, states, torso_mesh)
+        meshcat = ShowPlayback(scenario, states, torso_mesh, meshcat)
         try:
             input(f"playing at {meshcat.web_url()}; Enter ends it. ")
         except EOFError:

@@ -88,7 +88,7 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.campaign import Campaign, WriteCampaign
 
     out, ended = Path(args.out), []
-    recorded, device, stages = record[scenario.device](
+    recorded, device, stages, live = record[scenario.device](
         scenario, args, lambda *end: ended.append(end)
     )
     rate = 1.0 / scenario.sensors.log_period
@@ -103,7 +103,7 @@ def Run(args: argparse.Namespace) -> int:
         scenario.torso.present = recorded.contact
         states = _states(scenario, recorded, *ended[0])
         title = f"{subject}, {recorded.file}"
-        PlayStates(args, scenario, states, title, _torso_mesh(args))
+        PlayStates(args, scenario, states, title, _torso_mesh(args), live)
     return 0
 
 
@@ -153,17 +153,12 @@ def _record_bench(scenario, args, at_end):
     if args.torso:
         raise ScenarioError(f"{args.scenario}: --torso is for a brace")
     run = load_motion(args.motion)
+    options, live = _options(scenario, args, run, at_end)
     with MakeBar(run) as on_progress:
         recorded = RecordBench(
-            scenario,
-            run,
-            args.noise_seed,
-            at_end,
-            on_progress,
-            wants_playback(args),
-            _load_limits(scenario, args),
+            scenario, run, on_progress=on_progress, **options
         )
-    return recorded, scenario.device, ()
+    return recorded, scenario.device, (), live
 
 
 def _record_brace(scenario, args, at_end):
@@ -186,15 +181,32 @@ def _record_brace(scenario, args, at_end):
         from brace_drake.torso.folder import LoadTorso
 
         add_geometry = MakeTorsoGeometry(LoadTorso(args.torso))
+    options, live = _options(scenario, args, run, at_end)
     with MakeBar(run) as on_progress:
         recorded = RecordBrace(
             scenario,
             run,
-            args.noise_seed,
-            on_progress,
-            add_geometry,
-            at_end,
-            wants_playback(args),
-            _load_limits(scenario, args),
+            on_progress=on_progress,
+            add_geometry=add_geometry,
+            **options,
         )
-    return recorded, recorded_device(scenario), recorded_stages(scenario)
+    device, stages = recorded_device(scenario), recorded_stages(scenario)
+    return recorded, device, stages, live
+
+
+def _options(scenario, args, run, at_end):
+    """Of either recording; and the Meshcat that shows it live, or None."""
+    options = {
+        "noise_seed": args.noise_seed,
+        "at_end": at_end,
+        "log_pads": wants_playback(args),
+        "limits": _load_limits(scenario, args),
+    }
+    if not args.meshcat:
+        return options, None
+    from brace_drake.playback.live import LiveScene
+
+    scenario.torso.present = run.contact
+    scene = LiveScene(scenario, _torso_mesh(args))
+    print(f"live at {scene.meshcat.web_url()}", flush=True)
+    return options | {"watch": scene.Show}, scene.meshcat

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from brace_drake.errors import KinematicsError
+from brace_drake.playback.live import PlaceNow
 from brace_drake.playback.look import make_look
-from brace_drake.playback.scales import Scales, calc_pressures
-from brace_drake.playback.scene import AddScene, SetScene
+from brace_drake.playback.scene import AddScene
 from brace_drake.playback.states import states_of_readings
 from brace_drake.playback.write import LookAtBrace, StartLocalMeshcat
 from brace_drake.scenario.bench import BenchScenario
@@ -15,8 +15,6 @@ from brace_drake.scenario.brace import BraceScenario
 
 DEVICE, TWIN = "/device", "/twin"
 _GHOST = 0.35
-# Of arrows, N/m, and of pads' colours, Pa: the same for both, all the time.
-_SCALE, _TOP = 200.0, 5000.0
 
 
 class Overlay:
@@ -67,10 +65,4 @@ class Overlay:
             readings[None, legs:-3],
             torso,
         )
-        pressures = calc_pressures(
-            states.rings, states.pad_force, look.contacts
-        )
-        SetScene(
-            look, states, Scales(_SCALE, pressures, _TOP), 0,
-            self.meshcat.SetTransform, self.meshcat.SetProperty, under,
-        )  # fmt: skip
+        PlaceNow(self.meshcat, look, states, under)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from brace_drake.brace_station import BraceStation
@@ -109,24 +110,57 @@ def states_of_run(
             station's log (N, 3 S), N.
     """
     log, plant = station.state_sink.FindLog(context), station.plant
-    own = plant.CreateDefaultContext()
-    names = [*rings, "torso"] if plant.HasBodyNamed("torso") else list(rings)
-    bodies = [plant.GetBodyByName(name) for name in names]
-    poses = np.empty((log.num_samples(), len(bodies), 7))
-    for row, now in zip(poses, log.data().T, strict=True):
+    own, poses = plant.CreateDefaultContext(), []
+    for now in log.data().T:
         plant.SetPositionsAndVelocities(own, now)
-        for pose, body in zip(row, bodies, strict=True):
-            X_WB = plant.EvalBodyPoseInWorld(own, body)
-            pose[0:4] = X_WB.rotation().ToQuaternion().wxyz()
-            pose[4:7] = X_WB.translation()
-    n, times = len(rings), log.sample_times().copy()
-    torso = poses[:, n] if len(names) > n else None
+        poses.append(_read_poses(plant, own, rings))
+    poses, n, times = np.array(poses), len(rings), log.sample_times().copy()
+    torso = poses[:, n] if poses.shape[1] > n else None
     if station.pad_sink is not None:
         pads = station.pad_sink.FindLog(context).data().T
         pad_force, is_of_pads = pads.reshape(-1, n, 2, 3), True
     else:
         pad_force, is_of_pads = place_on_pads(force), False
     return PlaybackStates(times, poses[:, :n], torso, pad_force, is_of_pads)
+
+
+def states_of_now(
+    station: BraceStation, context: Context, rings: Sequence[str]
+) -> PlaybackStates:
+    """The same of a run that goes on, at one time.
+
+    Args:
+        station: Of bench or brace.
+        context: The root one.
+        rings: Names of its moving rings, bottom to top.
+    """
+    plant, n = station.plant, len(rings)
+    own = plant.GetMyContextFromRoot(context)
+    poses = _read_poses(plant, own, rings)[None]
+    torso = poses[:, n] if poses.shape[1] > n else None
+    times = np.array([context.get_time()])
+    if station.pad_sink is not None:
+        pads = station.diagram.GetSubsystemByName("pad_forces")
+        force = pads.get_output_port().Eval(pads.GetMyContextFromRoot(context))
+        pad_force, is_of_pads = force.reshape((1, n, 2, 3)), True
+    else:
+        diagram = station.diagram.GetMyContextFromRoot(context)
+        force = station.diagram.GetOutputPort("force").Eval(diagram)
+        pad_force, is_of_pads = place_on_pads(force[None]), False
+    return PlaybackStates(times, poses[:, :n], torso, pad_force, is_of_pads)
+
+
+def _read_poses(
+    plant: MultibodyPlant, own: Context, rings: Sequence[str]
+) -> np.ndarray:
+    """q, p in W of the rings and, where there is one, the torso (n, 7)."""
+    names = [*rings, "torso"] if plant.HasBodyNamed("torso") else list(rings)
+    poses = np.empty((len(names), 7))
+    for pose, name in zip(poses, names, strict=True):
+        X_WB = plant.EvalBodyPoseInWorld(own, plant.GetBodyByName(name))
+        pose[0:4] = X_WB.rotation().ToQuaternion().wxyz()
+        pose[4:7] = X_WB.translation()
+    return poses
 
 
 def states_of_readings(

@@ -124,14 +124,21 @@ def WritePlayback(
 
 
 def ShowPlayback(
-    scenario: Scenario, states: PlaybackStates, torso_mesh: Path | None = None
+    scenario: Scenario,
+    states: PlaybackStates,
+    torso_mesh: Path | None = None,
+    meshcat: Meshcat | None = None,
 ) -> Meshcat:
     """Plays the motion in browsers on this machine, as long as the result is.
+
+    Args:
+        scenario, states, torso_mesh: See `AddPlayback`.
+        meshcat: Where to; None: a new one.
 
     Raises:
         ScenarioError: The scenario's device has no rings.
     """
-    meshcat = StartLocalMeshcat()
+    meshcat = meshcat or StartLocalMeshcat()
     AddPlayback(meshcat, scenario, states, torso_mesh=torso_mesh)
     return meshcat
 
