@@ -122,11 +122,13 @@ class TestImport(unittest.TestCase):
     def test_every_mistake_has_its_line(self):
         self.write_text()
         (self.folder / "short.csv").write_text("Time,Travel,Load\n1,2\n")
+        (self.folder / "one.csv").write_text("Time,Travel,Load\n1,2,3\n")
         (self.folder / "bad.mat").write_text("no")
         for file, more, text, words in (
             ("none.csv", "", MAP, "none.csv: no such file"),
             ("a.xlsx", "", MAP, "known are"),
             ("short.csv", "", MAP, "row 1 has 2 fields"),
+            ("one.csv", "", MAP, "one.csv: it has 1 samples"),
             ("bad.mat", "", MAP, "not a MATLAB file"),
             ("a.csv", "", MAP.replace("Travel", "Trvel"), "mean 'Travel'"),
             ("a.csv", "", MAP.replace("force_N", "force_n"), "mean force_N"),

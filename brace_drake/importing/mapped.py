@@ -135,6 +135,11 @@ def _ImportRun(path, item, rules, options, rate) -> Run:
         raise CampaignError(
             f"{source}: the columns differ in length: {sorted(lengths)}"
         )
+    (samples,) = lengths
+    if samples < 2:
+        raise CampaignError(
+            f"{source}: it has {samples} samples; allowed: two or more"
+        )
     channels["time_s"] = channels["time_s"] - channels["time_s"][0]
     if rate is not None:
         channels = _resample(source, channels, float(rate))

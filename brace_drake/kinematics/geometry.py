@@ -115,7 +115,8 @@ def _check_rest(geometry: BraceGeometry) -> None:
             )
         radius = np.linalg.norm(geometry.upper[i], axis=1).max()
         scaled = J[i] / np.array([1, 1, 1, radius, radius, radius])
-        if np.linalg.svd(scaled, compute_uv=False)[-1] < 1e-6:
+        finite = np.isfinite(scaled).all()
+        if not finite or np.linalg.svd(scaled, compute_uv=False)[-1] < 1e-6:
             raise KinematicsError(
                 f"stage {i + 1} from below is singular at rest: its legs do"
                 " not hold its ring"

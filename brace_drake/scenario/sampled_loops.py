@@ -14,7 +14,8 @@ def spectral_radius(
 
     x'' = -kp x - kd v - I between ticks; at a tick v is the backward difference
     of x through the estimator's low pass, and I grows by period ki x. Nothing
-    but the controller damps the mass. Below 1 the loop is stable.
+    but the controller damps the mass. Below 1 the loop is stable; gains beyond
+    floating point give inf.
     """
     h, g = period, velocity_gain
     # x, x', x of the last tick, v, I.
@@ -22,9 +23,12 @@ def spectral_radius(
     integral = np.array([h * ki, 0.0, 0.0, 0.0, 1.0])
     position = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
     rate = np.array([0.0, 1.0, 0.0, 0.0, 0.0])
-    a = -kp * position - kd * v - integral
-    step = [position + h * rate + 0.5 * h * h * a, rate + h * a]
+    with np.errstate(all="ignore"):
+        a = -kp * position - kd * v - integral
+        step = [position + h * rate + 0.5 * h * h * a, rate + h * a]
     step = np.array([*step, position, v, integral])
+    if not np.isfinite(step).all():
+        return math.inf
     if ki == 0.0:
         step = step[:4, :4]
     return float(np.abs(np.linalg.eigvals(step)).max())
