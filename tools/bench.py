@@ -65,6 +65,7 @@ HYDROELASTIC = (
 BRACES = (
     ("task_space", "linear", 5e-4),
     ("articulated", "none", 1e-3),
+    ("articulated", "linear", 1e-3),
     ("articulated", "linear", 5e-4),
 )
 
