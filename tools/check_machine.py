@@ -17,7 +17,7 @@ def problems():
     version = sys.version_info[:2]
     if not (3, 11) <= version <= (3, 14):
         found.append(
-            "Python 3.11 to 3.14 is needed, this is {}.{}; say e.g."
+            "Python 3.11 to 3.13 is needed, this is {}.{}; say e.g."
             " `make demo PYTHON=python3.11`".format(*version)
         )
     try:
