@@ -1,4 +1,4 @@
-# Two targets do everything on a machine with Python 3.11 or newer:
+# Two targets do everything on a machine with Python 3.11 to 3.13:
 #   make demo   diagnose the bundled example campaign, write its report
 #   make test   run the whole suite
 # More: make docs, its pages in out/docs; make bench, the table of speed; make

@@ -15,7 +15,7 @@ def problems():
     """One line for each thing that is missing, with what to do."""
     found = []
     version = sys.version_info[:2]
-    if not (3, 11) <= version <= (3, 14):
+    if not (3, 11) <= version <= (3, 13):
         found.append(
             "Python 3.11 to 3.13 is needed, this is {}.{}; say e.g."
             " `make demo PYTHON=python3.11`".format(*version)
