@@ -29,7 +29,7 @@ only optional things are.
 """
 _OK, _OPTIONAL, _MISSING = "ok", "optional", "missing"
 _LEAST_MEMORY, _LEAST_DISK = 4.0, 2.0
-_PYTHONS = (3, 11), (3, 14)
+_PYTHONS = (3, 11), (3, 13)
 
 
 class Finding(NamedTuple):
