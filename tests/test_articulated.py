@@ -52,8 +52,8 @@ class TestModels(unittest.TestCase):
         scenario = brace("articulated")
         plant, context = make_plant(scenario)
         legs = 18 * (scenario.leg.tube_mass + scenario.leg.rod_mass)
-        # Half of the lowest legs hangs on the clamped ring.
-        total = 3 * scenario.ring.mass + legs / 6
+        # Half of the lowest legs hangs on the clamped ring, which is there too.
+        total = 4 * scenario.ring.mass + legs / 6
         self.assertAlmostEqual(plant.CalcTotalMass(context), total, places=12)
 
     def test_a_bare_ring_and_halves_of_legs_make_the_ring(self):
@@ -90,7 +90,7 @@ class TestModels(unittest.TestCase):
             drawn.append(inspector.NumGeometriesWithRole(Role.kIllustration))
 
         AddBracePlant(DiagramBuilder(), brace("articulated"), count)
-        self.assertEqual(drawn, [3 * 24 + 18 * 2])
+        self.assertEqual(drawn, [4 * 24 + 18 * 2])
 
     def test_legs_of_several_lengths_have_a_file_each(self):
         scenario = brace("articulated", stages=[1])

@@ -181,9 +181,9 @@ class TestGraphs(unittest.TestCase):
         for wire in dashed:
             self.assertEqual(graph.boxes[wire.source].title, "rod")
             self.assertIn("ring", graph.boxes[wire.target].title)
-        # World, three rings, torso, 18 legs of three; a joint for each.
-        self.assertEqual(len(graph.boxes), 59)
-        self.assertEqual(len(graph.wires) - len(dashed), 58)
+        # World, four rings, torso, 18 legs of three; a joint for each.
+        self.assertEqual(len(graph.boxes), 60)
+        self.assertEqual(len(graph.wires) - len(dashed), 59)
 
     def test_a_part_shows_all_its_ports(self):
         diagram, plant, _ = self.drawn[0]

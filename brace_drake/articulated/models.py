@@ -33,6 +33,16 @@ def leg_name(scenario: BraceScenario, i: int, k: int) -> str:
     return f"stage{scenario.stages[i]}_leg{k + 1}"
 
 
+def clamped_name(scenario: BraceScenario) -> str:
+    """Model instance of the ring that stands still: below the lowest stage."""
+    return f"clamped_ring{scenario.stages[0] - 1}"
+
+
+def clamped_height(scenario: BraceScenario) -> float:
+    """Of that ring in W, m."""
+    return float(scenario.ring_heights[scenario.stages[0] - 1])
+
+
 def calc_leg_frame(geometry: BraceGeometry, i: int, k: int) -> np.ndarray:
     """Roll, pitch, yaw of a leg at rest, which lies along z (3,), rad."""
     anchor = geometry.lower[i, k] + (geometry.rest[i - 1] if i else 0.0)
@@ -47,7 +57,10 @@ def make_models(scenario: BraceScenario) -> dict[str, str]:
     Raises:
         ScenarioError: A ring is too light for the halves of its legs.
     """
-    geometry, texts = pack_geometry(scenario), {}
+    geometry, ring = pack_geometry(scenario), scenario.ring
+    clamped = Link(ring.mass, np.zeros(3), np.diag(ring.inertia))
+    name = clamped_name(scenario)
+    texts = {f"{name}.sdf": _ring_sdf(name, clamped, ring.half_axes)}
     for i, name in enumerate(scenario.rings):
         link = make_bare_ring(scenario, geometry, i)
         half_axes = scenario.ring.half_axes
@@ -221,6 +234,16 @@ def _directives(scenario: BraceScenario, geometry: BraceGeometry) -> str:
         f"# {_BY}",
         "directives:",
     ]
+    clamped, height = clamped_name(scenario), clamped_height(scenario)
+    lines += [
+        "- add_model:",
+        f"    name: {clamped}",
+        f"    file: package://{PACKAGE}/{clamped}.sdf",
+        "- add_weld:",
+        "    parent: world",
+        f"    child: {clamped}::{clamped}",
+        f"    X_PC: {{translation: {_list([0.0, 0.0, height])}}}",
+    ]
     for i, name in enumerate(scenario.rings):
         place = _list(geometry.rest[i])
         lines += [
@@ -231,18 +254,16 @@ def _directives(scenario: BraceScenario, geometry: BraceGeometry) -> str:
             f"      {name}: {{translation: {place}}}",
         ]
     for i in range(geometry.num_stages):
-        below = f"{scenario.rings[i - 1]}::{scenario.rings[i - 1]}"
+        below = scenario.rings[i - 1] if i else clamped
         for k in range(6):
-            lines += _leg_directives(
-                scenario, geometry, i, k, below if i else "world"
-            )
+            p_BF = geometry.lower[i, k] - [0.0, 0.0, 0.0 if i else height]
+            lines += _leg_directives(scenario, geometry, i, k, below, p_BF)
     return "\n".join(lines) + "\n"
 
 
-def _leg_directives(scenario, geometry, i, k, below) -> list[str]:
+def _leg_directives(scenario, geometry, i, k, below, p_BF) -> list[str]:
     name = leg_name(scenario, i, k)
     file = _leg_file(scenario, geometry, i, k)
-    place = _list(geometry.lower[i, k])
     angles = _list(np.rad2deg(calc_leg_frame(geometry, i, k)))
     return [
         "- add_model:",
@@ -251,8 +272,8 @@ def _leg_directives(scenario, geometry, i, k, below) -> list[str]:
         "- add_frame:",
         f"    name: {name}_foot",
         "    X_PF:",
-        f"      base_frame: {below}",
-        f"      translation: {place}",
+        f"      base_frame: {below}::{below}",
+        f"      translation: {_list(p_BF)}",
         f"      rotation: !Rpy {{deg: {angles}}}",
         "- add_weld:",
         f"    parent: {name}_foot",
