@@ -29,7 +29,7 @@ def try_causes(
     nominal: CandidateFit,
     seed: int,
     say: Callable[[str, float], None],
-) -> tuple[list[CandidateFit], NullDistribution]:
+) -> tuple[list[CandidateFit], NullDistribution, bool]:
     """Fits of all causes, of pairs where no single one explains the gap.
 
     Effects of dozens of parameters are tried only where there is something
@@ -42,7 +42,8 @@ def try_causes(
         say: Progress.
 
     Returns:
-        Fits, the contenders among them refined, and the null distribution.
+        Fits, the contenders among them refined; the null distribution; whether
+        the search for second effects ended because it had cost too much.
     """
     cards = list(effects_for(evaluator.twin.device).values())
     simple = [c for c in cards if not c.is_flexible]
@@ -65,7 +66,8 @@ def try_causes(
     if has_one and not is_near_floor(evaluator, fits, null.misfit_threshold):
         second = SecondEffects(ground, fits, runners, null)
         fits = [*fits, *second.search(_part(say, 0.55, 0.78))]
-    return fits, null
+        return fits, null, second.is_cut
+    return fits, null, False
 
 
 def _refine_flexible(evaluator, nominal, fits, flexible) -> list[CandidateFit]:

@@ -26,7 +26,10 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """All results of a diagnosis, before they are written down."""
+    """All results of a diagnosis, before they are written down.
+
+    `is_cut`: whether the search for two effects at once ended early.
+    """
 
     campaign: Campaign
     device: Device
@@ -41,6 +44,7 @@ class Diagnosis:
     validation_runs: list[RunComparison]
     floor_ratios: dict[str, float]
     seed: int
+    is_cut: bool = False
 
 
 def diagnose(
@@ -77,7 +81,7 @@ def diagnose(
     evaluator = Evaluator(twin, fit_runs, jobs)
     say("fit of the subject", 0.05)
     nominal = fit_nominal(evaluator)
-    fits, null = try_causes(evaluator, nominal, seed, say)
+    fits, null, is_cut = try_causes(evaluator, nominal, seed, say)
     say("verdict", 0.8)
     verdict = decide(evaluator, nominal, fits, null)
     chosen = verdict.winner or nominal
@@ -109,4 +113,5 @@ def diagnose(
         compare_runs(validation, nominal, repaired),
         ratios,
         seed,
+        is_cut,
     )

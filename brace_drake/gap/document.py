@@ -182,6 +182,11 @@ def _warnings(d: Diagnosis) -> list[str]:
             "what each run has of its own, such as the phase of a breath, was"
             " estimated on the validation runs themselves; all else was not"
         )
+    if d.is_cut:
+        found.append(
+            "the search for two effects at once ended at its limit of replays:"
+            " pairs that promised less were not tried"
+        )
     found += [
         f"{p.name} is at its limit {p.value:.4g} {p.unit}"
         for p in d.table.parameters

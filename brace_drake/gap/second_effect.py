@@ -47,6 +47,9 @@ class SecondEffects:
     It ends as soon as what is left is what surrogates leave too, or when it
     has cost too much.
 
+    Attributes:
+        is_cut: Whether it has ended because of its cost, nothing found.
+
     Args:
         ground: The nominal fit.
         fits: Of single effects.
@@ -66,6 +69,7 @@ class SecondEffects:
         self._singles, self._found = list(fits), []
         self._begun = ground.evaluator.replays
         self._most = largest_excess(self._evaluator, self._nominal, 2)
+        self.is_cut = False
 
     def search(self, say: Say) -> list[CandidateFit]:
         """Pairs, and single effects found on the way, refined.
@@ -116,6 +120,7 @@ class SecondEffects:
     def _is_done(self, limit: float = 0.0) -> bool:
         """Whether what is left is little, `limit` floors at most."""
         if self._evaluator.replays > self._begun + _DEAR:
+            self.is_cut = not self._is_settled()
             return True
         enough = max(limit, self._null.misfit_threshold)
         return self._is_settled() and is_near_floor(

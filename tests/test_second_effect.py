@@ -1,0 +1,43 @@
+"""The search for two effects at once: when it ends, and what is told of it."""
+
+import unittest
+from types import SimpleNamespace
+from unittest import mock
+
+from brace_drake.gap import document, second_effect
+from brace_drake.gap.second_effect import SecondEffects
+
+
+class TestEnd(unittest.TestCase):
+    def search(self, replays, is_settled):
+        found = SecondEffects.__new__(SecondEffects)
+        found._evaluator = SimpleNamespace(replays=replays)
+        found._begun, found.is_cut = 100, False
+        found._null = SimpleNamespace(misfit_threshold=0.1)
+        found._is_settled, found._all = lambda: is_settled, list
+        with mock.patch.object(second_effect, "is_near_floor", lambda *_: True):
+            return found._is_done(), found.is_cut
+
+    def test_it_is_cut_where_it_has_cost_too_much_and_found_nothing(self):
+        most = 100 + second_effect._DEAR
+        self.assertEqual(self.search(most + 1, False), (True, True))
+        self.assertEqual(self.search(most + 1, True), (True, False))
+        self.assertEqual(self.search(most, False), (False, False))
+        self.assertEqual(self.search(most, True), (True, False))
+
+    def test_a_diagnosis_says_so(self):
+        for is_cut in (True, False):
+            found = SimpleNamespace(
+                campaign=SimpleNamespace(
+                    warnings=[], runs=[SimpleNamespace(repeat_of="push.csv")]
+                ),
+                floor_ratios={},
+                validation_runs=[None],
+                verdict=SimpleNamespace(winner=None),
+                table=SimpleNamespace(parameters=[]),
+                is_cut=is_cut,
+            )
+            told = document._warnings(found)
+            self.assertEqual(
+                ["were not tried" in w for w in told], [True] * is_cut
+            )
