@@ -370,6 +370,22 @@ class TestCounting(unittest.TestCase):
         self.assertEqual(taken, [0, 0, None, 2, None, 0])
         self.assertEqual((watch.lost, watch.repeated, watch.late), (2, 1, 1))
 
+    def test_one_number_far_ahead_costs_nothing_behind_it(self):
+        watch = SequenceWatch()
+        numbers = (1, 2, 20000, 3, 4, 500, 501, 502)
+        taken = [watch.take(n) for n in numbers]
+        # After a real gap the first message behind it is missing too.
+        self.assertEqual(taken, [0, 0, None, 0, 0, None, 496, 0])
+        self.assertEqual((watch.lost, watch.late), (496, 0))
+
+    def test_an_echo_of_no_heartbeat_does_not_move_the_clock(self):
+        clock = ClockSync()
+        for i in range(5):
+            clock.add(1.0 * i, 7.0 + i, i + 1e-3)
+        before = clock.host_time(10.0)
+        clock.add(-1.8e13, 4e12, 5.0)
+        self.assertEqual(clock.host_time(10.0), before)
+
     def test_the_clock_is_found_behind_uneven_delays(self):
         draw, clock = np.random.default_rng(2), ClockSync()
         offset, drift = -1234.5, 3e-5
@@ -397,8 +413,13 @@ class TestTools(unittest.TestCase):
         return done.stdout
 
     def test_no_damage_is_acted_upon_and_no_whole_frame_is_lost(self):
-        said = self.run_tool("tools/fuzz_link.py", "--frames", "5000")
-        self.assertRegex(said, r"wrong +0\n")
+        for way in ("to-device", "to-host"):
+            said = self.run_tool(
+                "tools/fuzz_link.py", "--frames", "5000", "--way", way
+            )
+            self.assertRegex(said, r"wrong +0\n")
+            # What came through was looked at, and not all of it was refused.
+            self.assertRegex(said, r"(accepted|commands) +[5-9]\d{3}\n")
 
     def test_the_watchdog_stops_after_each_kill_of_the_host(self):
         said = self.run_tool("tools/kill_host.py", "--kills", "3")

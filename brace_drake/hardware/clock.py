@@ -29,7 +29,8 @@ class ClockSync:
     def add(self, sent: float, device: float, received: float) -> None:
         """Takes one echo: host's times, s, and the device's in between."""
         trip, middle = received - sent, 0.5 * (sent + received)
-        if trip < 0.0:
+        # An echo later than a stretch tells nothing, and is most likely none.
+        if not 0.0 <= trip <= _STRETCH:
             return
         stretch = int(middle / _STRETCH)
         sample = (trip, middle, device - middle)

@@ -269,12 +269,8 @@ class Link:
             while not self._closed.is_set():
                 data = self._port.read(max(1, self._port.in_waiting))
                 now = time.perf_counter_ns()
-                for packet in self._decoder.feed(data) if data else ():
-                    lost = self._order.take(
-                        packet.sequence, packet.name == "HELLO"
-                    )
-                    if lost is not None:
-                        self._Take(packet, lost, now)
+                if data:
+                    self._Accept(data, now)
                 if self.session and now - self._beat > _HEARTBEAT * 1e9:
                     self._beat = now
                     self.Send("HEARTBEAT", {"echo_us": 0})
@@ -283,6 +279,15 @@ class Link:
                 self._inbox.End(self._Gone(error))
         except Exception as error:  # A handler's own: told where it is waited.
             self._inbox.End(error)
+
+    def _Accept(self, data: bytes, now: int) -> None:
+        """Takes bytes that have come at a time, ns."""
+        for packet in self._decoder.feed(data):
+            # Only who was asked for a hello may begin anew with it.
+            begins = packet.name == "HELLO" and self._decoder.follows_hello
+            lost = self._order.take(packet.sequence, begins)
+            if lost is not None:
+                self._Take(packet, lost, now)
 
     def _Take(self, packet: Packet, lost: int, now: int) -> None:
         if BY_NAME[packet.name].sender == "host":

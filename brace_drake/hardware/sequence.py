@@ -27,8 +27,16 @@ class Counts(NamedTuple):
     bytes_read: int
 
 
+# A number so far ahead is believed once the next one follows it: more likely
+# than so many lost messages is damage that the checksum has missed.
+_LEAP = 100
+
+
 class SequenceWatch:
     """Counts of one sender's messages, by numbers modulo 2^16.
+
+    A message that leaps ahead is not used, unless it goes on from there (as RFC
+    3550, A.1, does it): one wrong number must not make all that follow it old.
 
     Attributes:
         lost: Missing in their place; those that came late included.
@@ -38,6 +46,7 @@ class SequenceWatch:
 
     def __init__(self):
         self._last: int | None = None
+        self._after_leap: int | None = None
         self.lost = self.repeated = self.late = 0
 
     def take(self, sequence: int, begins: bool = False) -> int | None:
@@ -56,6 +65,9 @@ class SequenceWatch:
             self._last = sequence
             return 0
         ahead = (sequence - last) & 0xFFFF
+        if _LEAP < ahead < 0x8000 and sequence != self._after_leap:
+            self._after_leap = (sequence + 1) & 0xFFFF
+            return None
         if 0 < ahead < 0x8000:
             self._last = sequence
             self.lost += ahead - 1
