@@ -1,0 +1,1 @@
+"""Damaged frames either way between an armed device and its host."""
