@@ -65,7 +65,8 @@ class SequenceWatch:
             self._last = sequence
             return 0
         ahead = (sequence - last) & 0xFFFF
-        if _LEAP < ahead < 0x8000 and sequence != self._after_leap:
+        after_leap, self._after_leap = self._after_leap, None
+        if _LEAP < ahead < 0x8000 and sequence != after_leap:
             self._after_leap = (sequence + 1) & 0xFFFF
             return None
         if 0 < ahead < 0x8000:
