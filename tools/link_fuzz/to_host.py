@@ -207,14 +207,16 @@ class ToHost:
     def pass_whole(self):
         """A whole state, which must reach the session."""
         self.counts["clean"] += 1
-        taken, late = self.taken, self.link.counts.late
+        seen = self.link.counts
+        taken, old = self.taken, seen.late + seen.repeated
         self.wire.give(self.tick())
         if self.taken > taken:
             self.old = 0
             return
         self.old += 1
         self.counts["overtaken"] += 1
-        is_old = self.link.counts.late > late and self.old <= _MOST_OLD
+        seen = self.link.counts
+        is_old = seen.late + seen.repeated > old and self.old <= _MOST_OLD
         self.counts["resync_lost"] += not is_old
 
     def report(self):
