@@ -301,7 +301,7 @@ class TestFaults(unittest.TestCase):
         y = np.concatenate([there, back])
         rate = np.gradient(y, 1e-3)
         desired = np.column_stack([y, rate, np.zeros(len(y))])
-        session = begin(bench, PicControl(SCENARIO), DEFAULT, desired)
+        session = begin(bench, HostControl(SCENARIO), DEFAULT, desired)
         bench.run(1300)
         self.assertIsNone(session.trip)
         return bench, session
@@ -319,7 +319,7 @@ class TestFaults(unittest.TestCase):
         self.assertEqual(bench.firmware.trip.cause, cause)
 
     def test_a_frozen_reading_when_another_leg_has_gone_its_way(self):
-        geometry = PicControl(SCENARIO)._geometry
+        geometry = HostControl(SCENARIO)._geometry
         y = np.array([0.005, -0.005])
         lengths = [geometry.at(np.array([0, v, 0, 0, 0, 0]))[0] for v in y]
         speed = np.abs(lengths[1] - lengths[0]) / 0.01 * _SPEED

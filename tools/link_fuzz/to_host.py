@@ -15,7 +15,7 @@ from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT
 from brace_drake.hardware.link import Link
 from brace_drake.hardware.words import Cause, DeviceState
-from brace_drake.operation.control import PicControl
+from brace_drake.operation.control import HostControl
 from brace_drake.operation.session import Session
 from brace_drake.scenario.bench import BenchScenario
 from link_fuzz.damage import KINDS, Damage
@@ -80,7 +80,7 @@ class ToHost:
         self.line = Damage(seed)
         self.draw, self.codec = self.line.draw, self.line.codec
         scenario = BenchScenario()
-        self.control = PicControl(scenario)
+        self.control = HostControl(scenario)
         plant = BenchPlant(scenario, seed=None)
         self.rest = plant.advance(plant.hold).tolist()
         who = describe_device(scenario, "fuzzed")
