@@ -122,7 +122,7 @@ class TestPort(unittest.TestCase):
         out = self.folder / "campaign"
         reference = push(-0.003, ring=3)
         with emulated_brace(self.scenario) as device:
-            with mock.patch("brace_drake.operation.record._SETTLE", 0.5):
+            with mock.patch("brace_drake.operation.record.SETTLE", 0.5):
                 status, said, errors = run_command(
                     "record", "--scenario", self.file, "--motion",
                     self.write_reference(reference), "--countdown", 0,

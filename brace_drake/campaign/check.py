@@ -282,6 +282,7 @@ def _assemble(
             channels=fill_dropouts(
                 tables[entry.file], {"time_s", *manifest.channels}
             ),
+            settled_s=manifest.settled_s,
         )
         for entry in manifest.entries
     )

@@ -55,6 +55,7 @@ class Manifest:
         nominal: Nominal parameters of the device, SI units in the names.
         control: Parameters of the drive's controller, likewise.
         stages: Of a brace, those recorded; empty: all.
+        settled_s: How long the first reference was held before each run.
     """
 
     device: str | None = None
@@ -64,6 +65,7 @@ class Manifest:
     nominal: dict[str, float] = field(default_factory=dict)
     control: dict[str, float] = field(default_factory=dict)
     stages: tuple[int, ...] = ()
+    settled_s: float = 0.0
 
     @property
     def channels(self) -> dict[str, Channel]:
@@ -108,6 +110,7 @@ def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
         control=_parse_control(content, device, problems),
         entries=_parse_runs(content, problems),
         stages=_parse_stages(content, device, problems),
+        settled_s=_parse_settled(content, problems),
     )
     return manifest, problems
 
@@ -182,6 +185,14 @@ def _parse_nominal(
     if device == LEG_BENCH:
         return _parse_numbers(content, "nominal", keys, (), problems)
     return _parse_numbers(content, "nominal", (), keys, problems)
+
+
+def _parse_settled(content: dict, problems: list[Problem]) -> float:
+    value = content.get("settled_s")
+    if value is None or value == 0 or _is_positive(value):
+        return float(value or 0.0)
+    problems.append(_error(_wanted("settled_s", "a number from 0", value)))
+    return 0.0
 
 
 def _parse_stages(

@@ -42,6 +42,8 @@ class Run:
     repeat_of: str | None
     split: str  # "fit" | "validation"
     channels: dict[str, np.ndarray]
+    # How long the first reference had been held, s; 0: switched on with it.
+    settled_s: float = 0.0
 
     @property
     def name(self) -> str:

@@ -75,6 +75,9 @@ def describe(campaign: Campaign) -> dict:
             head[name] = {key: float(v) for key, v in values.items()}
     if campaign.stages:
         head["stages"] = list(campaign.stages)
+    settled_s = max((run.settled_s for run in campaign.runs), default=0.0)
+    if settled_s > 0.0:
+        head["settled_s"] = float(settled_s)
     head["runs"] = [
         {
             "file": run.file,

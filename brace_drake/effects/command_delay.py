@@ -1,7 +1,6 @@
 """Dead time between a command and the force of the drive."""
 
 import math
-from operator import attrgetter
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
@@ -14,8 +13,7 @@ _LEGS = 6
 
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    # x: commands of the last _DEPTH ticks, by tick modulo _DEPTH; before the
-    # run there were those of p[1:], where given.
+    # x: commands of the last _DEPTH ticks, by tick modulo _DEPTH.
     n = f.shape[0]
     tick = math.floor(t / _PERIOD + 1e-6)
     for k in range(n):
@@ -29,15 +27,16 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     if last > first:
         weight = (last - begin) / (end - begin)
     for k in range(n):
-        held = p[1 + k] if p.shape[0] > 1 else 0.0
-        before = x[(first % _DEPTH) * _LEGS + k] if first >= 0 else held
-        after = x[(last % _DEPTH) * _LEGS + k] if last >= 0 else held
+        before = x[(first % _DEPTH) * _LEGS + k] if first >= 0 else 0.0
+        after = x[(last % _DEPTH) * _LEGS + k] if last >= 0 else 0.0
         f[k] += weight * before + (1.0 - weight) * after - u[k]
 
 
-_COMMON = dict(
+CARD = Effect(
     name="command_delay",
     block="actuation",
+    title="dead time between command and force",
+    equation="f(t) = u(t - T) - b l', u = 0 before the run",
     source="Astrom and Murray, Feedback Systems, section 9",
     parameters=(
         EffectParameter(
@@ -46,33 +45,12 @@ _COMMON = dict(
     ),
     laws={"drive": _law},
     num_states={"drive": _DEPTH * _LEGS},
+    signature="start-up dip while the first commands travel; ringing of the"
+    " position loop",
+    impostors={
+        "viscous_leg": "a phase lag as well, but no dead time at the start",
+        "force_lag": "acts through the impedance filter only",
+    },
     experiment="free multisine with high frequencies",
-)
-_IMPOSTORS = {
-    "viscous_leg": "a phase lag as well, but no dead time",
-    "force_lag": "acts through the impedance filter only",
-}
-
-# A bench that is switched on with the run falls until its first commands have
-# come; one that was held before, as a recorder does it, does not.
-CARDS = (
-    Effect(
-        title="dead time between command and force",
-        equation="f(t) = u(t - T) - b l', u = 0 before the run",
-        signature="start-up dip while the first commands travel; ringing of"
-        " the position loop",
-        impostors=_IMPOSTORS,
-        devices=("bench stage 2", "leg bench"),
-        **_COMMON,
-    ),
-    Effect(
-        title="dead time between command and force, held before the run",
-        form="held",
-        equation="f(t) = u(t - T) - b l', before the run u holds the ring",
-        constants=attrgetter("holding_forces"),
-        signature="ringing of the position loop; a phase lag that grows with"
-        " frequency",
-        impostors=_IMPOSTORS,
-        **_COMMON,
-    ),
+    devices=("bench stage 2", "leg bench"),
 )

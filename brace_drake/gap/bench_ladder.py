@@ -69,25 +69,24 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
     numbers, names = twin.numbers, twin.channels
 
     def run_controller(prepared, x):
-        every = prepared.motion.ticks_per_sample
-        times = np.arange(len(x)) / rate
-        ticks = (
-            np.arange(len(prepared.motion.desired)) / twin.scenario.control.rate
-        )
-        at = np.minimum(ticks, times[-1])
+        motion, times = prepared.motion, np.arange(len(x)) / rate
+        every, settled = motion.ticks_per_sample, motion.settled_ticks
+        ticks = np.arange(len(motion.desired)) - settled
+        # While it settles it reads what the recording begins with.
+        at = np.clip(ticks / twin.scenario.control.rate, 0.0, times[-1])
         readings = np.zeros((len(ticks), 12))
         readings[:, 0:9] = CubicSpline(times, x[:, 6:15])(at)
         memory = bench_tick.make_memory(numbers.rest)
-        out = np.zeros((len(x), 7))
+        out = np.zeros((len(x) + settled // every, 7))
         _run_controller(
             readings,
-            prepared.motion.desired,
+            motion.desired,
             numbers.controller_law,
             memory,
             every,
             out,
         )
-        return out
+        return out[settled // every :]
 
     def controller_residual(prepared, x, subject):
         out = run_controller(prepared, x)

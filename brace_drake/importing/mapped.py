@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +21,16 @@ from brace_drake.importing.options import (
 from brace_drake.importing.tables import Columns, LoadTable
 
 FORMAT = "brace-import/1"
-_KEYS = ("format", "device", "subject", "columns", "runs", "options", "rate_hz")
+_KEYS = (
+    "format",
+    "device",
+    "subject",
+    "columns",
+    "runs",
+    "options",
+    "rate_hz",
+    "settled_s",
+)
 _RUN_KEYS = ("file", "contact", "motion", "repeat_of", "split", "name")
 _RULE_KEYS = ("from", "scale", "offset", "constant")
 _LEAST_RATE_DEVIATION = 0.02
@@ -31,7 +42,8 @@ def ImportCampaign(path: str | Path) -> Campaign:
     The map is YAML: `format: brace-import/1`, `device`, `subject`, `columns`
     (channel: name of the file's column, or {from, scale, offset}, or
     {constant}), `runs` (items of campaign.yaml, with the foreign `file`),
-    `options` for the reader, and `rate_hz` where the files are to be resampled.
+    `options` for the reader, `rate_hz` where the files are to be resampled, and
+    `settled_s`, how long the first reference had been held before each run.
 
     Raises:
         CampaignError: One line: file, key or column, and what is allowed.
@@ -56,8 +68,16 @@ def ImportCampaign(path: str | Path) -> Campaign:
         raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
     options = check_options(str(path), content.get("options") or {})
     rate = check_rate(str(path), content.get("rate_hz"))
+    settled = content.get("settled_s", 0.0)
+    if type(settled) not in (int, float) or not 0.0 <= settled < math.inf:
+        raise CampaignError(
+            f"{path}: settled_s is {settled!r}; allowed: a number from 0"
+        )
     runs = [
-        _ImportRun(path, item, rules, options, rate)
+        replace(
+            _ImportRun(path, item, rules, options, rate),
+            settled_s=float(settled),
+        )
         for item in _list_runs(path, content)
     ]
     steps = np.diff(runs[0].time_s)

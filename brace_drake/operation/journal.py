@@ -48,6 +48,7 @@ class Journal:
         subject: str,
         recorded: dict,
         stages: Sequence[int] = (),
+        settled_s: float = 0.0,
     ):
         """Opens or makes a campaign folder.
 
@@ -57,6 +58,7 @@ class Journal:
             device, rate_hz, subject: Of the campaign.
             recorded: With what: identity, firmware and the like.
             stages: Of a brace, those that are recorded; none: all.
+            settled_s: How long rings are held at rest before each run.
 
         Raises:
             OutputError: The folder cannot be written, or another process
@@ -71,6 +73,8 @@ class Journal:
             "subject": subject,
             "recorded": recorded,
         }
+        if settled_s > 0.0:
+            self.head["settled_s"] = float(settled_s)
         self.stages = tuple(stages)
         if stages:
             self.head["stages"] = list(stages)
@@ -91,7 +95,7 @@ class Journal:
             runs = content["runs"]
         except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
             raise CampaignError(f"{path}: cannot be continued") from error
-        for key in ("device", "rate_hz", "recorded", "stages"):
+        for key in ("device", "rate_hz", "recorded", "stages", "settled_s"):
             mine, there = self.head.get(key), content.get(key)
             if mine != there:
                 raise CampaignError(

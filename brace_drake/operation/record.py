@@ -16,7 +16,7 @@ from brace_drake.twin.motion_library import SafeMotion
 
 # A recording begins at rest, as its twin does: torso and pads that were pressed
 # before need so long to come to rest, s.
-_SETTLE = 4.0
+SETTLE = 4.0
 
 
 def describe_device(link: Link) -> dict:
@@ -39,7 +39,7 @@ def RecordMotion(
     repeat_of: str | None = None,
     asks_stop: Callable[[], bool] = lambda: False,
     tell: Callable[[float, Session], None] = lambda share, session: None,
-    settle: float = _SETTLE,
+    settle: float = SETTLE,
 ) -> RunFile:
     """Follows a motion and writes it as a run, as far as it came.
 

@@ -15,7 +15,11 @@ from brace_drake.operation.console import (
 )
 from brace_drake.operation.journal import Journal, RunFile
 from brace_drake.operation.motion import RING, place_motion
-from brace_drake.operation.record import RecordMotion, describe_device
+from brace_drake.operation.record import (
+    SETTLE,
+    RecordMotion,
+    describe_device,
+)
 from brace_drake.operation.session import Session
 from brace_drake.operation.station import (
     MakeControl,
@@ -71,7 +75,7 @@ class Recorder:
             device, stages = recorded_as(scenario)
             described = describe_device(self.link)
             self.journal = Journal(
-                out, device, rate, subject, described, stages
+                out, device, rate, subject, described, stages, SETTLE
             )
         except BaseException:
             self.link.Close()

@@ -26,11 +26,19 @@ CHANNELS = (
 
 @dataclass(frozen=True)
 class Motion:
-    """What a run is asked to do: reference at ticks, torso there or not."""
+    """What a run is asked to do: reference at ticks, torso there or not.
 
-    desired: np.ndarray  # (ticks, 3)
+    Attributes:
+        desired: y_d, y_d', y_d'' (ticks, 3).
+        with_torso: Whether it is there.
+        ticks_per_sample: Of the log.
+        settled_ticks: Ticks at the beginning that the log leaves out.
+    """
+
+    desired: np.ndarray
     with_torso: bool
     ticks_per_sample: int = 5
+    settled_ticks: int = 0
 
     @cached_property
     def digest(self) -> bytes:
@@ -109,7 +117,7 @@ def simulate_bench(
         raise BraceError(
             f"the simulated run broke down at {broke_at * period:.3f} s"
         )
-    return log
+    return log[motion.settled_ticks // motion.ticks_per_sample :]
 
 
 def _parameters(plugs: Mapping[str, PlugIn]) -> tuple[np.ndarray, ...]:

@@ -31,6 +31,10 @@ from brace_drake.twin.subject import (
 _COARSE_STEP = 1e-3 / 3.0
 
 
+# Longest time to settle, s: then the start is gone from the readings.
+_SETTLE_S = 2.0
+
+
 class BenchTwin:
     """Replays recorded references on the compiled bench.
 
@@ -72,12 +76,15 @@ class BenchTwin:
         """The reference of a recorded run at control ticks."""
         times, samples = reference_of_run(run)
         rate = self.scenario.control.rate
-        step = np.median(np.diff(times))
-        return Motion(
-            reference_at_ticks(times, samples, rate),
-            run.contact,
-            round(step * rate),
-        )
+        every = round(np.median(np.diff(times)) * rate)
+        desired = reference_at_ticks(times, samples, rate)
+        # Held at its first place, until what was switched on has settled.
+        settle_s = min(run.settled_s, _SETTLE_S)
+        settled = every * round(settle_s * rate / every)
+        held = np.zeros((settled, 3))
+        held[:, 0] = desired[0, 0]
+        desired = np.vstack([held, desired])
+        return Motion(desired, run.contact, every, settled)
 
     def measured(self, run: Run) -> np.ndarray:
         """The run's recorded channels, shape (N, C)."""

@@ -87,6 +87,7 @@ def key_of_run(
         motion.digest,
         motion.with_torso,
         motion.ticks_per_sample,
+        motion.settled_ticks,
         tuple(a.tobytes() for a in arrays),
         tuple(laws),
     )
