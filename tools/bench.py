@@ -1,6 +1,6 @@
 """Times what must be fast and prints one table, with ratios of one run.
 
-python tools/bench.py [--campaign FOLDER] [--quick | --learning | --contact]
+python tools/bench.py [--campaign FOLDER] [--quick | --learning | --contact | --scale]
 """
 
 import argparse
@@ -13,6 +13,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+import bench_scale
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
@@ -325,7 +326,13 @@ def main():
     parser.add_argument("--quick", action="store_true", help="runs only")
     parser.add_argument("--learning", action="store_true", help="learning only")
     parser.add_argument("--contact", action="store_true", help="contact only")
+    parser.add_argument(
+        "--scale", action="store_true", help="scaling of a diagnosis only"
+    )
     args = parser.parse_args()
+    if args.scale:
+        bench_scale.print_table(bench_scale.ROWS.split(","), args.campaign)
+        return
     if args.contact:
         time_contact()
         return
@@ -354,6 +361,7 @@ def main():
     for name, function in (("fit", fit_campaign), ("diagnose", diagnose)):
         label = f"{name} of {campaign.name}, {jobs} threads"
         print(f"{label:44} {best_of(1, lambda f=function: f(campaign)):8.1f}")
+    bench_scale.print_table(bench_scale.ROWS.split(","), args.campaign)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
 # The example's own cause stays in every library.
 KEPT = "relaxation"
+ROWS = "causes,runs,subjects,workers"
 
 
 @dataclass(frozen=True)
@@ -116,18 +117,23 @@ def measure(task: Task) -> tuple[float, float, float, str]:
         process.join()
 
 
-def main() -> None:
+def print_table(rows: list[str], campaign: str) -> None:
     """Prints the table, row by row."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--campaign", default=str(EXAMPLE))
-    parser.add_argument("--rows", default="causes,runs,subjects,workers")
-    args = parser.parse_args()
     head = ("CPU s", "wall s", "peak MB")
     print(f"{'diagnosis':28}" + "".join(f"{h:>9}" for h in head) + "  found")
-    for task in make_tasks(args.rows.split(","), args.campaign):
+    for task in make_tasks(rows, campaign):
         cpu, wall, peak, found = measure(task)
         numbers = f"{cpu:9.1f}{wall:9.1f}{peak:9.0f}"
         print(f"{task.label:28}{numbers}  {found or 'nothing'}", flush=True)
+
+
+def main() -> None:
+    """Prints what is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--campaign", default=str(EXAMPLE))
+    parser.add_argument("--rows", default=ROWS)
+    args = parser.parse_args()
+    print_table(args.rows.split(","), args.campaign)
 
 
 if __name__ == "__main__":
