@@ -1,6 +1,7 @@
 """Times what must be fast and prints one table, with ratios of one run.
 
-python tools/bench.py [--campaign FOLDER] [--quick | --learning | --contact | --scale]
+python tools/bench.py [--campaign FOLDER]
+    [--quick | --learning | --contact | --scale]
 """
 
 import argparse
