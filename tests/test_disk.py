@@ -35,6 +35,7 @@ from brace_drake.output import (
     WriteText,
 )
 from brace_drake.report import WriteReport
+from brace_drake.report import page as report_page
 from brace_drake.resources import policy_path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import SaveScenario
@@ -277,7 +278,9 @@ class TestReadOnly(Folder):
             "scenario": lambda: SaveScenario(BenchScenario(), path),
             "journal": lambda: Journal(path, DEVICE, 200.0, "x", {}),
         }
-        WriteReport({}, [], Path(tempfile.mkdtemp(), "imports.html"))
+        # Who has no rights may not even read the page's template.
+        page = mock.patch.object(report_page, "render_page", return_value="x")
+        self.enterContext(page)
         for name, write in writers.items():
             with self.subTest(name), without_rights():
                 with self.assertRaisesRegex(BraceError, "writ.*: Perm") as it:
