@@ -104,10 +104,11 @@ def closed_loop(run, step):
     end = run.time_s[-1] - run.time_s[0]
     SimulateBench(station, 0.1)
     diagram = best_of(3, lambda: SimulateBench(station, end))
-    twin = BenchTwin(scenario)
-    subject = np.array([p.nominal for p in twin.subject])
-    motion = twin.motion(run)
-    rollout = best_of(5, lambda: twin.simulate(motion, subject))
+    # A twin remembers what it has simulated.
+    twins = [BenchTwin(scenario) for _ in range(5)]
+    subject = np.array([p.nominal for p in twins[0].subject])
+    motion = twins[0].motion(run)
+    rollout = best_of(5, lambda: twins.pop().simulate(motion, subject))
     return diagram, rollout
 
 
