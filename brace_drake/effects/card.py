@@ -83,6 +83,7 @@ class Effect:
         spread: For effects of many alike parameters drawn from a common
             normal distribution: name and unit of its standard deviation,
             which is what is reported. None for all others.
+        generalises: Names of effects that are special cases of this one.
     """
 
     name: str
@@ -103,6 +104,7 @@ class Effect:
     spread: tuple[str, str] | None = None
     form: str = ""
     run_parameters: tuple[EffectParameter, ...] = ()
+    generalises: tuple[str, ...] = ()
 
     def __post_init__(self):
         if self.block not in BLOCKS:
@@ -118,6 +120,16 @@ class Effect:
                 )
         if not self.laws and self.modify is None:
             raise EffectError(f"effect {self.name} changes nothing")
+
+    def is_alike(self, other: Effect) -> bool:
+        """Whether both are forms of one effect, or one holds the other: then
+        the two together are no more than the richer one.
+        """
+        return (
+            self.name == other.name
+            or self.name in other.generalises
+            or other.name in self.generalises
+        )
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

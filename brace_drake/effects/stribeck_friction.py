@@ -50,6 +50,7 @@ CARD = Effect(
     laws={"drive": _law},
     num_states={"drive": 6},
     dithered=True,
+    generalises=("coulomb_friction",),
     signature="stick and slip: a jump of the ring after every reversal",
     impostors={
         "coulomb_friction": "no negative slope; compare several slow speeds"

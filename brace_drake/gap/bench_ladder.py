@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete, lfilter
 
 from brace_drake.gap.evaluation import PreparedRun
-from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.gap.ladder import Residual, Rung, low_pass
 from brace_drake.gap.phases import MotionSignals
 from brace_drake.laws import bench_tick, blocks
 from brace_drake.laws.brace_control import MASS
@@ -55,9 +55,10 @@ def ring_poses(twin: BenchTwin, lengths: np.ndarray):
 @njit(cache=True)
 def _run_controller(readings, desired, law, memory, every, out):
     commands = np.empty(6)
+    controller = bench_tick.make_controller(law, memory)
     for tick in range(len(readings)):
-        bench_tick.control_tick(
-            readings[tick], desired[tick], law, memory, commands
+        bench_tick.advance_tick(
+            readings[tick], desired[tick], controller, commands
         )
         if tick % every == 0:
             out[tick // every, 0:6] = commands
@@ -88,12 +89,12 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
         )
         return out[settled // every :]
 
-    def controller_residual(prepared, x, subject):
+    def controller_residual(prepared, x):
         out = run_controller(prepared, x)
         commands = low_pass(x[:, _COMMANDS] - out[:, 0:6], _CUTOFF_HZ, rate)
         scale = prepared.floor.rms
         virtual = (x[:, _VIRTUAL] - out[:, 6]) / scale[_VIRTUAL]
-        return np.concatenate([(commands / scale[0]).ravel(), virtual])
+        return _always(np.concatenate([(commands / scale[0]).ravel(), virtual]))
 
     def balance(prepared, x):
         """Commands that the recorded motion and force ask for, minus those."""
@@ -113,12 +114,12 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
         asked = forces + numbers.viscous * rates
         return low_pass(x[:, _COMMANDS], _CUTOFF_HZ, rate) - asked
 
-    def actuation_residual(prepared, x, subject):
+    def actuation_residual(prepared, x):
         # The inner part, away from the ends that the low pass folds.
         inner = slice(int(0.5 * rate), -int(0.5 * rate))
-        return balance(prepared, x)[inner].ravel()
+        return _always(balance(prepared, x)[inner].ravel())
 
-    def mechanism_residual(prepared, x, subject):
+    def mechanism_residual(prepared, x):
         lengths, rates, J = np.empty(6), np.empty(6), np.empty((6, 6))
         blocks.calc_ring_kinematics(
             np.array([1.0, 0, 0, 0]),
@@ -130,40 +131,49 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             rates,
             J,
         )
-        return x[0, _LENGTHS] - lengths
+        return _always(x[0, _LENGTHS] - lengths)
 
-    def contact_residual(prepared, x, subject):
+    def contact_residual(prepared, x):
         if not prepared.run.contact:
             return None
-        law = with_subject(numbers, subject).contact
         poses, _ = ring_poses(twin, low_pass(x[:, _LENGTHS], _CUTOFF_HZ, rate))
         relative = poses[:, 1] - low_pass(x[:, _MARKER], _CUTOFF_HZ, rate)[:, 1]
         speed = np.gradient(relative, 1.0 / rate)
-        total = np.zeros(len(x))
-        for s in (1.0, -1.0):
-            d, d_dot = law[5] - s * relative, -s * speed
-            N = np.where(d > 0.0, law[0] * d + law[1] * d_dot, 0.0)
-            total -= s * np.maximum(N, 0.0)
-        return low_pass(x[:, 13], _CUTOFF_HZ, rate) - total
+        force = low_pass(x[:, 13], _CUTOFF_HZ, rate)
 
-    def torso_residual(prepared, x, subject):
+        def residual(subject):
+            law = with_subject(numbers, subject).contact
+            total = np.zeros(len(x))
+            for s in (1.0, -1.0):
+                d, d_dot = law[5] - s * relative, -s * speed
+                N = np.where(d > 0.0, law[0] * d + law[1] * d_dot, 0.0)
+                total -= s * np.maximum(N, 0.0)
+            return force - total
+
+        return residual
+
+    def torso_residual(prepared, x):
         if not prepared.run.contact:
             return None
-        changed = with_subject(numbers, subject)
-        mass, stiffness, damping = (
-            changed.torso[0],
-            changed.posture[1],
-            changed.posture[4],
-        )
-        system = ([1.0 / mass], [1.0, damping / mass, stiffness / mass])
-        b, a, _ = cont2discrete(system, 1.0 / rate, method="foh")
-        predicted = lfilter(np.ravel(b), a, x[:, 13])
-        return low_pass(x[:, 16] - predicted, _CUTOFF_HZ, rate)
 
-    def sensing_residual(prepared, x, subject):
+        def residual(subject):
+            changed = with_subject(numbers, subject)
+            mass, stiffness, damping = (
+                changed.torso[0],
+                changed.posture[1],
+                changed.posture[4],
+            )
+            system = ([1.0 / mass], [1.0, damping / mass, stiffness / mass])
+            b, a, _ = cont2discrete(system, 1.0 / rate, method="foh")
+            predicted = lfilter(np.ravel(b), a, x[:, 13])
+            return low_pass(x[:, 16] - predicted, _CUTOFF_HZ, rate)
+
+        return residual
+
+    def sensing_residual(prepared, x):
         if prepared.run.contact:
             return None
-        return low_pass(x[:, _FORCE], 1.0, rate).ravel()
+        return _always(low_pass(x[:, _FORCE], 1.0, rate).ravel())
 
     return [
         Rung(
@@ -192,6 +202,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "force between them",
             contact_residual,
             names[_MARKER],
+            ("contact_stiffness_N_m", "contact_damping_N_s_m", "preload_m"),
         ),
         Rung(
             "torso",
@@ -199,9 +210,19 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "motion of the torso",
             torso_residual,
             names[_MARKER],
+            (
+                "torso_mass_kg",
+                "posture_stiffness_y_N_m",
+                "posture_damping_y_N_s_m",
+            ),
         ),
         Rung("sensing", "no contact", "force reading", sensing_residual),
     ]
+
+
+def _always(residual: np.ndarray) -> Residual:
+    """Of a block that has nothing of the subject."""
+    return lambda subject: residual
 
 
 def bench_quantities(twin: BenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:

@@ -51,7 +51,9 @@ def try_causes(
     most = largest_excess(evaluator, nominal, 1)
     runners = race(ground, simple, _part(say, 0.1, 0.4), most=most)
     say("contenders", 0.4)
-    fits = polish(ground, refine(evaluator, best_fits(runners), nominal.excess))
+    # Those that explain nothing are not compared to the last digit.
+    fits = refine(evaluator, best_fits(runners), nominal.excess, rivals=most)
+    fits = polish(ground, fits, most)
     null = draw_null(evaluator, nominal, fits, seed)
 
     if not is_exact(evaluator, nominal) and not is_near_floor(

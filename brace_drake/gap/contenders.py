@@ -42,6 +42,7 @@ def refine(
     fits: Sequence[CandidateFit],
     there: float,
     most: float = np.inf,
+    rivals: float = np.inf,
 ) -> list[CandidateFit]:
     """Leads the search of the contenders to its end, best first.
 
@@ -51,6 +52,7 @@ def refine(
         there: Excess of the fit that the race set out from; who takes next to
             nothing of it is no contender, unless he is the best.
         most: Who leaves more excess is none, be he the best.
+        rivals: Nor is, beside the best, who leaves more than this.
     """
     out = []
     ranked = sorted(fits, key=lambda f: f.excess)
@@ -61,7 +63,7 @@ def refine(
     for place, fit in enumerate(ranked):
         searched = fit.solution.jacobian is not None and not fit.refined
         if place < _MAX_CONTENDERS and searched and fit.excess <= most:
-            if place == 0 or fit.excess <= bar:
+            if place == 0 or fit.excess <= min(bar, rivals):
                 fit = try_refine(evaluator, fit)
         out.append(fit)
     return out
@@ -93,10 +95,14 @@ def other_choices(ground: Ground, fit: CandidateFit) -> list[Runner]:
     return found[:_OTHERS]
 
 
-def polish(ground: Ground, fits: list[CandidateFit]) -> list[CandidateFit]:
-    """Tries other discrete parameters of the best fit, where it has any."""
+def polish(
+    ground: Ground, fits: list[CandidateFit], most: float
+) -> list[CandidateFit]:
+    """Tries other discrete parameters of the best fit, where it has any and
+    leaves at most so much excess.
+    """
     best = next(iter(refined(fits)), None)
-    if best is None:
+    if best is None or best.excess > most:
         return fits
     if best.effects[-1].is_flexible or is_exact(ground.evaluator, best):
         return fits

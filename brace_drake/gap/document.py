@@ -49,7 +49,7 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
         list(dict.fromkeys(e.block for e in winner.effects)) if winner else []
     )
     if d.verdict.outside_library:
-        blocks = _accused(d.ladder)
+        blocks = _nearest_block(d) or _accused(d.ladder)
     return _plain(
         {
             "format": FORMAT,
@@ -88,6 +88,21 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
             "receipt": _receipt(d),
         }
     )
+
+
+def _nearest_block(d: Diagnosis) -> list[str]:
+    """The block of a single effect that takes by far most of the gap.
+
+    It is not what happens, its parameters being no draw or its rest too large,
+    but what happens acts like it.
+    """
+    singles = [f for f in verdict.refined(d.fits) if len(f.effects) == 1]
+    least = verdict.smallest_share(d.evaluator)
+    return [
+        fit.effects[0].block
+        for fit in singles[:1]
+        if verdict.closed_amplitude(d.evaluator, d.nominal, fit) >= least
+    ]
 
 
 def _accused(ladder: list[dict]) -> list[str]:

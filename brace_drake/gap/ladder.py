@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator, PreparedRun
@@ -19,6 +20,11 @@ _REPLICATES = 4
 # A block's residual may exceed its own noise this much, and three times the
 # spread between replicates, before it is accused.
 _TOLERANCE = 1.15
+# Of a block's own parameters: relative change of a difference, most trials.
+_NUDGE, _TRIES = 1e-3, 12
+
+
+Residual = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -28,16 +34,19 @@ class Rung:
     Attributes:
         block: Its name.
         given, found: What it is fed and what is compared, in words.
-        residual: From (prepared run, recording (N, C), subject values) to a
-            residual (M,), or None where the run says nothing about it.
+        residual: From (prepared run, recording (N, C)) to the residual (M,)
+            as a function of the subject's values, or None where the run says
+            nothing about it.
         needs: Channels without which a run says nothing about it.
+        own: Names of the subject's parameters that are the block's.
     """
 
     block: str
     given: str
     found: str
-    residual: Callable[[PreparedRun, np.ndarray, np.ndarray], np.ndarray | None]
+    residual: Callable[[PreparedRun, np.ndarray], Residual | None]
     needs: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
 
 
 def climb(
@@ -48,14 +57,17 @@ def climb(
 ) -> list[dict]:
     """Residual of each block against that of noisy replays of the twin.
 
+    What a block has of the subject is fitted to its own inputs and outputs:
+    the closed loop's fit bends it to cover what other blocks do.
+
     Args:
         evaluator: Over the runs to look at.
         rungs: The device's blocks in the order of the signal.
-        fit: Whose subject, without effects, the blocks take.
+        fit: Whose subject, without effects, the blocks set out from.
         seed: Of the replays.
     """
 
-    def powers(prepared):
+    def recordings_of(prepared):
         recordings = [prepared.measured]
         grid = written_quantum(
             prepared.measured, np.zeros_like(prepared.measured)
@@ -66,19 +78,20 @@ def climb(
                 prepared.motion, fit.subject, (), generator
             )
             recordings.append(on_grid(replay, grid))
-        return [
-            [_mean_square(r, prepared, x, fit.subject) for x in recordings]
-            for r in rungs
-        ]
+        return recordings
 
-    found = evaluator.map(powers, [(p,) for p in evaluator.prepared])
+    found = evaluator.map(recordings_of, [(p,) for p in evaluator.prepared])
+    takes = list(zip(*found, strict=True))
+    tasks = [(rung, take) for rung in rungs for take in takes]
+
+    def power(rung, take):
+        return _power(rung, evaluator, take, fit.subject)
+
+    powers = np.array(evaluator.map(power, tasks)).reshape(len(rungs), -1)
     rows = []
-    for i, rung in enumerate(rungs):
-        pairs = [run[i] for run in found if run[i][0] is not None]
-        if not pairs:
+    for rung, (recorded, *replicates) in zip(rungs, powers, strict=True):
+        if np.isnan(recorded):
             continue
-        recorded = np.mean([p[0] for p in pairs])
-        replicates = np.mean([p[1:] for p in pairs], axis=0)
         noise = np.mean(replicates)
         threshold = _TOLERANCE
         if noise > 0.0:
@@ -103,11 +116,48 @@ def climb(
     return rows
 
 
-def _mean_square(rung, prepared, recording, subject):
-    if not prepared.run.has(rung.needs).all():
-        return None
-    residual = rung.residual(prepared, recording, subject)
-    return None if residual is None else float(np.mean(residual**2))
+def _power(
+    rung: Rung, evaluator: Evaluator, take: Sequence[np.ndarray], subject
+) -> float:
+    """Mean square over runs that a block leaves at its best parameters.
+
+    NaN where no run says anything about it.
+    """
+    parts = [
+        rung.residual(p, x)
+        for p, x in zip(evaluator.prepared, take, strict=True)
+        if p.run.has(rung.needs).all()
+    ]
+    # A run may say nothing, and one without a sample of the block neither.
+    parts = [p for p in parts if p is not None and len(p(subject))]
+    if not parts:
+        return np.nan
+
+    def residual(values):
+        found = [part(values).ravel() for part in parts]
+        return np.concatenate([r / np.sqrt(len(r) * len(found)) for r in found])
+
+    base = residual(subject)
+    own = [
+        i for i, p in enumerate(evaluator.twin.subject) if p.name in rung.own
+    ]
+    if not own:
+        return float(base @ base)
+    parameters = [evaluator.twin.subject[i] for i in own]
+    units = np.array([p.unit_step for p in parameters])
+
+    def scaled(z):
+        values = subject.copy()
+        values[own] = z * units
+        return residual(values)
+
+    low = np.array([p.lower for p in parameters]) / units
+    high = np.array([p.upper for p in parameters]) / units
+    start = np.clip(subject[own] / units, low, high)
+    best = least_squares(
+        scaled, start, bounds=(low, high), diff_step=_NUDGE, max_nfev=_TRIES
+    )
+    return float(min(2.0 * best.cost, base @ base))
 
 
 def low_pass(signal: np.ndarray, cutoff_hz: float, rate: float) -> np.ndarray:

@@ -20,23 +20,31 @@ _END_S = 0.5
 def leg_rungs(twin: LegBenchTwin) -> list[Rung]:
     """Controller and actuation."""
 
-    def controller(prepared, x, subject):
+    def controller(prepared, x):
         if not twin.numbers.is_closed_loop:
             return None
         run = _with_channels(prepared.run, x)
         residual = x[:, 0] - twin.control_law(run)
         if twin.command_holds_external(prepared.run):
             residual = residual - run.channels.get("external_force_N", 0.0)
-        return residual[np.isfinite(residual)]
+        residual = residual[np.isfinite(residual)]
+        return lambda subject: residual
 
-    def actuation(prepared, x, subject):
-        mass, viscous, offset = subject
+    def actuation(prepared, x):
         step = np.median(np.diff(prepared.run.time_s))
         position = low_pass(x[:, 1], _CUTOFF_HZ, 1.0 / step)
         velocity = np.gradient(position, step)
-        asked = mass * np.gradient(velocity, step) + viscous * velocity + offset
         inner = slice(int(_END_S / step), -int(_END_S / step))
-        return (low_pass(x[:, 0], _CUTOFF_HZ, 1.0 / step) - asked)[inner]
+        acceleration = np.gradient(velocity, step)[inner]
+        force = low_pass(x[:, 0], _CUTOFF_HZ, 1.0 / step)[inner]
+
+        def residual(subject):
+            mass, viscous, offset = subject
+            return force - (
+                mass * acceleration + viscous * velocity[inner] + offset
+            )
+
+        return residual
 
     return [
         Rung("controller", "position, reference", "command", controller),

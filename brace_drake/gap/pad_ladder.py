@@ -25,22 +25,26 @@ _TOUCH = 5.0
 def pad_rungs(twin: PadBenchTwin) -> list[Rung]:
     """Contact and sensing, in the order of the signal."""
 
-    def contact(prepared, x, subject):
-        time, numbers = prepared.motion.time, twin.with_subject(subject)
-        path = prepared.motion.path(None, twin.corner_share(subject))
-        inside = path[:, 0] > subject[2]
-        if not inside.any():
-            return None
-        law = simulate_pad(numbers, time, path, twin.time_step)
+    def contact(prepared, x):
+        time = prepared.motion.time
         rate = 1.0 / np.median(np.diff(time))
         cutoff = min(_CUTOFF_HZ, 0.5 * rate)
-        return low_pass(x[:, 0] - law, cutoff, rate)[inside]
 
-    def sensing(prepared, x, subject):
+        def residual(subject):
+            numbers = twin.with_subject(subject)
+            path = prepared.motion.path(None, twin.corner_share(subject))
+            inside = path[:, 0] > subject[2]
+            law = simulate_pad(numbers, time, path, twin.time_step)
+            return low_pass(x[:, 0] - law, cutoff, rate)[inside]
+
+        return residual
+
+    def sensing(prepared, x):
         rate = 1.0 / np.median(np.diff(prepared.motion.time))
-        free = free_samples(prepared, subject[2])
-        means = _slow_part(x[:, 0], free, max(1, round(_LEAST_FREE_S * rate)))
-        return means if len(means) else None
+        shortest = max(1, round(_LEAST_FREE_S * rate))
+        return lambda subject: _slow_part(
+            x[:, 0], free_samples(prepared, subject[2]), shortest
+        )
 
     return [
         Rung("contact", "displacement of the pad", "force on it", contact),

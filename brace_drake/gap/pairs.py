@@ -30,7 +30,7 @@ def search_pairs(
         most: Pairs that are run.
         say: Progress.
         bar: Pairs that promise to leave more are not run.
-        enough: As `most` of `search_best`.
+        enough: As `most` and `useful` of `search_best`.
     """
     pairs = []
     for promise, first, second in foresee_pairs(ground, singles)[:most]:
@@ -40,7 +40,7 @@ def search_pairs(
         if runner is not None:
             runner.promise = promise
             pairs.append(runner)
-    search_best(ground, pairs, say, 1, enough)
+    search_best(ground, pairs, say, 1, enough, enough)
     return pairs
 
 
@@ -77,7 +77,7 @@ def foresee_pairs(
     best = {}
     for i, j in itertools.combinations(range(len(singles)), 2):
         names = _name(singles[i]), _name(singles[j])
-        if names[0] == names[1]:
+        if singles[i].card.is_alike(singles[j].card):
             continue
         both = np.concatenate([places[i], places[j]])
         inverse = np.linalg.pinv(gram[np.ix_(both, both)], _COPY, True)

@@ -27,6 +27,8 @@ _STEPS = 5
 # Rounds of so many steps, as long as one leaves less than this share of what
 # the one before has left.
 _ROUNDS, _WORTH_A_ROUND = 4, 0.7
+# What a round leaves of what the one before has left, where it goes well.
+_GOOD_ROUND = 0.5
 # Of what a search leaves, a promise of less than this share was not kept.
 _BROKEN = 0.5
 # Who is searched: this many, and all that promise to leave at most this many
@@ -43,6 +45,9 @@ _COARSE = 0.01
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
 # A start that promises to leave this share of the gap is not tried again.
 _HOPELESS = 0.98
+# Relative decrease of the sum of squares that ends a round; where drives stick
+# less is chance.
+_END, _END_ROUGH = 1e-3, 1e-2
 # Beyond this many parameters the Jacobian is differenced once.
 _FEW = 8
 
@@ -88,6 +93,7 @@ def race(
     places: int = _PLACES,
     bar: float = np.inf,
     most: float = np.inf,
+    useful: float = np.inf,
 ) -> list[Runner]:
     """Runs the leader's effects with each of the cards, at each start.
 
@@ -97,7 +103,7 @@ def race(
         say: Progress.
         places: So many are searched whatever they promise.
         bar: Who promises to leave more is not searched.
-        most: See `search_best`.
+        most, useful: See `search_best`.
 
     Returns:
         Runners, those searched with a Jacobian; none is searched where the
@@ -113,7 +119,7 @@ def race(
     for runner in sorted(runners, key=lambda r: r.promise):
         best.setdefault(runner.card.key, runner)
     good = [r for r in best.values() if r.promise <= bar]
-    search_best(ground, good, say, places, most)
+    search_best(ground, good, say, places, most, useful)
     return runners
 
 
@@ -123,6 +129,7 @@ def search_best(
     say=lambda what, share: None,
     places: int = _PLACES,
     most: float = np.inf,
+    useful: float = np.inf,
 ) -> None:
     """Searches the runners that promise most, best first.
 
@@ -133,6 +140,8 @@ def search_best(
         places: So many are searched whatever they promise.
         most: Who promises to leave more and has strayed behind the leader is
             not led back.
+        useful: Who will not come below is given up; where there is such a
+            limit, who promises next to no gain is not searched either.
     """
     least, trust = np.inf, _COARSE * ground.evaluator.count
     there = ground.there
@@ -144,13 +153,20 @@ def search_best(
             places = min(places, _PLACES_AT_FLOOR)
         if place >= places and (far_behind or no_gain):
             break
+        if no_gain and np.isfinite(useful):
+            break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
-        if _search(ground, runner, least, trust, most):
+        if _search(ground, runner, least, trust, most, useful):
             least = max(0.0, min(least, runner.fit().excess))
 
 
 def _search(
-    ground: Ground, runner: Runner, least: float, trust: float, most: float
+    ground: Ground,
+    runner: Runner,
+    least: float,
+    trust: float,
+    most: float,
+    useful: float,
 ) -> bool:
     """Rounds of steps while they bring much; False if its twin breaks down.
 
@@ -166,13 +182,17 @@ def _search(
         if left < trust or rate > _WORTH_A_ROUND or is_lost:
             break
         # The first round may have begun far behind the leader.
-        hoped = left * rate ** (_ROUNDS - done) if done > 1 else 0.0
-        if hoped > _FACTOR * (least + trust):
+        is_first = done == 1
+        hoped = left * (_GOOD_ROUND if is_first else rate) ** (_ROUNDS - done)
+        if hoped > useful:
+            break
+        if not is_first and hoped > _FACTOR * (least + trust):
             break
         before = left
     could_lead = runner.promise < _FACTOR * (least + trust)
     is_broken = trust < left and runner.promise < _BROKEN * left
-    if could_lead and is_broken and not is_lost:
+    has_strayed = left > ground.there and np.isfinite(useful)
+    if could_lead and is_broken and not (is_lost or has_strayed):
         # Far from the leader his sensitivities may lead nowhere.
         return step(ground, runner, _STEPS, own=True)
     return True
@@ -201,7 +221,7 @@ def step(ground: Ground, runner: Runner, count: int, own: bool = False) -> bool:
             differentiate=differentiate,
             known=(runner.residual, kept),
             max_iterations=count,
-            tolerance=1e-3,
+            tolerance=_END_ROUGH if problem.is_rough else _END,
         )
     except (BraceError, ValueError, np.linalg.LinAlgError):
         return False

@@ -183,7 +183,7 @@ class SecondEffects:
         cards = effects_for(self._evaluator.twin.device).values()
         for (out, _), kept in itertools.permutations(pairs[0].uses):
             for card in cards:
-                if card.spread is None or card.name == kept[0].name:
+                if card.spread is None or card.is_alike(kept[0]):
                     continue
                 if out.name not in card.impostors:
                     continue
@@ -212,11 +212,13 @@ class SecondEffects:
         others = [
             c
             for c in cards
-            if c.is_flexible == flexible and c.name not in leader.identifiers
+            if c.is_flexible == flexible
+            and not any(c.is_alike(e) for e in leader.effects)
         ]
         bar = self._bar()
         if flexible:
             # With so much freedom they have to promise much.
             bar = min(bar, _HALF * leader.excess)
-        found = race(beside, others, say, bar=bar, most=self._most)
+        most = self._most
+        found = race(beside, others, say, bar=bar, most=most, useful=most)
         self._keep(found, leader.excess, bar)

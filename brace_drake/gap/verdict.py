@@ -27,6 +27,8 @@ MAJOR_REAL = 0.75
 _NEAR_FLOOR = 1.0
 # A race leaves this many times what the end of a search will leave, or less.
 _UNFINISHED = 2.0
+# What the coarse plant step of a race may put in, as a share of the gap.
+_UNFINISHED_SHARE = 0.25
 # Two effects have to leave this share of what one leaves.
 _SECOND_PAYS = 0.25
 # Mean square, in floors, up to which a twin of the right effect is trusted to
@@ -129,7 +131,8 @@ def largest_excess(
 ) -> float:
     """Excess after a race from which an explanation may still be reached."""
     most = largest_rest(evaluator, nominal, number)
-    return _UNFINISHED * max(most, _NEAR_FLOOR) * evaluator.count
+    coarse = min(_NEAR_FLOOR, _UNFINISHED_SHARE * misfit(evaluator, nominal))
+    return max(_UNFINISHED * most, coarse) * evaluator.count
 
 
 def explains(

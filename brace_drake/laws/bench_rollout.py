@@ -122,6 +122,7 @@ def rollout_bench(
     F_R, F_T, f_T = np.zeros(6), np.zeros(6), np.zeros(3)
     pads, ideal, readings = np.empty((2, 17)), np.zeros(12), np.zeros(12)
     memory = bench_tick.make_memory(rest)
+    controller = bench_tick.make_controller(control_law, memory)
     no_noise = np.empty(0)
     period = dt * steps_per_tick
     for tick in range(desired.shape[0]):
@@ -144,8 +145,8 @@ def rollout_bench(
                     noise[tick] if noise.shape[0] > 0 else no_noise,
                     active, sensing, parameters, sensing_memory, readings,
                 )  # fmt: skip
-                if not bench_tick.control_tick(
-                    readings, desired[tick], control_law, memory, u
+                if not bench_tick.advance_tick(
+                    readings, desired[tick], controller, u
                 ):
                     return tick
                 if tick % ticks_per_sample == 0:

@@ -19,25 +19,54 @@ def make_memory(rest):
     return memory
 
 
+@njit(cache=True)
+def make_controller(law, memory):
+    """What `advance_tick` takes, made once for many ticks.
+
+    Args:
+        law: Shared rows of `brace_control`, one after another (102,).
+        memory: See NUM_MEMORY; ticks update it.
+    """
+    rows = law.reshape((-1, 6))
+    return (
+        np.zeros((3, 6)),
+        rows,
+        brace_control.take_geometry(rows, 1),
+        memory[0:20].reshape((1, 20)),
+        memory[20:26],
+        memory[26:44].reshape((3, 6)),
+        memory[44:62].reshape((3, 6)),
+        brace_control.take_work(1),
+    )
+
+
 @njit(cache=True, error_model="numpy")
-def control_tick(readings, desired, law, memory, commands):
+def advance_tick(readings, desired, controller, commands):
     """`brace_control.advance_brace_pic` with a reference along y alone.
 
     Args:
         readings: Leg lengths (6), m, force (3), N, marker (3), m.
         desired: y_d, y_d', y_d'' (3,).
-        law: Shared rows of `brace_control`, one after another (102,).
-        memory: See NUM_MEMORY, updated.
+        controller: From `make_controller`.
         commands: Leg forces (6,), N; output.
 
     Returns:
         False where no pose was found or the legs are singular.
     """
-    X_d = np.zeros(18)
+    X_d, rows, geometry, rings, filtered, X_v, impedance, places = controller
     for row in range(3):
-        X_d[6 * row + 1] = desired[row]
+        X_d[row, 1] = desired[row]
     result = brace_control.advance_brace_pic(
-        readings[0:6], readings[6:9], X_d, law.reshape((-1, 6)),
-        memory[0:20], memory[20:26], memory[26:44], memory[44:62], commands,
+        readings[0:6], readings[6:9], X_d, rows, geometry, rings, filtered,
+        X_v, impedance, places, commands,
     )  # fmt: skip
     return result == brace_control.GOOD
+
+
+@njit(cache=True)
+def control_tick(readings, desired, law, memory, commands):
+    """One tick as `advance_tick`, with law (102,) and memory (62,) as they
+    are.
+    """
+    controller = make_controller(law, memory)
+    return advance_tick(readings, desired, controller, commands)

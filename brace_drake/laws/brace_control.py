@@ -77,12 +77,25 @@ def take_work(n):
 
 
 @njit(**_compile)
-def estimate_rings(lengths, law, pose, poses, state, work):
+def take_geometry(law, n):
+    """Rows of the law as they are used: estimator, lower, upper anchors.
+
+    That is (n, 6), (n, 6, 3), (n, 6, 3). To look at an array in another shape
+    costs as much as some of the laws: a loop over ticks does it once.
+    """
+    estimator = law[ESTIMATOR].reshape((n, 6))
+    lower = law[LOWER : LOWER + 3].reshape((n, 6, 3))
+    upper = law[UPPER : UPPER + 3].reshape((n, 6, 3))
+    return estimator, lower, upper
+
+
+@njit(**_compile)
+def estimate_rings(lengths, geometry, pose, poses, state, work):
     """Poses of all rings, from the lowest up, and their filtered rates.
 
     Args:
         lengths: Measured (6n,), m.
-        law: Shared rows.
+        geometry: See `take_geometry`.
         pose: Memory of each ring's estimator (n, 20), updated, see
             `pose_estimate.NUM_POSE_MEMORY`.
         poses: Output q_WR, p_WR (n, 7).
@@ -93,9 +106,7 @@ def estimate_rings(lengths, law, pose, poses, state, work):
         False where a pose could not be found.
     """
     n = pose.shape[0]
-    estimator = law[ESTIMATOR].reshape((n, 6))
-    lower = law[LOWER : LOWER + 3].reshape((n, 6, 3))
-    upper = law[UPPER : UPPER + 3].reshape((n, 6, 3))
+    estimator, lower, upper = geometry
     R, p_WB, _, _, _, _, estimate = work
     for i in range(n):
         anchors = lower[0]
@@ -127,7 +138,7 @@ def filter_force(force, gain, filtered):
 
 
 @njit(**_compile)
-def send_to_legs(F, poses, law, work, command):
+def send_to_legs(F, poses, geometry, limit, work, command):
     """Leg commands f = J^-T F at the estimated poses, each leg limited.
 
     Legs of stage i push ring i and pull back ring i - 1, so the stages are
@@ -136,21 +147,20 @@ def send_to_legs(F, poses, law, work, command):
     Returns:
         GOOD, or SINGULAR where a stage is.
     """
-    n = poses.shape[0]
-    lower = law[LOWER : LOWER + 3].reshape((n, 6, 3))
-    upper = law[UPPER : UPPER + 3].reshape((n, 6, 3))
+    _, lower, upper = geometry
     R, p_WB, lengths, J, J_L, scratch, _ = work
     stages.calc_kinematics(poses, lower, upper, R, p_WB, lengths, J, J_L)
     if not stages.solve_leg_forces(J, J_L, F, scratch, command):
         return SINGULAR
-    for k in range(6 * n):
-        limit = law[LIMIT, k]
-        command[k] = min(limit, max(-limit, command[k]))
+    for k in range(command.shape[0]):
+        command[k] = min(limit[k], max(-limit[k], command[k]))
     return GOOD
 
 
 @njit(**_compile)
-def follow_virtual(X_v, filtered, law, poses, state, F, work, command):
+def follow_virtual(
+    X_v, filtered, law, geometry, poses, state, F, work, command
+):
     """Inverse dynamics (6) from the estimated state to X_v (3, 6n).
 
     Returns:
@@ -160,7 +170,7 @@ def follow_virtual(X_v, filtered, law, poses, state, F, work, command):
         state, X_v, filtered, law[FED_FORWARD],
         law[K_P : K_V + 1], law[MASS], law[GRAVITY], F,
     )  # fmt: skip
-    return send_to_legs(F, poses, law, work, command)
+    return send_to_legs(F, poses, geometry, law[LIMIT], work, command)
 
 
 @njit(**_compile)
@@ -205,30 +215,42 @@ def is_saturated(command, limit):
 
 @njit(**_compile)
 def advance_brace_pic(
-    lengths, force, desired, law, pose, filtered, virtual, impedance, command
+    lengths,
+    force,
+    X_d,
+    law,
+    geometry,
+    rings,
+    filtered,
+    X_v,
+    impedance,
+    places,
+    command,
 ):
     """One tick of PIC: the bench's, with n = 1, and the brace's.
 
     Args:
+        X_d, X_v, impedance: As in `advance_brace`, a row each (3, 6n).
+        geometry: See `take_geometry`.
+        rings: Memory of each ring's estimator (n, 20), updated.
         filtered: Filtered force (6n,), N, updated.
+        places: To work in, see `take_work`.
         lengths ... command: As in `advance_brace`.
 
     Returns:
         GOOD, NO_POSE or SINGULAR.
     """
-    nc = lengths.shape[0]
-    n = nc // 6
-    X_v = virtual.reshape((3, nc))
-    poses, state, F, work = take_work(n)
-    rings = pose.reshape((n, pose_estimate.NUM_POSE_MEMORY))
-    if not estimate_rings(lengths, law, rings, poses, state, work):
+    poses, state, F, work = places
+    if not estimate_rings(lengths, geometry, rings, poses, state, work):
         return NO_POSE
     filter_force(force, law[ESTIMATOR, 5], filtered)
     task_impedance.advance_pic(
-        desired.reshape((3, nc)), filtered, law[ESTIMATOR, 3], law[SELECTED],
-        law[M_D], law[C_D], law[K_D], X_v, impedance.reshape((3, nc)),
+        X_d, filtered, law[ESTIMATOR, 3], law[SELECTED],
+        law[M_D], law[C_D], law[K_D], X_v, impedance,
     )  # fmt: skip
-    return follow_virtual(X_v, filtered, law, poses, state, F, work, command)
+    return follow_virtual(
+        X_v, filtered, law, geometry, poses, state, F, work, command
+    )
 
 
 @njit(**_compile)
@@ -264,18 +286,19 @@ def advance_brace(
         GOOD, NO_POSE, SINGULAR or BAD_STIFFNESS.
     """
     filtered, own = memory[0], memory[1:]
-    if kind == PIC:
-        return advance_brace_pic(
-            lengths, force, desired, law, pose, filtered, virtual, impedance,
-            command,
-        )  # fmt: skip
     nc = lengths.shape[0]
     n = nc // 6
     X_d, X_v = desired.reshape((3, nc)), virtual.reshape((3, nc))
     used = impedance.reshape((3, nc))
-    poses, state, F, work = take_work(n)
+    geometry, places = take_geometry(law, n), take_work(n)
+    poses, state, F, work = places
     rings = pose.reshape((n, pose_estimate.NUM_POSE_MEMORY))
-    if not estimate_rings(lengths, law, rings, poses, state, work):
+    if kind == PIC:
+        return advance_brace_pic(
+            lengths, force, X_d, law, geometry, rings, filtered, X_v, used,
+            places, command,
+        )  # fmt: skip
+    if not estimate_rings(lengths, geometry, rings, poses, state, work):
         return NO_POSE
     filter_force(force, law[ESTIMATOR, 5], filtered)
     if kind == PID:
@@ -285,9 +308,11 @@ def advance_brace(
             is_saturated(command, law[LIMIT]),
             law[NUM_SHARED_LAW:], law[GRAVITY], own, F,
         )  # fmt: skip
-        return send_to_legs(F, poses, law, work, command)
+        return send_to_legs(F, poses, geometry, law[LIMIT], work, command)
     if not advance_virtual(
         kind, X_d, state, filtered, stiffness, law, own, X_v, used
     ):
         return BAD_STIFFNESS
-    return follow_virtual(X_v, filtered, law, poses, state, F, work, command)
+    return follow_virtual(
+        X_v, filtered, law, geometry, poses, state, F, work, command
+    )

@@ -110,10 +110,13 @@ def add_hooked_forces(
             parameters[e], drive_memory[e],
         )  # fmt: skip
     legs.add_leg_wrench(J, f, F_R_W)
-    blocks.calc_displacement(bodies[0:4], bodies[4:7], rest, pose)
+    placed = False
     for e in range(MAX_EFFECTS):
         if not active[4, e]:
             continue
+        if not placed:
+            blocks.calc_displacement(bodies[0:4], bodies[4:7], rest, pose)
+            placed = True
         ring[e](
             t, dt, pose[0:3], pose[3:6], V_WR, F_R_W,
             parameters[e], ring_memory[e],

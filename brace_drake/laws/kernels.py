@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from brace_drake.laws import blocks, brace_control, stages
+from brace_drake.laws.pose_estimate import NUM_POSE_MEMORY
 from brace_drake.laws.rotation import quaternion_to_matrix
 
 _compile = {"cache": True, "error_model": "numpy"}
@@ -196,14 +197,17 @@ def advance_tick(measured, desired, noise, law, tick):
     if noise.shape[0] > 0:
         blocks.read_instruments(law[0:2], noise * law[2 : 2 + size], readings)
     at = nc + size
+    rows = law[2 + size :].reshape((brace_control.NUM_SHARED_LAW, nc))
     return brace_control.advance_brace_pic(
         readings[0:nc],
         readings[nc : 9 * n],
-        desired,
-        law[2 + size :].reshape((brace_control.NUM_SHARED_LAW, nc)),
-        tick[at + 42 * n :],
+        desired.reshape((3, nc)),
+        rows,
+        brace_control.take_geometry(rows, n),
+        tick[at + 42 * n :].reshape((n, NUM_POSE_MEMORY)),
         tick[at + 36 * n : at + 42 * n],
-        tick[at : at + 18 * n],
-        tick[at + 18 * n : at + 36 * n],
+        tick[at : at + 18 * n].reshape((3, nc)),
+        tick[at + 18 * n : at + 36 * n].reshape((3, nc)),
+        brace_control.take_work(n),
         tick[0:nc],
     )

@@ -63,7 +63,8 @@ class HostControl:
         self._geometry, self._viscous = numbers.geometry, numbers.viscous
         self._rings = numbers.num_stages
         self._weights = np.full(self._rings, numbers.ring[4])
-        self._law, self._start_pose = control.law, control.pose
+        self._start_pose = control.pose
+        self._rows = brace_control.take_geometry(control.law, self._rings)
         self._start = control.virtual[0 : 6 * self._rings]
         held = holding_leg_forces(numbers.geometry, self._weights)
         self.hold = tuple(held.tolist())
@@ -128,7 +129,7 @@ class HostControl:
         """
         n, held = 6 * self._rings, self.command.copy()
         self.good = brace_control.estimate_rings(
-            readings[0:n], self._law, self._memory, self._poses, self._state,
+            readings[0:n], self._rows, self._memory, self._poses, self._state,
             self._work[3],
         )  # fmt: skip
         V = self._state[1].reshape((-1, 6)).take(_ROTATION_FIRST, axis=1)
