@@ -13,7 +13,6 @@ from brace_drake.cli.link_options import (
     load_device_options,
 )
 from brace_drake.cli.options import AddCommand, AddMotion
-from brace_drake.errors import StoppedError
 from brace_drake.output import HoldFolder
 
 _EPILOG = """\
@@ -102,8 +101,7 @@ def Run(args: argparse.Namespace) -> int:
         still = np.zeros((round(_DRY_SECONDS * rate), *desired.shape[1:]))
         check_dry_run(run("dry_run", still, True))
         if not args.dry_run:
-            if not CountDown(args.countdown, f"{motion.name} moves", keys):
-                raise StoppedError(f"{motion.name}: not begun")
+            CountDown(args.countdown, motion.name, keys)
             run("armed", desired, False)
     if log:
         print(f"log: {Path(args.out) / 'ticks.csv'}")

@@ -91,8 +91,7 @@ def Run(args: argparse.Namespace) -> int:
         desired = desired_at_ticks(motion, link.hello.rate_hz)
         session = Session(link, MakeControl(scenario, limits), limits)
         show = _Show(beside, page, session, overlay, args.stop_at_alarm)
-        if not CountDown(args.countdown, f"{motion.name} moves", keys):
-            raise StoppedError(f"{motion.name}: not begun")
+        CountDown(args.countdown, motion.name, keys)
         session.Start(desired)
         WatchSession(session, show.Take, keys.pressed)
         if session.trip is not None:
