@@ -8,7 +8,7 @@ import numpy as np
 
 from brace_drake.cli.options import load_motion
 from brace_drake.hardware.limits import BY_STAGE, DEFAULT
-from brace_drake.hardware.safety import SafetyMode
+from brace_drake.hardware.safety_memory import SafetyMode
 from brace_drake.hardware.words import Cause
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario

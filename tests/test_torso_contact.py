@@ -28,8 +28,8 @@ from brace_drake.torso.contact import (
     MakeTorsoGeometry,
     check_volume,
     distance_at_rest,
-    map_linear_contact,
 )
+from brace_drake.torso.contact_numbers import map_linear_contact
 from brace_drake.torso.files import obj_text
 from brace_drake.torso.fitted import fit_torso
 from brace_drake.torso.folder import LoadTorso, WriteTorso

@@ -11,7 +11,7 @@ from brace_drake.errors import ScenarioError, TorsoError
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check import CheckScenario
-from brace_drake.torso.contact import map_linear_contact
+from brace_drake.torso.contact_numbers import map_linear_contact
 from brace_drake.torso.fitted import fit_torso
 from brace_drake.torso.pads import Pad
 from brace_drake.torso.points import make_point_pad

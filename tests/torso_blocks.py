@@ -6,11 +6,8 @@ from pydrake.systems.analysis import Simulator
 
 from brace_drake.brace_station import MakeBraceStation
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.torso.contact import (
-    MakeTorsoGeometry,
-    TorsoContact,
-    map_linear_contact,
-)
+from brace_drake.torso.contact import MakeTorsoGeometry
+from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact
 from brace_drake.torso.depth import deepest
 from brace_drake.torso.fitted import FittedTorso, calc_inertia
 from brace_drake.torso.measures import Curve, TorsoMeasures

@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.campaign.manifest import RunEntry, parse_manifest
+from brace_drake.campaign.manifest import parse_manifest
+from brace_drake.campaign.manifest_runs import RunEntry
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.campaign.write import describe
 from brace_drake.errors import CampaignError
