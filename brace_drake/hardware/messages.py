@@ -255,7 +255,6 @@ MESSAGES = (
     ),
 )
 BY_NAME = {message.name: message for message in MESSAGES}
-BY_CODE = {message.code: message for message in MESSAGES}
 
 
 def num_items(field: Field, stages: int) -> int:
