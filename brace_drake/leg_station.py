@@ -173,12 +173,10 @@ def MakeLegBenchStation(
     control, period = numbers.control, numbers.control[3]
     if not motion.closed:
         control = np.array([0.0, 0.0, math.inf, period])
-    # Carriage, and the force on it.
     plant = AddLegDrivePlant(builder, numbers.mass[0], time_step)
     force = builder.AddNamedSystem(
         "drive_force", DriveForce(numbers, drive or idle("drive"), time_step)
     )
-    # Reference and controller.
     source = builder.AddNamedSystem(
         "asked", TrajectorySource(MakeAsked(motion.asked, period))
     )
@@ -198,7 +196,6 @@ def MakeLegBenchStation(
         force.GetOutputPort("generalized_force"),
         plant.get_applied_generalized_force_input_port(),
     )
-    # Ports and logs.
     builder.ExportOutput(state, "plant_state")
     sinks = {}
     for name in ("command", "reading"):

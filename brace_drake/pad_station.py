@@ -158,7 +158,6 @@ def MakePadBenchStation(
     """
     builder, plug_ins = DiagramBuilder(), plug_ins or {}
     period = time[-1] / (len(time) - 1)
-    # Path, contact, and the instrument.
     source = builder.AddNamedSystem(
         "path", TrajectorySource(MakePath(time, path), 1)
     )
@@ -177,7 +176,6 @@ def MakePadBenchStation(
     state, force = source.get_output_port(), contact.GetOutputPort
     builder.Connect(state, contact.GetInputPort("pad_state"))
     builder.Connect(force("normal_force"), cell.GetInputPort("normal_force"))
-    # Ports and log.
     reading = cell.GetOutputPort("reading")
     builder.ExportOutput(state, "pad_state")
     builder.ExportOutput(force("normal_force"), "normal_force")

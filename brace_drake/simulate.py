@@ -76,6 +76,9 @@ def AdvanceRun(
         duration: s.
         on_progress: Called every 0.1 s of simulated time.
         watch: See `SimulateBench`.
+
+    Raises:
+        BraceError: The run broke down.
     """
     context = simulator.get_mutable_context()
     # A callback finds its context's Python object faster than it makes one.
@@ -86,7 +89,7 @@ def AdvanceRun(
     if watch is not None:
         simulator.set_target_realtime_rate(1.0)
         _monitor(simulator, station, watch)
-    with without_garbage_collection():
+    with without_garbage_collection(), told_as_brace_error():
         if on_progress is not None:
             for time in np.arange(_PROGRESS_S, duration, _PROGRESS_S):
                 simulator.AdvanceTo(time)
@@ -106,6 +109,15 @@ def _monitor(simulator: Simulator, station: BraceStation, watch: AtEnd) -> None:
             watch(station, root)
 
     simulator.set_monitor(Look)
+
+
+@contextmanager
+def told_as_brace_error():
+    """A simulator that gives up raises a plain RuntimeError."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise BraceError(f"the simulated run broke down: {error}") from error
 
 
 @contextmanager
@@ -148,18 +160,12 @@ def RecordBench(
     times, samples = reference_of_run(run)
     reference = MakeReference(times, samples)
     torso = replace(scenario.torso, present=run.contact)
-    noise = None
-    if noise_seed is not None:
-        draws = np.random.default_rng(noise_seed)
-        noise = MakeHeldNoise(draws, times[-1], scenario.control.rate)
+    noise = MakeHeldNoise(noise_seed, times[-1], scenario.control.rate)
     scenario = replace(scenario, torso=torso)
     station = MakeBenchStation(
         scenario, reference, noise=noise, log_pads=log_pads, limits=limits
     )
-    try:
-        log = SimulateBench(station, times[-1], at_end, on_progress, watch)
-    except RuntimeError as error:
-        raise BraceError(f"the simulated run broke down: {error}") from error
+    log = SimulateBench(station, times[-1], at_end, on_progress, watch)
     if not np.isfinite(log).all():
         raise BraceError("the simulated run broke down")
     at = np.arange(len(log)) * scenario.sensors.log_period
@@ -170,13 +176,15 @@ def RecordBench(
 
 
 def MakeHeldNoise(
-    generator: np.random.Generator,
-    duration: float,
-    rate: float,
-    rows: int = 12,
-) -> PiecewisePolynomial:
-    """Standard normal draws (rows), each held around its control tick."""
+    seed: int | None, duration: float, rate: float, rows: int = 12
+) -> PiecewisePolynomial | None:
+    """Standard normal draws (rows), each held around its control tick.
+
+    None without a seed: exact readings.
+    """
+    if seed is None:
+        return None
     ticks = round(duration * rate) + 3
     edges = (np.arange(ticks) - 0.5) / rate
-    draws = generator.standard_normal((ticks, rows))
+    draws = np.random.default_rng(seed).standard_normal((ticks, rows))
     return PiecewisePolynomial.ZeroOrderHold(edges, draws.T)

@@ -91,10 +91,8 @@ def SimulateBrace(
     rings = pack_rings(scenario)
     n = rings.num_rings
     desired = MakeBraceReference(run, scenario.stages, rings.start)
-    end, noise = desired.end_time(), None
-    if noise_seed is not None:
-        draws = np.random.default_rng(noise_seed)
-        noise = MakeHeldNoise(draws, end, scenario.control.rate, 9 * n + 3)
+    end, rate = desired.end_time(), scenario.control.rate
+    noise = MakeHeldNoise(noise_seed, end, rate, 9 * n + 3)
     controller = MakeController(scenario.control, rings)
     if not run.contact:
         add_geometry = None
@@ -186,10 +184,7 @@ def _Advance(
     }
     diagram = builder.Build()
     simulator = Simulator(diagram)
-    try:
-        AdvanceRun(simulator, station, end, on_progress, watch)
-    except RuntimeError as error:
-        raise BraceError(f"the simulated run broke down: {error}") from error
+    AdvanceRun(simulator, station, end, on_progress, watch)
     if on_progress is not None:
         on_progress(end)
     context = simulator.get_context()

@@ -7,9 +7,9 @@ import numpy as np
 
 from brace_drake.emulator.bench_plant import BenchPlant
 from brace_drake.emulator.describe import describe_device
+from brace_drake.emulator.device import measure_plant
 from brace_drake.emulator.line import Line, LineFaults
 from brace_drake.hardware.codec import Decoder, make_codec
-from brace_drake.hardware.device_ticks import Measured
 from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT, SHARED, shared_values
 from brace_drake.hardware.sequence import SequenceWatch
@@ -96,14 +96,8 @@ class Lockstep:
     def run(self, ticks):
         """Advances; stops early at nothing."""
         for _ in range(ticks):
-            readings = self.plant.advance(self._u).tolist()
-            legs = 6 * self._stages
-            measured = Measured(
-                tuple(readings[0:legs]),
-                tuple(readings[legs:-3]),
-                tuple(readings[-3:]),
-                self.estop,
-                self.drive_fault,
+            measured = measure_plant(
+                self.plant, self._u, self.estop, self.drive_fault
             )
             self._tell(self.firmware.tick(measured, self.now))
             # Bytes on their way arrive within the tick.

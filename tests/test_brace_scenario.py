@@ -98,9 +98,8 @@ class TestBraceFile(unittest.TestCase):
 
 class TestBadScenarios(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.path = Path(folder.name) / "some.scenario.yaml"
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.path = folder / "some.scenario.yaml"
 
     def load(self, text):
         self.path.write_text("device: brace\n" + text)

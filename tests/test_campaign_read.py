@@ -109,9 +109,7 @@ class CampaignFolderTest(unittest.TestCase):
     """A test with an empty temporary folder."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.path = self.folder / "campaign"
 
     def describe(self, **changes):

@@ -2,7 +2,6 @@
 
 import contextlib
 import csv
-import io
 import shutil
 import subprocess
 import sys
@@ -11,20 +10,10 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from brace_drake.cli.main import main, make_parser
+from brace_drake.cli.main import make_parser
 from brace_drake.cli.options import load_motion, names_file
+from tests.commands import run_command
 from tests.shared_data import EXAMPLE
-
-
-def run(*arguments):
-    """Status and standard error of a command."""
-    errors = io.StringIO()
-    with (
-        contextlib.redirect_stderr(errors),
-        contextlib.redirect_stdout(io.StringIO()),
-    ):
-        status = main([str(a) for a in arguments])
-    return status, errors.getvalue()
 
 
 class TestStart(unittest.TestCase):
@@ -46,16 +35,16 @@ class TestStart(unittest.TestCase):
 
 class TestBadInput(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.campaign = self.folder / "campaign"
         self.out = self.folder / "out"
         shutil.copytree(EXAMPLE, self.campaign)
 
     def assert_refused(self, *words):
         for command in ("diagnose", "fit"):
-            status, errors = run(command, self.campaign, "--out", self.out)
+            status, _, errors = run_command(
+                command, self.campaign, "--out", self.out
+            )
             self.assertEqual(status, 2, errors)
             self.assertEqual(len(errors.strip().splitlines()), 1, errors)
             self.assertNotIn("Traceback", errors)
@@ -110,13 +99,15 @@ class TestBadInput(unittest.TestCase):
         place = self.folder / "file"
         place.write_text("")
         for command in ("diagnose", "fit"):
-            status, errors = run(command, self.campaign, "--out", place / "out")
+            status, _, errors = run_command(
+                command, self.campaign, "--out", place / "out"
+            )
             self.assertEqual(status, 2)
             self.assertIn("cannot write", errors)
             self.assertEqual(len(errors.strip().splitlines()), 1)
 
     def test_a_scenario_that_is_not_there(self):
-        status, errors = run(
+        status, _, errors = run_command(
             "diagnose",
             self.campaign,
             "--out",
@@ -132,9 +123,7 @@ class TestManyCampaigns(unittest.TestCase):
     """The diagnosis itself is left out: files and status are looked at."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.out = self.folder / "out"
         self.campaigns = [self.folder / n for n in ("a", "b", "deep/a")]
         for campaign in self.campaigns:
@@ -160,14 +149,14 @@ class TestManyCampaigns(unittest.TestCase):
             }
 
         with mock.patch("brace_drake.cli.diagnose._Diagnose", fake):
-            return run("diagnose", *campaigns, "--out", self.out)
+            return run_command("diagnose", *campaigns, "--out", self.out)
 
     def table(self):
         with (self.out / "summary.csv").open() as file:
             return list(csv.DictReader(file))
 
     def test_each_has_its_folder_and_its_row(self):
-        status, _ = self.diagnose(*self.campaigns)
+        status, _, _ = self.diagnose(*self.campaigns)
         self.assertEqual(status, 0)
         rows = self.table()
         self.assertEqual([r["campaign"] for r in rows], ["a", "b", "a_2"])
@@ -180,7 +169,7 @@ class TestManyCampaigns(unittest.TestCase):
 
     def test_one_that_fails_is_a_row_with_its_error(self):
         (self.campaigns[0] / "campaign.yaml").write_text("format: [a\n")
-        status, errors = self.diagnose(*self.campaigns[:2])
+        status, _, errors = self.diagnose(*self.campaigns[:2])
         self.assertEqual(status, 2)
         self.assertNotIn("Traceback", errors)
         failed, good = self.table()
@@ -192,7 +181,7 @@ class TestManyCampaigns(unittest.TestCase):
 
     def test_a_place_that_cannot_be_written_stops_at_once(self):
         self.out.write_text("")
-        status, errors = self.diagnose(*self.campaigns[:2])
+        status, _, errors = self.diagnose(*self.campaigns[:2])
         self.assertEqual(status, 2)
         self.assertEqual(len(errors.strip().splitlines()), 1)
 
@@ -214,7 +203,7 @@ class TestWithoutTheSource(unittest.TestCase):
         )
         with tempfile.TemporaryDirectory() as folder, nowhere:
             out = Path(folder) / "out"
-            status, errors = run("validate", "--out", out)
+            status, _, errors = run_command("validate", "--out", out)
             self.assertEqual((status, errors.count("\n")), (2, 1))
             self.assertIn("name a campaign", errors)
             self.assertFalse(out.exists())

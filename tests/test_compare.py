@@ -15,8 +15,8 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import LoadScenario
 from brace_drake.simulate_brace import BraceLog
 from brace_drake.twin.brace_reference import MakeBraceReference
+from tests.commands import run_command
 from tests.test_simulate_brace import reference
-from tests.test_simulate_command import run
 
 
 def load(name):
@@ -169,7 +169,7 @@ class TestCompare(unittest.TestCase):
                 comments="",
             )
             words = ("compare", "--motion", motion, "--out", out)
-            code, text, error = run(*words, "--controllers", "pid,pic")
+            code, text, error = run_command(*words, "--controllers", "pid,pic")
             self.assertEqual(code, 0, error)
             with open(out / "comparison.csv", newline="") as file:
                 rows = list(csv.DictReader(file))
@@ -188,7 +188,7 @@ class TestCompare(unittest.TestCase):
         ):
             with tempfile.TemporaryDirectory() as folder:
                 out = Path(folder) / "out"
-                code, _, error = run("compare", *words, "--out", out)
+                code, _, error = run_command("compare", *words, "--out", out)
                 self.assertEqual(code, 2)
                 self.assertEqual(error.count("\n"), 1)
                 self.assertIn(part, error)

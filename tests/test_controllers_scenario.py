@@ -32,9 +32,8 @@ RINGS = bench_rings(pack_bench(BenchScenario()))
 
 class TestLoad(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.path = Path(folder.name) / "some.scenario.yaml"
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.path = folder / "some.scenario.yaml"
 
     def load(self, text, overrides=None, stages="[2]"):
         """Numbers of a brace, of the bench's one stage if not said otherwise.

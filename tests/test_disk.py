@@ -89,10 +89,8 @@ def start(code, *words):
 
 class Folder(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.addCleanup(ReleaseFolders)
-        self.folder = Path(folder.name)
 
     def names(self):
         return sorted(os.listdir(self.folder))

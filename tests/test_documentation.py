@@ -17,7 +17,8 @@ from pathlib import Path
 import yaml
 
 from brace_drake.cli.doctor import _packages, examine_machine
-from brace_drake.cli.main import main, make_parser
+from brace_drake.cli.main import make_parser
+from tests.commands import run_command
 from tests.shared_data import EXAMPLE
 from tests.test_layering import LAYERS
 from tools.draw_layers import draw_layers
@@ -103,14 +104,8 @@ class TestCommands(unittest.TestCase):
 
 
 class TestFamily(unittest.TestCase):
-    def run_command(self, *words):
-        out = io.StringIO()
-        with contextlib.redirect_stdout(out):
-            status = main([str(w) for w in words])
-        return status, out.getvalue()
-
     def test_the_doctor_finds_this_machine_fit(self):
-        status, text = self.run_command("doctor", "--json")
+        status, text, _ = run_command("doctor", "--json")
         found = json.loads(text)
         self.assertEqual(status, 0, text)
         for what in ("python", "drake", "cores", "memory", "compiled laws"):
@@ -133,10 +128,10 @@ class TestFamily(unittest.TestCase):
         )
 
     def test_the_check_is_read_by_a_machine(self):
-        status, text = self.run_command("check", EXAMPLE, "--json")
+        status, text, _ = run_command("check", EXAMPLE, "--json")
         self.assertEqual(status, 0)
         self.assertIs(json.loads(text)["usable"], True)
-        status, text = self.run_command("check", EXAMPLE.parent, "--json")
+        status, text, _ = run_command("check", EXAMPLE.parent, "--json")
         self.assertEqual(status, 2)
         found = json.loads(text)
         self.assertFalse(found["usable"])
@@ -144,7 +139,7 @@ class TestFamily(unittest.TestCase):
 
     def test_shells_get_a_script_with_every_command(self):
         for shell in ("bash", "zsh", "tcsh"):
-            status, text = self.run_command("completion", shell)
+            status, text, _ = run_command("completion", shell)
             self.assertEqual(status, 0)
             for name, _ in parsers(make_parser()):
                 self.assertIn(name.split(" ")[0], text)

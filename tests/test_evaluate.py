@@ -1,8 +1,6 @@
 """Policies beside controllers: same numbers as env and diagram, intervals."""
 
-import contextlib
 import csv
-import io
 import tempfile
 import unittest
 from dataclasses import replace
@@ -12,7 +10,6 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.cli.main import main
 from brace_drake.errors import BraceError, PolicyError
 from brace_drake.experiments import best_constant, evaluate, rollouts
 from brace_drake.experiments.compare import (
@@ -39,6 +36,7 @@ from brace_drake.learning.subjects import (
 )
 from brace_drake.parallel import open_workers
 from brace_drake.resources import policy_path
+from tests.commands import run_command
 from tests.learning_tasks import random_policy, short_task
 
 
@@ -247,9 +245,7 @@ class TestIntervals(unittest.TestCase):
 class TestEvaluate(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = Path(folder.name)
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         task = short_task(5, reward=improved(), subjects=between_patients())
         cls.files = []
         for seed in range(3):
@@ -257,15 +253,10 @@ class TestEvaluate(unittest.TestCase):
             SavePolicy(random_policy(task, seed), file)
             cls.files.append(str(file))
         cls.out = cls.folder / "out"
-        cls.printed = io.StringIO()
-        with (
-            contextlib.redirect_stdout(cls.printed),
-            contextlib.redirect_stderr(io.StringIO()),
-        ):
-            cls.status = main(
-                ["evaluate", *cls.files, "--out", str(cls.out), "--subjects",
-                 "4", "--searched", "2", "--seeds", "2", "--jobs", "1"]
-            )  # fmt: skip
+        cls.status, cls.printed, _ = run_command(
+            "evaluate", *cls.files, "--out", cls.out, "--subjects", 4,
+            "--searched", 2, "--seeds", 2, "--jobs", 1,
+        )  # fmt: skip
 
     def rows(self, name):
         with (self.out / name).open() as file:
@@ -279,7 +270,7 @@ class TestEvaluate(unittest.TestCase):
         page = (self.out / "evaluation.html").read_text()
         self.assertEqual(page.count("data:image/png"), 7)
         self.assertNotRegex(page, r'(src|href)="(?!data:)')
-        self.assertIn("learning was", self.printed.getvalue())
+        self.assertIn("learning was", self.printed)
 
     def test_table_1_has_the_papers_rows_and_one_for_each_seed(self):
         rows = self.rows("table_1.csv")
@@ -339,13 +330,11 @@ class TestEvaluate(unittest.TestCase):
             evaluate.gather_policies(policies)
 
     def test_a_file_that_is_no_policy_is_named_in_one_line(self):
-        errors = io.StringIO()
-        with contextlib.redirect_stderr(errors):
-            status = main(
-                ["evaluate", "nothing.npz", "--out", str(self.folder / "o")]
-            )
+        status, _, errors = run_command(
+            "evaluate", "nothing.npz", "--out", self.folder / "o"
+        )
         self.assertEqual(status, 2)
-        self.assertRegex(errors.getvalue(), r"^brace-drake: nothing.npz: ")
+        self.assertRegex(errors, r"^brace-drake: nothing.npz: ")
 
 
 if __name__ == "__main__":

@@ -29,9 +29,7 @@ columns:
 
 class TestImport(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.time = np.arange(400) / 100.0
         self.travel = 5.0 * (1.0 - np.cos(self.time))
         self.load = 3.0 * self.travel + 0.5 + 0.01 * np.sin(40 * self.time)

@@ -32,9 +32,8 @@ def observations(policy, count=50):
 
 class TestFiles(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.path = Path(folder.name) / "policy.npz"
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.path = folder / "policy.npz"
 
     def test_a_policy_comes_back_as_it_was(self):
         policy = random_policy(short_task(7, sample_time=0.02))

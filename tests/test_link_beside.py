@@ -19,7 +19,7 @@ from brace_drake.operation.contact_estimate import (
 from brace_drake.operation.motion import desired_at_ticks, place_motion
 from brace_drake.operation.overlay import DEVICE, TWIN, Overlay
 from brace_drake.operation.page import Page
-from brace_drake.operation.session import Row
+from brace_drake.operation.rows import Row
 from brace_drake.operation.station import MakeControl, moving_rings
 from brace_drake.playback.look import make_look
 from brace_drake.scenario.brace import BraceScenario

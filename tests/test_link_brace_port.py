@@ -2,7 +2,6 @@
 
 import contextlib
 import csv
-import io
 import tempfile
 import unittest
 from dataclasses import replace
@@ -13,7 +12,6 @@ import numpy as np
 
 from brace_drake.campaign import CheckCampaign, LoadCampaign
 from brace_drake.campaign.write import format_table
-from brace_drake.cli.main import main
 from brace_drake.emulator.brace_plant import BracePlant
 from brace_drake.hardware.limits_file import LoadLimits
 from brace_drake.hardware.words import DeviceState
@@ -23,6 +21,7 @@ from brace_drake.scenario.load import SaveScenario
 from brace_drake.simulate_brace import RecordBrace, SimulateBrace
 from brace_drake.twin.motion_library import SafeMotion
 from brace_drake.twin.motion_parts import ramp
+from tests.commands import run_command
 from tests.test_link_port import emulated, wait_for
 
 RINGS = (1, 2, 3)
@@ -40,13 +39,6 @@ def push(depth, ring=2):
     return replace(run, channels=channels)
 
 
-def run_command(*words):
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        status = main([str(word) for word in words])
-    return status, out.getvalue(), err.getvalue()
-
-
 @contextlib.contextmanager
 def emulated_brace(scenario):
     limits = LoadLimits(None, scenario.stages)
@@ -61,9 +53,7 @@ def emulated_brace(scenario):
 class TestPort(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = Path(folder.name)
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.scenario = BraceScenario()
         cls.file = cls.folder / "brace.scenario.yaml"
         SaveScenario(cls.scenario, cls.file)

@@ -15,13 +15,13 @@ from unittest import mock
 import numpy as np
 import yaml
 
-from brace_drake.cli.main import main
 from brace_drake.effects.registry import find_effect
 from brace_drake.hardware.words import Cause, DeviceState
 from brace_drake.learning.policy import SavePolicy
 from brace_drake.twin.motion_library import MakeMotion, SafeMotion
 from brace_drake.twin.motion_parts import ramp
 from brace_drake.twin.reference_file import format_reference
+from tests.commands import run_command
 from tests.learning_tasks import random_policy, short_task
 from tests.test_link_port import emulated, wait_for
 
@@ -36,9 +36,7 @@ def make_still(seconds):
 
 class Folder(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         # A machine that tests share is late at times.
         self.limits = self.folder / "limits.yaml"
         self.limits.write_text("stale: 5.0\n")
@@ -126,9 +124,7 @@ class TestTwin(Folder):
 
 
 class TestPlans(Folder):
-    def run_command(self, *words):
-        out, err = io.StringIO(), io.StringIO()
-
+    def run_plan(self, *words):
         def short(name):
             motion = MakeMotion(name)
             time = np.arange(100) / 200.0
@@ -138,13 +134,10 @@ class TestPlans(Folder):
             )
 
         with (
-            contextlib.redirect_stdout(out),
-            contextlib.redirect_stderr(err),
             mock.patch("sys.stdin", io.StringIO("\n\n\n")),
             mock.patch("brace_drake.operation.guide.MakeMotion", short),
         ):
-            status = main([str(word) for word in words])
-        return status, out.getvalue(), err.getvalue()
+            return run_command(*words)
 
     def test_record_takes_a_plan_and_campaign_goes_on_with_it(self):
         plan, out = self.folder / "plan.yaml", self.folder / "c"
@@ -154,7 +147,7 @@ class TestPlans(Folder):
         with emulated() as device:
             options = ("--port", device.terminal.path, "--limits", self.limits)
             options += ("--out", out, "--countdown", 0)
-            status, said, errors = self.run_command(
+            status, said, errors = self.run_plan(
                 "record", "--motion", plan, *options
             )
             self.assertEqual(status, 0, errors)
@@ -162,7 +155,7 @@ class TestPlans(Folder):
             asked = ["Take the torso out", "Put the torso in"]
             self.assertEqual([a for a in asked if a in said], asked)
             plan.write_text(head + push + "- {motion: push, repeat: true}\n")
-            status, said, errors = self.run_command(
+            status, said, errors = self.run_plan(
                 "campaign", "--plan", plan, *options
             )
             self.assertEqual(status, 0, errors)
@@ -200,7 +193,7 @@ class TestPlans(Folder):
             ("twin", "--motion", file),
         ):
             with self.subTest(words=words):
-                status, _, errors = self.run_command(*words, *options)
+                status, _, errors = self.run_plan(*words, *options)
                 self.assertEqual((status, errors.count("\n")), (2, 1), errors)
                 self.assertRegex(errors, r"reaches 13.0 mm, allowed 12 mm")
 
@@ -211,7 +204,7 @@ class TestPlans(Folder):
         ):
             for folder in ("monday", "monday/"):
                 options = ("--port", "/dev/null", "--out", folder)
-                status, said, errors = self.run_command("campaign", *options)
+                status, said, errors = self.run_plan("campaign", *options)
                 self.assertEqual(status, 0, errors)
                 last = said.splitlines()[-1]
                 self.assertTrue(last.endswith(" --out monday-results"), last)
@@ -224,7 +217,7 @@ class TestPlans(Folder):
             ((), "did you mean push"),
             (("--split", "fit"), "each run of"),
         ):
-            status, _, errors = self.run_command(
+            status, _, errors = self.run_plan(
                 "record", "--motion", plan, *more, *options
             )
             self.assertEqual((status, errors.count("\n")), (2, 1), errors)

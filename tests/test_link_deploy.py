@@ -1,8 +1,6 @@
 """Controllers on a device; plans of campaigns."""
 
-import contextlib
 import csv
-import io
 import json
 import tempfile
 import unittest
@@ -12,7 +10,6 @@ from unittest import mock
 import numpy as np
 
 from brace_drake.cli.emulate import carry_out
-from brace_drake.cli.main import main
 from brace_drake.errors import (
     BraceError,
     CampaignError,
@@ -35,14 +32,8 @@ from brace_drake.operation.deploy import (
 from brace_drake.operation.spread import Spread
 from brace_drake.operation.station import OpenDevice
 from brace_drake.twin.motion_library import MakeMotion
+from tests.commands import run_command
 from tests.test_link_port import PATIENT, SCENARIO, emulated, wait_for
-
-
-def run(*words):
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        status = main([str(word) for word in words])
-    return status, out.getvalue(), err.getvalue()
 
 
 class TestDeploy(unittest.TestCase):
@@ -50,7 +41,7 @@ class TestDeploy(unittest.TestCase):
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
             limits = Path(folder) / "limits.yaml"
             limits.write_text("stale: 5.0\n")
-            status, out, error = run(
+            status, out, error = run_command(
                 "deploy", "--port", device.terminal.path, "--dry-run",
                 "--limits", limits, "--out", Path(folder) / "o",
             )  # fmt: skip
@@ -140,7 +131,7 @@ class TestDeploy(unittest.TestCase):
         ):
             limits, out = Path(folder) / "limits.yaml", Path(folder) / "o"
             limits.write_text("stale: 5.0\n")
-            status, _, error = run(
+            status, _, error = run_command(
                 "deploy", "--port", device.terminal.path, "--countdown", 0,
                 "--motion", "push", "--limits", limits, "--out", out,
             )  # fmt: skip

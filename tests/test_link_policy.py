@@ -1,8 +1,6 @@
 """A policy on a device: the simulation's tracking, and its bounds."""
 
-import contextlib
 import csv
-import io
 import tempfile
 import unittest
 from dataclasses import replace
@@ -12,7 +10,6 @@ from unittest import mock
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from brace_drake.cli.main import main
 from brace_drake.emulator.bench_plant import BenchPlant
 from brace_drake.emulator.brace_plant import BracePlant
 from brace_drake.errors import LinkError, PolicyError
@@ -32,6 +29,7 @@ from brace_drake.operation.station import OpenDevice
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.systems.stiffness_limiter import StiffnessLimiter
 from brace_drake.twin.reference import reference_at_ticks
+from tests.commands import run_command
 from tests.learning_tasks import random_policy, short_task
 from tests.test_link_port import PATIENT, emulated
 
@@ -185,16 +183,14 @@ class TestDeploy(unittest.TestCase):
         limits = Path(folder) / "limits.yaml"
         wide = "".join(f"{name}: {value}\n" for name, value in WIDE.items())
         limits.write_text("stale: 5.0\n" + wide)
-        out, err = io.StringIO(), io.StringIO()
         # A machine that tests share is late at times, which a dry run tells.
         late = mock.patch("brace_drake.operation.deploy.check_dry_run")
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            with late as checked:
-                status = main(
-                    ["deploy", "--port", device.terminal.path, "--limits",
-                     str(limits), "--countdown", "0", *more]
-                )  # fmt: skip
-        return status, out.getvalue(), err.getvalue(), checked
+        with late as checked:
+            done = run_command(
+                "deploy", "--port", device.terminal.path, "--limits", limits,
+                "--countdown", 0, *more,
+            )  # fmt: skip
+        return *done, checked
 
     def test_through_the_port_it_tracks_as_the_simulation_does(self):
         policy = random_policy(TASK)

@@ -1,7 +1,6 @@
 """A device on a pseudo-terminal: strangers, disconnects, kills, recordings."""
 
 import contextlib
-import io
 import os
 import signal
 import subprocess
@@ -17,7 +16,6 @@ from unittest import mock
 import numpy as np
 
 from brace_drake.campaign import CheckCampaign, LoadCampaign
-from brace_drake.cli.main import main
 from brace_drake.emulator.bench_plant import BenchPlant
 from brace_drake.emulator.describe import describe_device
 from brace_drake.emulator.device import EmulatedDevice
@@ -35,6 +33,7 @@ from brace_drake.operation.recorder import Recorder
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.twin.motion_library import SafeMotion
 from brace_drake.twin.motion_parts import ramp
+from tests.commands import run_command
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENARIO = BenchScenario(time_step=5e-4)
@@ -83,6 +82,11 @@ def short_push(seconds=1.0):
     return SafeMotion("push", "4 mm", True, "push", time_s, samples)
 
 
+def open_recorder(device, out):
+    """A recorder of what an emulated device does."""
+    return Recorder(device.terminal.path, SCENARIO, PATIENT, out)
+
+
 class _NoKeys:
     is_terminal = False
 
@@ -129,15 +133,13 @@ class TestPorts(unittest.TestCase):
             OpenPort(pty.path).close()
 
     def test_the_command_line_has_one_line_and_status_two(self):
-        errors = io.StringIO()
-        with contextlib.redirect_stderr(errors):
-            status = main(
-                ["record", "--port", "/dev/ttyNone7", "--motion", "push",
-                 "--out", "/nowhere"]
-            )  # fmt: skip
+        status, _, errors = run_command(
+            "record", "--port", "/dev/ttyNone7", "--motion", "push",
+            "--out", "/nowhere",
+        )  # fmt: skip
         self.assertEqual(status, 2)
-        self.assertEqual(errors.getvalue().count("\n"), 1)
-        self.assertIn("no such port", errors.getvalue())
+        self.assertEqual(errors.count("\n"), 1)
+        self.assertIn("no such port", errors)
 
 
 class TestStrangers(unittest.TestCase):
@@ -217,9 +219,7 @@ class TestDisconnect(unittest.TestCase):
     def test_unplugging_ends_the_motion_and_keeps_what_was_recorded(self):
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "c"
-            with Recorder(
-                device.terminal.path, SCENARIO, PATIENT, out
-            ) as recorder:
+            with open_recorder(device, out) as recorder:
                 recorder.Record(short_push(), "fit", 0, _NoKeys())
                 pull = threading.Thread(target=self.pull, args=(device, out))
                 pull.start()
@@ -238,9 +238,7 @@ class TestRecording(unittest.TestCase):
     def test_a_recording_shows_the_motion_and_who_made_it(self):
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "c"
-            with Recorder(
-                device.terminal.path, SCENARIO, PATIENT, out
-            ) as recorder:
+            with open_recorder(device, out) as recorder:
                 recorder.Record(short_push(), "fit", 0, _NoKeys())
                 recorder.Record(short_push(), "fit", 0, _NoKeys())
             text = (out / "campaign.yaml").read_text()

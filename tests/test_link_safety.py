@@ -28,27 +28,33 @@ from brace_drake.hardware.release import (
     release_command,
     remaining,
 )
+from brace_drake.hardware.safety_memory import (
+    Reading,
+    SafetyMode,
+    Setup,
+    start_memory,
+)
 from brace_drake.hardware.words import Cause
 from brace_drake.systems.safety_supervisor import SafetySupervisor
 
 HOLD = (2.0,) * 6
-SETUP = safety.Setup(DEFAULT, HOLD)
+SETUP = Setup(DEFAULT, HOLD)
 REST = (0.141,) * 6
 STILL = (0.0, 0.0, 0.0)
 
 
 def armed(n=20):
     """A supervisor armed at rest, and its time."""
-    memory = safety.start_memory(SETUP)
+    memory = start_memory(SETUP)
     for i in range(n):
-        reading = safety.Reading(1e-3 * i, REST, STILL)
+        reading = Reading(1e-3 * i, REST, STILL)
         memory = safety.advance(SETUP, memory, 1e-3 * i, reading, HOLD)
     return safety.arm(memory), 1e-3 * n
 
 
 def tick(memory, now, command=HOLD, setup=SETUP, **reading):
     read = {"time": now, "leg_length": REST, "force": STILL, **reading}
-    return safety.advance(setup, memory, now, safety.Reading(**read), command)
+    return safety.advance(setup, memory, now, Reading(**read), command)
 
 
 class TestLimits(unittest.TestCase):
@@ -112,7 +118,7 @@ class TestCommands(unittest.TestCase):
             self.assertLessEqual(steps.max(), most + 1e-9)
             self.assertTrue(memory.clamped)
         self.assertEqual(memory.command[:2], (40.0, -40.0))
-        self.assertEqual(memory.mode, safety.SafetyMode.ARMED)
+        self.assertEqual(memory.mode, SafetyMode.ARMED)
 
     def test_a_command_that_is_no_number_stops(self):
         for bad in (math.nan, math.inf, -math.inf):
@@ -141,7 +147,7 @@ class TestTrips(unittest.TestCase):
     def assert_trips(self, cause, command=HOLD, **reading):
         memory, now = armed()
         memory = tick(memory, now, command, **reading)
-        self.assertEqual(memory.mode, safety.SafetyMode.STOPPED)
+        self.assertEqual(memory.mode, SafetyMode.STOPPED)
         self.assertEqual(memory.trip.cause, cause)
         return memory
 
@@ -183,12 +189,12 @@ class TestTrips(unittest.TestCase):
         ):
             memory, now = armed()
             memory = tick(memory, now, **reading)
-            self.assertEqual(memory.mode, safety.SafetyMode.ARMED)
+            self.assertEqual(memory.mode, SafetyMode.ARMED)
 
     def test_speed_is_measured_over_its_low_pass(self):
         memory, now = armed()
         length, speed = 0.141, 0.12
-        while memory.mode == safety.SafetyMode.ARMED:
+        while memory.mode == SafetyMode.ARMED:
             now += 1e-3
             length += speed * 1e-3
             memory = tick(memory, now, leg_length=(length,) * 6)
@@ -200,7 +206,7 @@ class TestTrips(unittest.TestCase):
     def test_no_readings_are_stale_after_the_stated_time(self):
         memory, now = armed()
         last = now - 1e-3
-        while memory.mode == safety.SafetyMode.ARMED:
+        while memory.mode == SafetyMode.ARMED:
             now += 1e-3
             memory = safety.advance(SETUP, memory, now, None, HOLD)
             self.assertLess(now, 1.0)
@@ -219,10 +225,10 @@ class TestTrips(unittest.TestCase):
         for _ in range(150):
             memory = tick(memory, now, expected=expected)
             now += 1e-3
-        self.assertEqual(memory.mode, safety.SafetyMode.ARMED)
+        self.assertEqual(memory.mode, SafetyMode.ARMED)
         memory = tick(memory, now, expected=(0.0, 14.0, 0.0))
         start = now + 1e-3
-        while memory.mode == safety.SafetyMode.ARMED:
+        while memory.mode == SafetyMode.ARMED:
             now += 1e-3
             memory = tick(memory, now, expected=expected)
             self.assertLess(now - start, 1.0)
@@ -240,7 +246,7 @@ class TestTrips(unittest.TestCase):
                 memory = tick(memory, now, leg_length=legs)
                 now += 1e-3
             if stuck is None:
-                self.assertEqual(memory.mode, safety.SafetyMode.ARMED)
+                self.assertEqual(memory.mode, SafetyMode.ARMED)
             else:
                 self.assertEqual(memory.trip.cause, Cause.STUCK_LEG)
                 self.assertEqual(memory.trip.index, stuck)
@@ -270,13 +276,13 @@ class TestLatch(unittest.TestCase):
         memory = safety.stop(memory, Trip(Cause.STOP_KEY), now)
         memory = safety.stop(memory, Trip(Cause.ESTOP), now)
         self.assertEqual(memory.trip.cause, Cause.STOP_KEY)
-        self.assertEqual(safety.arm(memory).mode, safety.SafetyMode.STOPPED)
+        self.assertEqual(safety.arm(memory).mode, SafetyMode.STOPPED)
         memory = safety.clear(memory)
         memory = tick(memory, now + 9.0, (30.0,) * 6)
-        self.assertEqual(memory.mode, safety.SafetyMode.RELEASED)
+        self.assertEqual(memory.mode, SafetyMode.RELEASED)
         np.testing.assert_allclose(memory.command, HOLD, atol=1e-9)
         memory = safety.arm(memory)
-        self.assertEqual(memory.mode, safety.SafetyMode.ARMED)
+        self.assertEqual(memory.mode, SafetyMode.ARMED)
 
     def test_no_function_changes_what_it_is_given(self):
         memory, now = armed()
@@ -379,7 +385,7 @@ class TestSystem(unittest.TestCase):
     def test_it_passes_the_command_of_its_own_tick(self):
         command, status = self.simulate(0.5)
         np.testing.assert_allclose(command, 2.0 + 5.0 * 0.5, atol=1e-6)
-        self.assertEqual(status[0], safety.SafetyMode.ARMED)
+        self.assertEqual(status[0], SafetyMode.ARMED)
 
     def test_it_stops_and_releases_as_the_state_machine_says(self):
         # 40 t N passes 50 N at 1.25 s; half a second later nothing is left.
@@ -395,10 +401,10 @@ class TestSystem(unittest.TestCase):
 
     def test_it_passes_nothing_before_it_is_armed(self):
         command, status = self.simulate(0.8, request=0.0)
-        self.assertEqual(status[0], safety.SafetyMode.RELEASED)
+        self.assertEqual(status[0], SafetyMode.RELEASED)
         np.testing.assert_allclose(command, 2.0, atol=1e-6)
         _, status = self.simulate(0.1, request=1.0)
-        self.assertEqual(status[0], safety.SafetyMode.ARMED)
+        self.assertEqual(status[0], SafetyMode.ARMED)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """Campaigns as MCAP files: out, in, and what a lab's own file holds."""
 
-import contextlib
-import io
 import json
 import random
 import subprocess
@@ -13,11 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.campaign import LoadCampaign
-from brace_drake.cli.main import main
 from brace_drake.errors import CampaignError
 from brace_drake.importing.mapped import ImportCampaign
 from brace_drake.importing.mcap_file import LoadMcapCampaign, WriteMcap
 from brace_drake.importing.tables import LoadTable
+from tests.commands import run_command
 
 try:
     from mcap.reader import make_reader
@@ -42,27 +40,18 @@ runs:
 """
 
 
-def run(*words):
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        status = main([str(word) for word in words])
-    return status, out.getvalue(), err.getvalue()
-
-
 @unittest.skipIf(Writer is None, "mcap is not installed")
 class TestMcap(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.file = self.folder / "a.mcap"
 
     def test_a_campaign_comes_back_as_it_was(self):
-        status, said, _ = run("export", EXAMPLE, "--out", self.file)
+        status, said, _ = run_command("export", EXAMPLE, "--out", self.file)
         self.assertEqual(status, 0)
         self.assertIn("5 runs", said)
         out = self.folder / "back"
-        self.assertEqual(run("import", self.file, "--out", out)[0], 0)
+        self.assertEqual(run_command("import", self.file, "--out", out)[0], 0)
         names = sorted(p.name for p in EXAMPLE.glob("*.csv"))
         self.assertEqual(sorted(p.name for p in out.glob("*.csv")), names)
         before, after = LoadCampaign(EXAMPLE), LoadCampaign(out)
@@ -141,7 +130,7 @@ class TestMcap(unittest.TestCase):
         ):
             with self.assertRaisesRegex(CampaignError, words):
                 call()
-        status, _, errors = run("export", EXAMPLE, "--out", "a.bag")
+        status, _, errors = run_command("export", EXAMPLE, "--out", "a.bag")
         self.assertEqual((status, errors.count("\n")), (2, 1))
 
     def test_damaged_bytes_have_one_line_or_are_read(self):

@@ -1,7 +1,6 @@
 """Tasks on threads and on a Dask cluster of two workers, one of them killed."""
 
 import contextlib
-import io
 import os
 import pickle
 import signal
@@ -15,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.cli.main import main
 from brace_drake.effects.registry import find_effect
 from brace_drake.errors import CampaignError, ClusterError
 from brace_drake.laws.contact import __name__ as contact_module
 from brace_drake.laws.hooks import NO_LAW
 from brace_drake.parallel import Workers, open_workers
+from tests.commands import run_command
 
 try:
     from brace_drake.parallel.parcels import Parcel, run_parcel
@@ -165,9 +164,7 @@ class Cluster:
 class TestCluster(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = Path(folder.name)
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.cluster = Cluster(cls.folder)
         cls.addClassCleanup(cls.cluster.end)
         cls.remote = open_workers(cluster=cls.cluster.address)
@@ -279,19 +276,13 @@ class TestRefusals(unittest.TestCase):
 
         self.addCleanup(setattr, module, "_CONNECT_S", module._CONNECT_S)
         module._CONNECT_S = 0.3
-        errors = io.StringIO()
-        with (
-            contextlib.redirect_stderr(errors),
-            tempfile.TemporaryDirectory() as out,
-        ):
-            status = main(
-                ["fit", "tests/data/example", "--out", out, "--cluster",
-                 "tcp://127.0.0.1:9"]
+        with tempfile.TemporaryDirectory() as out:
+            status, _, errors = run_command(
+                "fit", "tests/data/example", "--out", out, "--cluster",
+                "tcp://127.0.0.1:9",
             )  # fmt: skip
         self.assertEqual(status, 2)
-        self.assertIn(
-            "--cluster tcp://127.0.0.1:9: no Dask scheduler", errors.getvalue()
-        )
+        self.assertIn("--cluster tcp://127.0.0.1:9: no Dask scheduler", errors)
 
 
 if __name__ == "__main__":

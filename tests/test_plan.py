@@ -1,7 +1,5 @@
 """Plans: signatures against closed forms, and the library's alike pairs."""
 
-import contextlib
-import io
 import json
 import tempfile
 import unittest
@@ -11,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.campaign.recording import Run
-from brace_drake.cli.main import main
 from brace_drake.cli.plan import format_plan
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import all_effects, find_effect
@@ -21,6 +18,7 @@ from brace_drake.gap.plan import plan_campaign, standard_errors
 from brace_drake.gap.signature import size_of_one_floor, sizes_of
 from brace_drake.resources import scenario_path
 from brace_drake.twin.subject import SubjectParameter
+from tests.commands import run_command
 
 RATE, SIGMA = 200.0, 0.1
 TIME = np.arange(400) / RATE
@@ -201,19 +199,11 @@ class TestLibrary(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         with tempfile.TemporaryDirectory() as folder:
-            out = io.StringIO()
-            with contextlib.redirect_stdout(out):
-                cls.code = main(
-                    [
-                        "plan",
-                        "--motions",
-                        "free_reversal,stairs,multisine",
-                        "--out",
-                        folder,
-                    ]
-                )
+            cls.code, cls.text, _ = run_command(
+                *("plan", "--motions", "free_reversal,stairs,multisine"),
+                *("--out", folder),
+            )
             cls.plan = json.loads((Path(folder) / "plan.json").read_text())
-        cls.text = out.getvalue()
 
     def cosine(self, first, second):
         """The largest |cos| over the forms of two effects."""
@@ -262,11 +252,9 @@ class TestLibrary(unittest.TestCase):
         # Either changes the force that carries the ring, and nothing else.
         with tempfile.TemporaryDirectory() as folder:
             words = ["--effects", "force_gain,ring_mass,relaxation"]
-            out = io.StringIO()
-            with contextlib.redirect_stdout(out):
-                main(
-                    ["plan", "--motions", "free_hold", "--out", folder, *words]
-                )
+            _, said, _ = run_command(
+                "plan", "--motions", "free_hold", "--out", folder, *words
+            )
             plan = json.loads((Path(folder) / "plan.json").read_text())
         (pair,) = plan["pairs"]
         self.assertEqual(pair["effects"], ["force_gain", "ring_mass"])
@@ -274,7 +262,7 @@ class TestLibrary(unittest.TestCase):
         self.assertEqual(plan["unseen"], ["relaxation"])
         named = {r["parameter"] for r in plan["undetermined"]}
         self.assertIn("contact_stiffness_N_m", named)
-        self.assertIn("a deep push", out.getvalue())
+        self.assertIn("a deep push", said)
 
     def test_the_table_names_every_effect(self):
         for row in self.plan["effects"]:
@@ -291,12 +279,11 @@ class TestCommand(unittest.TestCase):
             ("--scenario", leg): "this is a 'leg bench'",
         }
         for words, part in cases.items():
-            error = io.StringIO()
             with self.subTest(words=words):
-                with contextlib.redirect_stderr(error):
-                    self.assertEqual(main(["plan", *words]), 2)
-                self.assertEqual(error.getvalue().count("\n"), 1)
-                self.assertIn(part, error.getvalue())
+                status, _, error = run_command("plan", *words)
+                self.assertEqual(status, 2)
+                self.assertEqual(error.count("\n"), 1)
+                self.assertIn(part, error)
 
 
 if __name__ == "__main__":

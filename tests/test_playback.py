@@ -1,7 +1,5 @@
 """3D playbacks: complete in themselves, and where kinematics says."""
 
-import contextlib
-import io
 import re
 import tempfile
 import unittest
@@ -12,7 +10,6 @@ from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 
 from brace_drake.campaign import LoadCampaign
-from brace_drake.cli.main import main
 from brace_drake.errors import BraceError, ScenarioError
 from brace_drake.kinematics import leg_lengths
 from brace_drake.laws import stages
@@ -38,6 +35,7 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.torso.files import obj_text
 from tests.brace_runs import brace, run_servo
+from tests.commands import run_command
 from tests.meshcat_page import read_commands, read_tracks
 from tests.test_simulate_command import write_reference
 
@@ -322,19 +320,13 @@ class TestCommand(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             folder = Path(folder)
             reference = write_reference(folder / "push.csv")
-            page, out = folder / "push.html", io.StringIO()
-            with contextlib.redirect_stdout(out):
-                code = main(
-                    [
-                        "simulate",
-                        str(scenario_path("bench.scenario.yaml")),
-                        *("--motion", str(reference)),
-                        *("--out", str(folder / "campaign")),
-                        *("--html", str(page)),
-                    ]
-                )
+            page, scenario = folder / "push.html", "bench.scenario.yaml"
+            code, said, _ = run_command(
+                *("simulate", scenario_path(scenario), "--motion", reference),
+                *("--out", folder / "campaign", "--html", page),
+            )
             self.assertEqual(code, 0)
-            self.assertIn(str(page), out.getvalue())
+            self.assertIn(str(page), said)
             rate, tracks = read_tracks(page.read_text())
             (run,) = LoadCampaign(folder / "campaign").runs
             ring = tracks["/brace/ring2", ".position"]

@@ -1,7 +1,5 @@
 """A run in 3D as it goes on."""
 
-import contextlib
-import io
 import tempfile
 import unittest
 from pathlib import Path
@@ -10,7 +8,6 @@ from unittest import mock
 import numpy as np
 
 from brace_drake.campaign.recording import Run
-from brace_drake.cli.main import main
 from brace_drake.playback.live import LiveScene
 from brace_drake.playback.states import states_of_now, states_of_run
 from brace_drake.resources import scenario_path
@@ -19,6 +16,7 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.simulate import RecordBench
 from brace_drake.simulate_brace import RecordBrace
 from brace_drake.twin.reference import COLUMNS
+from tests.commands import run_command
 from tests.meshcat_page import read_commands
 from tests.test_playback import write_reference
 
@@ -96,19 +94,20 @@ class TestLive(unittest.TestCase):
     def test_simulate_shows_the_run_as_it_goes_on(self):
         with tempfile.TemporaryDirectory() as folder:
             reference = write_reference(Path(folder, "push.csv"))
-            out, shown = io.StringIO(), []
+            shown = []
 
             def Show(scene, station, context):
                 shown.append(context.get_time())
 
             with (
-                contextlib.redirect_stdout(out),
                 mock.patch.object(LiveScene, "Show", Show),
                 mock.patch("builtins.input", side_effect=EOFError),
             ):
-                scenario = str(scenario_path("bench.scenario.yaml"))
-                words = ["simulate", scenario, "--motion", str(reference)]
-                words += ["--out", str(Path(folder, "run")), "--meshcat"]
-                self.assertEqual(main(words), 0)
-            self.assertRegex(out.getvalue(), "^live at http://localhost")
+                scenario = scenario_path("bench.scenario.yaml")
+                status, out, _ = run_command(
+                    *("simulate", scenario, "--motion", reference),
+                    *("--out", Path(folder, "run"), "--meshcat"),
+                )
+            self.assertEqual(status, 0)
+            self.assertRegex(out, "^live at http://localhost")
             self.assertGreater(len(shown), 5)

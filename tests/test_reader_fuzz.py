@@ -49,9 +49,7 @@ class TestDamagedFiles(unittest.TestCase):
 
 class TestAnyContent(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     @FEW
     @given(YAML)

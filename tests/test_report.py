@@ -552,9 +552,7 @@ class ReportTest(unittest.TestCase):
 
 class WriteTest(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def test_report_replaces_the_old_one_and_leaves_no_draft(self):
         path = self.folder / "new" / "report.html"

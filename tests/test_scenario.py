@@ -95,9 +95,7 @@ class TestBenchFile(unittest.TestCase):
 
 class TestLoad(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def load(self, text, overrides=None):
         path = self.folder / "some.scenario.yaml"

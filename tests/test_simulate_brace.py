@@ -20,8 +20,8 @@ from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.simulate import RecordBench
 from brace_drake.simulate_brace import RecordBrace, SimulateBrace
 from brace_drake.twin.reference import reference_columns
+from tests.commands import run_command
 from tests.meshcat_page import read_commands
-from tests.test_simulate_command import run
 from tests.test_station import smooth_push
 
 
@@ -99,7 +99,7 @@ class TestCommand(unittest.TestCase):
         np.savetxt(motion, rows, "%.9f", ",", header=head, comments="")
         out = self.folder / name
         words = ("simulate", file, "--motion", motion, "--out", out, *more)
-        code, _, error = run(*words)
+        code, _, error = run_command(*words)
         self.assertEqual(code, 0, error)
         return out
 
@@ -112,7 +112,7 @@ class TestCommand(unittest.TestCase):
         ):
             name = "".join(map(str, stages))
             out = self.record(name, stages, "--noise-seed", 1)
-            code, text, _ = run("check", out)
+            code, text, _ = run_command("check", out)
             campaign = LoadCampaign(out)
             columns = campaign.runs[0].channels
             found = [c for c in columns if c.endswith("_length_m")]
@@ -125,7 +125,9 @@ class TestCommand(unittest.TestCase):
     def test_a_patients_torso_presses_as_its_linear_pads_say(self):
         torso, file = self.folder / "torso", self.folder / "soft.scenario.yaml"
         words = ("personalize", scenario_path("torso_nominal.measures.yaml"))
-        code, _, error = run(*words, "--resolution", 0.03, "--out", torso)
+        code, _, error = run_command(
+            *words, "--resolution", 0.03, "--out", torso
+        )
         self.assertEqual(code, 0, error)
         scenario = LoadScenario(torso / "brace.scenario.yaml")
         for pads in vars(scenario.contact).values():
@@ -139,7 +141,7 @@ class TestCommand(unittest.TestCase):
         out = self.folder / "out"
         words = ("--motion", motion, "--out", out, "--torso", torso)
         page = self.folder / "page.html"
-        code, _, error = run("simulate", file, *words, "--html", page)
+        code, _, error = run_command("simulate", file, *words, "--html", page)
         self.assertEqual(code, 0, error)
         # Drawn is this torso, not a plain one.
         (drawn,) = (
@@ -159,11 +161,11 @@ class TestCommand(unittest.TestCase):
         self.assertLess(force, -1.0)
         self.assertAlmostEqual(force / (2.0 * k * off), 1.0, delta=0.1)
         bench = scenario_path("bench.scenario.yaml")
-        code, _, error = run("simulate", bench, *words)
+        code, _, error = run_command("simulate", bench, *words)
         self.assertEqual(code, 2)
         self.assertIn("--torso is for a brace", error)
         linear = torso / "brace.scenario.yaml"
-        code, _, error = run("simulate", linear, *words)
+        code, _, error = run_command("simulate", linear, *words)
         self.assertEqual(code, 2)
         self.assertIn("contact.ring1.model is 'linear'", error)
 

@@ -1,7 +1,5 @@
 """`brace-drake simulate`: a campaign from a scenario and a reference."""
 
-import contextlib
-import io
 import tempfile
 import unittest
 from pathlib import Path
@@ -9,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.campaign import LoadCampaign
-from brace_drake.cli.main import main
 from brace_drake.effects.registry import find_effect
 from brace_drake.errors import CampaignError
 from brace_drake.resources import scenario_path
@@ -22,6 +19,7 @@ from brace_drake.twin.reference_file import (
     LoadReferences,
     common_rate,
 )
+from tests.commands import run_command
 from tests.shared_data import EXAMPLE
 from tests.test_station import smooth_push
 
@@ -35,19 +33,10 @@ def write_reference(path, head=HEAD, rows=None):
     return path
 
 
-def run(*words):
-    """Exit code, standard output and error of a command."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        code = main([str(word) for word in words])
-    return code, out.getvalue(), err.getvalue()
-
-
 class TestSimulate(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = Path(cls.temporary.name)
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.card = find_effect("relaxation")
         scenario = BenchScenario(time_step=5e-4)
         values = np.array([3000.0, 0.7])
@@ -56,14 +45,10 @@ class TestSimulate(unittest.TestCase):
         SaveScenario(scenario, cls.file)
         cls.reference = write_reference(cls.folder / "push.csv")
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
     def simulate(self, name, *more, motion=None):
         motion = motion or self.reference
         out = self.folder / name
-        code, text, error = run(
+        code, text, error = run_command(
             "simulate", self.file, "--motion", motion, "--out", out, *more
         )
         self.assertEqual(code, 0, error)
@@ -87,7 +72,7 @@ class TestSimulate(unittest.TestCase):
 
     def test_check_accepts_what_is_written(self):
         self.simulate("checked", "--noise-seed", 4)
-        code, text, _ = run("check", self.folder / "checked")
+        code, text, _ = run_command("check", self.folder / "checked")
         self.assertEqual(code, 0)
         self.assertIn("0 errors", text)
 
@@ -145,7 +130,7 @@ class TestSimulate(unittest.TestCase):
         )
         for scenario, motion, part in cases:
             with self.subTest(part=part):
-                code, _, error = run(
+                code, _, error = run_command(
                     "simulate",
                     scenario,
                     "--motion",

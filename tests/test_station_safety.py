@@ -1,22 +1,20 @@
 """Stations of simulation whose commands pass a safety supervisor."""
 
-import contextlib
-import io
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
-from brace_drake.cli.main import main
 from brace_drake.cli.options import load_motion
 from brace_drake.hardware.limits import BY_STAGE, DEFAULT
-from brace_drake.hardware.safety import SafetyMode
+from brace_drake.hardware.safety_memory import SafetyMode
 from brace_drake.hardware.words import Cause
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.simulate import RecordBench
 from brace_drake.simulate_brace import RecordBrace
+from tests.commands import run_command
 
 FORCE = "ring2_force_y_N"
 
@@ -100,9 +98,8 @@ class TestCommand(unittest.TestCase):
     def test_simulate_says_what_was_stopped_and_when(self):
         with tempfile.TemporaryDirectory() as folder:
             limits = Path(folder, "limits.yaml")
-            out = io.StringIO()
             words = ["simulate", "diagrams/bench.scenario.yaml"]
-            words += ["--motion", "push", "--limits", str(limits)]
+            words += ["--motion", "push", "--limits", limits]
             for i, (text, said) in enumerate(
                 (
                     ("pad_force: 9\n", r"stopped at [1-9]\.\d+ s: pad force"),
@@ -110,9 +107,8 @@ class TestCommand(unittest.TestCase):
                 )
             ):
                 limits.write_text(text)
-                with contextlib.redirect_stdout(out):
-                    status = main(
-                        [*words, "--out", str(Path(folder, f"run{i}"))]
-                    )
+                status, out, _ = run_command(
+                    *words, "--out", Path(folder, f"run{i}")
+                )
                 self.assertEqual(status, 0)
-                self.assertRegex(out.getvalue(), said)
+                self.assertRegex(out, said)

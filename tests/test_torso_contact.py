@@ -20,7 +20,6 @@ from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.brace_station import MakeBraceStation
 from brace_drake.errors import TorsoError
 from brace_drake.scenario.bench import Contact
 from brace_drake.scenario.brace import BraceScenario
@@ -29,8 +28,8 @@ from brace_drake.torso.contact import (
     MakeTorsoGeometry,
     check_volume,
     distance_at_rest,
-    map_linear_contact,
 )
+from brace_drake.torso.contact_numbers import map_linear_contact
 from brace_drake.torso.files import obj_text
 from brace_drake.torso.fitted import fit_torso
 from brace_drake.torso.folder import LoadTorso, WriteTorso
@@ -46,7 +45,9 @@ from tests.torso_blocks import (
     RINGS,
     SIZE,
     block_torso,
+    curved_loft,
     flat_pad,
+    press_brace,
     shift,
 )
 
@@ -218,28 +219,11 @@ class TestPlant(unittest.TestCase):
             )
 
     def test_a_brace_reads_the_forces_of_the_pads_on_its_torso(self):
-        curve = Curve(cobb_deg=40.0, apex=-0.02, axial_rotation_deg=-12.0)
-        loft = make_parametric_loft(TorsoMeasures(curve=curve))
-        torso = fit_torso(loft, RINGS, SIZE, 0.03)
-        scenario = BraceScenario(time_step=2e-4, gravity=0.0)
-        for contact in scenario.contacts:
-            contact.model, contact.friction = "hydroelastic", 0.0
-            contact.preload, contact.damping = 0.003, 0.0
-        station = MakeBraceStation(
-            scenario, add_geometry=MakeTorsoGeometry(torso)
-        )
-        simulator = Simulator(station.diagram)
-        context = simulator.get_mutable_context()
-        for name, size in (("leg_command", 18), ("noise", 30)):
-            port = station.diagram.GetInputPort(name)
-            port.FixValue(context, np.zeros(size))
-        simulator.AdvanceTo(0.001)
+        torso = fit_torso(curved_loft(), RINGS, SIZE, 0.03)
+        station, simulator, pads = press_brace(torso)
+        context = simulator.get_context()
         found = station.diagram.GetOutputPort("force").Eval(context)
-        numbers = map_linear_contact(
-            scenario.contacts[0], torso.mean_effective_area
-        )
-        pads = press_pads(torso, numbers, [shift(0.0, 0.0, 0.0)])[0]
-        expected = pads.reshape(3, 2, 3).sum(axis=1).ravel()
+        expected = pads.sum(axis=1).ravel()
         # Left and right are unlike here: no zeros. Half a step of the
         # converter, and what the rings have moved in a millisecond.
         self.assertGreater(np.abs(expected).max(), 0.5)

@@ -5,18 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.analysis import Simulator
 
 from brace_drake.brace_station import MakeBraceStation
 from brace_drake.errors import ScenarioError, TorsoError
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check import CheckScenario
-from brace_drake.torso.contact import MakeTorsoGeometry, map_linear_contact
+from brace_drake.torso.contact_numbers import map_linear_contact
 from brace_drake.torso.fitted import fit_torso
-from brace_drake.torso.measures import Curve, TorsoMeasures
 from brace_drake.torso.pads import Pad
-from brace_drake.torso.parametric import make_parametric_loft
 from brace_drake.torso.points import make_point_pad
 from brace_drake.torso.press import press_pads
 from tests.torso_blocks import (
@@ -24,15 +21,11 @@ from tests.torso_blocks import (
     RINGS,
     SIZE,
     block_torso,
+    curved_loft,
     flat_pad,
+    press_brace,
     shift,
 )
-
-
-def curved_loft():
-    """A torso whose left and right are unlike."""
-    curve = Curve(cobb_deg=40.0, apex=-0.02, axial_rotation_deg=-12.0)
-    return make_parametric_loft(TorsoMeasures(curve=curve))
 
 
 class TestPoints(unittest.TestCase):
@@ -99,31 +92,14 @@ class TestPoints(unittest.TestCase):
 class TestPadForces(unittest.TestCase):
     def test_each_pad_presses_as_it_does_alone_and_all_as_the_ring_reads(self):
         torso = fit_torso(curved_loft(), RINGS, SIZE, 0.03)
-        scenario = BraceScenario(time_step=2e-4, gravity=0.0)
-        for contact in scenario.contacts:
-            contact.model, contact.friction = "hydroelastic", 0.0
-            contact.preload, contact.damping = 0.003, 0.0
-        station = MakeBraceStation(
-            scenario, add_geometry=MakeTorsoGeometry(torso), log_pads=True
-        )
-        simulator = Simulator(station.diagram)
-        context = simulator.get_mutable_context()
-        for name, size in (("leg_command", 18), ("noise", 30)):
-            port = station.diagram.GetInputPort(name)
-            port.FixValue(context, np.zeros(size))
-        simulator.AdvanceTo(0.001)
+        station, simulator, alone = press_brace(torso, log_pads=True)
+        context = simulator.get_context()
         ring = station.diagram.GetOutputPort("force").Eval(context)
         log = station.pad_sink.FindLog(context)
         self.assertEqual(log.data().shape[0], 18)
         pads = log.data()[:, 0].reshape(3, 2, 3)
-        numbers = map_linear_contact(
-            scenario.contacts[0], torso.mean_effective_area
-        )
-        alone = press_pads(torso, numbers, [shift(0.0, 0.0, 0.0)])[0]
         # The plant solves the step that it begins there.
-        np.testing.assert_allclose(
-            pads, alone.reshape(3, 2, 3), rtol=5e-4, atol=1e-4
-        )
+        np.testing.assert_allclose(pads, alone, rtol=5e-4, atol=1e-4)
         self.assertGreater(np.abs(alone).max(), 5.0)
         # What the rings have moved in a millisecond, and the converter.
         np.testing.assert_allclose(ring, pads.sum(axis=1).ravel(), atol=0.05)

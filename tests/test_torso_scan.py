@@ -1,7 +1,5 @@
 """Scans of torsos: what is read, what is refused, and what comes out."""
 
-import contextlib
-import io
 import tempfile
 import unittest
 from pathlib import Path
@@ -9,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from brace_drake.cli.main import main
 from brace_drake.errors import TorsoError
 from brace_drake.resources import scenario_path
 from brace_drake.scenario.load import LoadScenario
@@ -24,6 +21,7 @@ from brace_drake.torso.parametric import (
 )
 from brace_drake.torso.scan import LoadScan, ScanFrame
 from brace_drake.torso.sections import cut_plane, cut_sections
+from tests.commands import run_command
 
 DATA = Path(__file__).parent / "data" / "torso"
 SCAN = DATA / "scan.ply"
@@ -126,9 +124,7 @@ class TestScan(unittest.TestCase):
 
 class TestRefusals(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.out = self.folder / "out"
         self.vertices, self.triangles = loft_surface(small_loft())
 
@@ -138,12 +134,10 @@ class TestRefusals(unittest.TestCase):
         self.refused_file(path, *words, arguments=arguments)
 
     def refused_file(self, path, *words, arguments=()):
-        errors, before = io.StringIO(), set(self.folder.rglob("*"))
-        with contextlib.redirect_stderr(errors):
-            status = main(
-                ["personalize", str(path), "--out", str(self.out), *arguments]
-            )
-        message = errors.getvalue()
+        before = set(self.folder.rglob("*"))
+        status, _, message = run_command(
+            "personalize", path, "--out", self.out, *arguments
+        )
         self.assertEqual(status, 2, message)
         self.assertEqual(len(message.strip().splitlines()), 1, message)
         self.assertNotIn("Traceback", message)
@@ -218,11 +212,9 @@ class TestRefusals(unittest.TestCase):
         path = self.folder / "scan.ply"
         low = self.vertices - [0.0, 0.0, 0.1]
         trimesh.Trimesh(low, self.triangles, process=False).export(path)
-        errors = io.StringIO()
-        with contextlib.redirect_stderr(errors):
-            status = main(["personalize", str(path), "--out", str(self.out)])
+        status, _, errors = run_command("personalize", path, "--out", self.out)
         self.assertEqual(status, 2)
-        self.assertIn("ring 3 need 0.020 to 0.100", errors.getvalue())
+        self.assertIn("ring 3 need 0.020 to 0.100", errors)
         self.assertFalse(self.out.exists())
 
     def test_files_that_are_no_scans(self):
@@ -242,43 +234,21 @@ class TestRefusals(unittest.TestCase):
 
     def test_a_scenario_without_a_torso(self):
         path = scenario_path("leg_bench.scenario.yaml")
-        errors = io.StringIO()
-        with contextlib.redirect_stderr(errors):
-            status = main(
-                [
-                    "personalize",
-                    str(GIRL),
-                    "--out",
-                    str(self.out),
-                    "--scenario",
-                    str(path),
-                ]
-            )
+        status, _, errors = run_command(
+            "personalize", GIRL, "--out", self.out, "--scenario", path
+        )
         self.assertEqual(status, 2)
-        self.assertIn("has no torso", errors.getvalue())
+        self.assertIn("has no torso", errors)
 
 
 class TestCommand(unittest.TestCase):
     def test_a_scan_becomes_a_torso_with_pads_and_a_scenario(self):
         with tempfile.TemporaryDirectory() as name:
             out = Path(name) / "out"
-            text = io.StringIO()
-            with contextlib.redirect_stdout(text):
-                status = main(
-                    [
-                        "personalize",
-                        str(SCAN),
-                        "--unit",
-                        "mm",
-                        "--origin",
-                        "0",
-                        "0",
-                        "1184",
-                        "--axes=+y-x+z",
-                        "--out",
-                        str(out),
-                    ]
-                )
+            status, text, _ = run_command(
+                *("personalize", SCAN, "--unit", "mm", "--axes=+y-x+z"),
+                *("--origin", 0, 0, 1184, "--out", out),
+            )
             self.assertEqual(status, 0)
             self.assertEqual([p.name for p in Path(name).iterdir()], ["out"])
             torso = LoadTorso(out)
@@ -309,7 +279,7 @@ class TestCommand(unittest.TestCase):
             self.assertAlmostEqual(
                 contact.pad_offset, np.mean(widths), places=6
             )
-        self.assertIn("bend of the trunk's centre line 2", text.getvalue())
+        self.assertIn("bend of the trunk's centre line 2", text)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """PPO with the paper's numbers, stopped, killed and resumed."""
 
-import contextlib
 import io
 import json
 import os
@@ -15,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.cli.main import main
 from brace_drake.errors import PolicyError, ScenarioError
 from brace_drake.learning.policy import LoadPolicy
 from brace_drake.learning.subjects import (
@@ -24,6 +22,7 @@ from brace_drake.learning.subjects import (
     SubjectRanges,
     between_patients,
 )
+from tests.commands import run_command
 from tests.learning_tasks import short_task
 
 try:
@@ -71,9 +70,7 @@ StartTraining(Path(sys.argv[1]), tiny_task(), tiny_numbers(), slow)
 
 class Folder(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
 
 
 class TestResume(Folder):
@@ -282,33 +279,19 @@ class TestCommands(Folder):
             "horizon: 8\nbatch_size: 4\nepochs: 1\nhidden: 8\n"
         )
         run = self.folder / "run"
-        out = io.StringIO()
-        with (
-            contextlib.redirect_stdout(out),
-            contextlib.redirect_stderr(io.StringIO()),
-        ):
-            self.assertEqual(
-                main(
-                    [
-                        "train", "--out", str(run), "--episodes", "2",
-                        "--task", str(self.folder / "task.yaml"),
-                        "--training", str(self.folder / "training.yaml"),
-                        "--reward", "improved",
-                    ]
-                ),
-                0,
-            )  # fmt: skip
-            self.assertEqual(
-                main(
-                    [
-                        "predict", str(run / "best.npz"), "--out",
-                        str(self.folder / "out"), "--displacement-mm", "-5",
-                        "--subject", "torso_mass=1.2",
-                    ]
-                ),
-                0,
-            )  # fmt: skip
-        self.assertIn("ring2 y: K_d", out.getvalue())
+        trained, _, errors = run_command(
+            "train", "--out", run, "--episodes", 2,
+            "--task", self.folder / "task.yaml",
+            "--training", self.folder / "training.yaml",
+            "--reward", "improved",
+        )  # fmt: skip
+        self.assertEqual(trained, 0, errors)
+        status, said, errors = run_command(
+            "predict", run / "best.npz", "--out", self.folder / "out",
+            "--displacement-mm", -5, "--subject", "torso_mass=1.2",
+        )  # fmt: skip
+        self.assertEqual(status, 0, errors)
+        self.assertIn("ring2 y: K_d", said)
         made = json.loads((self.folder / "out/prediction.json").read_text())
         self.assertGreater(made["ring2 y"]["stiffness_N_m"], 500.0)
         rows = (self.folder / "out/course.csv").read_text().splitlines()

@@ -46,9 +46,8 @@ _TIME = 0.4
 
 class TestBenchTask(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.file = Path(folder.name) / "brace.scenario.yaml"
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.file = folder / "brace.scenario.yaml"
         self.bench = LoadScenario(scenario_path("bench.scenario.yaml"))
         # Fine enough to tell small differences.
         self.bench.sensors.force_resolution = 1e-9

@@ -8,16 +8,14 @@ from pathlib import Path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import SaveScenario
 from brace_drake.twin.bench_twin import BenchTwin
-from tests.test_simulate_command import run
+from tests.commands import run_command
 
 
 class TestValidate(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         """A campaign of a stiffer bench, and the fit that knows it."""
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.temporary.cleanup)
-        cls.folder = Path(cls.temporary.name)
+        cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         truth = BenchScenario(time_step=5e-4)
         truth.torso.posture_stiffness[1] = 1500.0
         truth.contact.stiffness = 7000.0
@@ -25,7 +23,7 @@ class TestValidate(unittest.TestCase):
         SaveScenario(truth, file)
         cls.campaign = cls.folder / "made"
         words = ("simulate", file, "--motion", "reversal")
-        code, _, error = run(*words, "--out", cls.campaign)
+        code, _, error = run_command(*words, "--out", cls.campaign)
         assert code == 0, error
         cls.nominal = cls.folder / "nominal.scenario.yaml"
         SaveScenario(BenchScenario(time_step=5e-4), cls.nominal)
@@ -42,7 +40,7 @@ class TestValidate(unittest.TestCase):
 
     def validate(self, *words, fit="fit.json"):
         out = self.folder / "out"
-        return out, run(
+        return out, run_command(
             "validate", self.campaign, "--out", out, "--fit",
             self.folder / fit, "--scenario", self.nominal, *words,
         )  # fmt: skip

@@ -1,7 +1,5 @@
 """Making and answering withheld cases, file by file."""
 
-import contextlib
-import io
 import json
 import tempfile
 import unittest
@@ -12,38 +10,26 @@ import numpy as np
 import yaml
 
 from brace_drake.campaign import CheckCampaign, LoadCampaign
-from brace_drake.cli.main import main
 from brace_drake.withheld.answer import AnswerError, answer_cases
 from brace_drake.withheld.seals import SEALS, check_seal
+from tests.commands import run_command
 
 VERDICT = {"gap": False, "effects": [], "outside_library": False}
-
-
-def run(*arguments):
-    """Status and standard error of a command."""
-    errors = io.StringIO()
-    with (
-        contextlib.redirect_stderr(errors),
-        contextlib.redirect_stdout(io.StringIO()),
-    ):
-        status = main([str(a) for a in arguments])
-    return status, errors.getvalue()
 
 
 class TestMake(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.cases = Path(folder.name) / "cases"
-        cls.vault = Path(folder.name) / "vault" / "truth.json"
-        cls.status = run(
+        folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
+        cls.cases = folder / "cases"
+        cls.vault = folder / "vault" / "truth.json"
+        cls.status, _, cls.errors = run_command(
             *("withheld", "make", "--cases", 1, "--seed", 3),
             *("--out", cls.cases, "--vault", cls.vault),
         )
 
     def test_a_made_case_is_a_sound_campaign_without_its_truth(self):
-        self.assertEqual(self.status[0], 0, self.status[1])
+        self.assertEqual(self.status, 0, self.errors)
         case = self.cases / "case000"
         errors = [p for p in CheckCampaign(case) if p.severity == "error"]
         self.assertEqual(errors, [])
@@ -69,7 +55,7 @@ class TestMake(unittest.TestCase):
         np.testing.assert_array_equal(length, np.round(length))
 
     def test_nothing_is_overwritten(self):
-        status, errors = run(
+        status, _, errors = run_command(
             *("withheld", "make", "--cases", 1),
             *("--out", self.cases, "--vault", self.vault),
         )
@@ -78,7 +64,7 @@ class TestMake(unittest.TestCase):
 
     def test_the_vault_may_not_lie_among_the_cases(self):
         out = self.cases.parent / "others"
-        status, errors = run(
+        status, _, errors = run_command(
             *("withheld", "make", "--cases", 1),
             *("--out", out, "--vault", out / "truth.json"),
         )
@@ -89,10 +75,9 @@ class TestMake(unittest.TestCase):
 
 class TestAnswer(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.cases = Path(folder.name) / "cases"
-        self.answers = Path(folder.name) / "answers"
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.cases = folder / "cases"
+        self.answers = folder / "answers"
         for name in ("case000", "case001"):
             (self.cases / name).mkdir(parents=True)
             for file in ("campaign.yaml", "push.csv", "label.yaml"):

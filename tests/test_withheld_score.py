@@ -1,7 +1,5 @@
 """Seals, commitments and scores of withheld cases, worked out by hand."""
 
-import contextlib
-import io
 import json
 import math
 import tempfile
@@ -11,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.cli.main import main
 from brace_drake.withheld.answer import AnswerError, commit, label
 from brace_drake.withheld.cases import KINDS, build_case, draw_kinds
 from brace_drake.withheld.faults import FAULTS
@@ -26,6 +23,7 @@ from brace_drake.withheld.seals import (
     seal,
 )
 from brace_drake.withheld.shares import wilson_interval
+from tests.commands import run_command
 
 
 def truth(kind, effects, blocks, severity="small", floors=1.0):
@@ -134,9 +132,7 @@ class WithFiles(unittest.TestCase):
     """A folder of seals, a vault and answers of TABLE."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.vault = self.folder / "vault.json"
         self.answers = self.folder / "answers"
         self.answers.mkdir()
@@ -155,6 +151,12 @@ class WithFiles(unittest.TestCase):
 
     def judged(self):
         return load_judged(self.folder, self.vault, self.answers)
+
+    def run_score(self, *more):
+        return run_command(
+            *("withheld", "score", self.folder, "--vault", self.vault),
+            *("--answers", self.answers, *more),
+        )
 
 
 class TestScore(WithFiles):
@@ -184,17 +186,9 @@ class TestScore(WithFiles):
 
     def test_table_and_picture_are_written(self):
         out = self.folder / "score"
-        with contextlib.redirect_stdout(io.StringIO()) as printed:
-            status = main(
-                [
-                    *("withheld", "score", str(self.folder)),
-                    *("--vault", str(self.vault)),
-                    *("--answers", str(self.answers)),
-                    *("--out", str(out)),
-                ]
-            )
+        status, printed, _ = self.run_score("--out", out)
         self.assertEqual(status, 0)
-        self.assertIn("force_lag large -> hardening", printed.getvalue())
+        self.assertIn("force_lag large -> hardening", printed)
         self.assertTrue((out / "score.json").exists())
         self.assertIn("<svg", (out / "reliability.svg").read_text())
 
@@ -214,17 +208,9 @@ class TestTampering(WithFiles):
     def refused(self, error, words):
         with self.assertRaisesRegex(error, words):
             self.judged()
-        errors = io.StringIO()
-        with contextlib.redirect_stderr(errors):
-            status = main(
-                [
-                    *("withheld", "score", str(self.folder)),
-                    *("--vault", str(self.vault)),
-                    *("--answers", str(self.answers)),
-                ]
-            )
+        status, _, errors = self.run_score()
         self.assertEqual(status, 2)
-        self.assertEqual(len(errors.getvalue().strip().splitlines()), 1)
+        self.assertEqual(len(errors.strip().splitlines()), 1)
 
     def test_a_changed_truth_is_noticed(self):
         document = json.loads(self.vault.read_text())

@@ -2,11 +2,18 @@
 
 import numpy as np
 from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator
 
-from brace_drake.torso.contact import TorsoContact
+from brace_drake.brace_station import MakeBraceStation
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.torso.contact import MakeTorsoGeometry
+from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact
 from brace_drake.torso.depth import deepest
 from brace_drake.torso.fitted import FittedTorso, calc_inertia
+from brace_drake.torso.measures import Curve, TorsoMeasures
 from brace_drake.torso.pads import Pad, PadPlace
+from brace_drake.torso.parametric import make_parametric_loft
+from brace_drake.torso.press import press_pads
 from brace_drake.torso.solid import fill_outlines
 
 RINGS = (-0.09, 0.0, 0.06)
@@ -55,3 +62,36 @@ def flat_pad(side, offset=0.15, size=SIZE):
 
 def shift(x, y, z):
     return RigidTransform([x, y, z])
+
+
+def curved_loft():
+    """A torso whose left and right are unlike."""
+    curve = Curve(cobb_deg=40.0, apex=-0.02, axial_rotation_deg=-12.0)
+    return make_parametric_loft(TorsoMeasures(curve=curve))
+
+
+def press_brace(torso, **options):
+    """A brace's first millisecond with preloaded pads on a torso.
+
+    Returns:
+        The station, its simulator, and the forces on the pads (3, 2, 3) as
+        they are with the plant left out.
+    """
+    scenario = BraceScenario(time_step=2e-4, gravity=0.0)
+    for contact in scenario.contacts:
+        contact.model, contact.friction = "hydroelastic", 0.0
+        contact.preload, contact.damping = 0.003, 0.0
+    station = MakeBraceStation(
+        scenario, add_geometry=MakeTorsoGeometry(torso), **options
+    )
+    simulator = Simulator(station.diagram)
+    context = simulator.get_mutable_context()
+    for name, size in (("leg_command", 18), ("noise", 30)):
+        port = station.diagram.GetInputPort(name)
+        port.FixValue(context, np.zeros(size))
+    simulator.AdvanceTo(0.001)
+    numbers = map_linear_contact(
+        scenario.contacts[0], torso.mean_effective_area
+    )
+    alone = press_pads(torso, numbers, [shift(0.0, 0.0, 0.0)])[0]
+    return station, simulator, alone.reshape(3, 2, 3)

@@ -13,12 +13,11 @@ from brace_drake.campaign.columns import (
 )
 from brace_drake.campaign.dropouts import fill_dropouts, lost_rows
 from brace_drake.campaign.findings import error, quoted, warning
-from brace_drake.campaign.manifest import (
+from brace_drake.campaign.manifest import Manifest, parse_manifest
+from brace_drake.campaign.manifest_runs import (
     MANIFEST,
-    Manifest,
     RunEntry,
     leaves_folder,
-    parse_manifest,
     same_file,
 )
 from brace_drake.campaign.recording import Campaign, Problem, Run

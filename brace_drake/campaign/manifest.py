@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import posixpath
 import sys
 from dataclasses import dataclass, field
 
@@ -17,30 +16,22 @@ from brace_drake.campaign.columns import (
     Channel,
     device_channels,
 )
-from brace_drake.campaign.findings import error, quoted, warning
+from brace_drake.campaign.findings import quoted
+from brace_drake.campaign.manifest_runs import (
+    RunEntry,
+    manifest_error,
+    parse_runs,
+    wanted_text,
+)
 from brace_drake.campaign.recording import Problem
 
-MANIFEST = "campaign.yaml"
 FORMAT = "brace-campaign/1"
-SPLITS = ("fit", "validation")
 
 _NOMINAL_KEYS = {
     LEG_BENCH: ("mass_kg", "viscous_N_s_m"),
     PAD_BENCH: ("stiffness_N_m", "damping_N_s_m"),
 }
 _CONTROL_KEYS = ("kp_1_s", "kv_N_s_m", "force_limit_N")
-_REQUIRED_RUN_KEYS = ("file", "contact", "motion", "split")
-
-
-@dataclass(frozen=True)
-class RunEntry:
-    """One item of `runs`; a value that was unusable is its default."""
-
-    file: str | None = None
-    contact: bool = True
-    motion: str = ""
-    repeat_of: str | None = None
-    split: str = "fit"
 
 
 @dataclass(frozen=True)
@@ -84,22 +75,24 @@ def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
         content = yaml.safe_load(data.decode("utf-8-sig"))
     except UnicodeDecodeError as e:
         line = data[: e.start].count(b"\n") + 1
-        return None, [_error(f"line {line}: not UTF-8 text")]
+        return None, [manifest_error(f"line {line}: not UTF-8 text")]
     except yaml.YAMLError as e:
-        return None, [_error(_describe_yaml_error(e))]
+        return None, [manifest_error(_describe_yaml_error(e))]
     except (ValueError, RecursionError) as e:
         # PyYAML lets these through for impossible dates and deep nesting.
-        return None, [_error(f"unreadable YAML: {e}")]
+        return None, [manifest_error(f"unreadable YAML: {e}")]
     if not isinstance(content, dict):
         return None, [
-            _error(f"must hold a mapping of keys, found {quoted(content)}")
+            manifest_error(
+                f"must hold a mapping of keys, found {quoted(content)}"
+            )
         ]
     problems: list[Problem] = []
     device = _parse_head(content, problems)
     rate_hz = content.get("rate_hz")
     if not _is_positive(rate_hz):
         problems.append(
-            _error(_wanted("rate_hz", "a positive number", rate_hz))
+            manifest_error(wanted_text("rate_hz", "a positive number", rate_hz))
         )
         rate_hz = None
     manifest = Manifest(
@@ -108,21 +101,11 @@ def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
         subject=str(content.get("subject") or ""),
         nominal=_parse_nominal(content, device, problems),
         control=_parse_control(content, device, problems),
-        entries=_parse_runs(content, problems),
+        entries=parse_runs(content, problems),
         stages=_parse_stages(content, device, problems),
         settled_s=_parse_settled(content, problems),
     )
     return manifest, problems
-
-
-def _error(message: str) -> Problem:
-    return error(MANIFEST, message)
-
-
-def _wanted(name: str, wanted: str, value: object) -> str:
-    if value is None:
-        return f"{name} is missing: it must be {wanted}"
-    return f"{name} must be {wanted}, got {quoted(value)}"
 
 
 def _describe_yaml_error(e: yaml.YAMLError) -> str:
@@ -144,13 +127,15 @@ def _parse_head(content: dict, problems: list[Problem]) -> str | None:
     """Checks `format` and returns the device, None when it is unknown."""
     if content.get("format") != FORMAT:
         problems.append(
-            _error(_wanted("format", quoted(FORMAT), content.get("format")))
+            manifest_error(
+                wanted_text("format", quoted(FORMAT), content.get("format"))
+            )
         )
     device = content.get("device")
     if isinstance(device, str) and device in DEVICES:
         return device
     names = "one of " + ", ".join(f"{name!r}" for name in DEVICES)
-    problems.append(_error(_wanted("device", names, device)))
+    problems.append(manifest_error(wanted_text("device", names, device)))
     return None
 
 
@@ -164,7 +149,9 @@ def _parse_numbers(
     """The positive numbers of one section, with its faults reported."""
     values = content.get(section) or {}
     if not isinstance(values, dict):
-        problems.append(_error(_wanted(section, "a mapping", values)))
+        problems.append(
+            manifest_error(wanted_text(section, "a mapping", values))
+        )
         return {}
     numbers = {}
     for key in (*required, *optional):
@@ -173,7 +160,9 @@ def _parse_numbers(
         elif key in required or values.get(key) is not None:
             name = f"{section}.{key}"
             problems.append(
-                _error(_wanted(name, "a positive number", values.get(key)))
+                manifest_error(
+                    wanted_text(name, "a positive number", values.get(key))
+                )
             )
     return numbers
 
@@ -191,7 +180,9 @@ def _parse_settled(content: dict, problems: list[Problem]) -> float:
     value = content.get("settled_s")
     if value is None or value == 0 or _is_positive(value):
         return float(value or 0.0)
-    problems.append(_error(_wanted("settled_s", "a number from 0", value)))
+    problems.append(
+        manifest_error(wanted_text("settled_s", "a number from 0", value))
+    )
     return 0.0
 
 
@@ -206,7 +197,7 @@ def _parse_stages(
         if first >= 0 and stages == [*BRACE_STAGES[first:]][: len(stages)]:
             return tuple(stages)
     wanted = "neighbours of 1, 2, 3, from the lowest up"
-    problems.append(_error(_wanted("stages", wanted, stages)))
+    problems.append(manifest_error(wanted_text("stages", wanted, stages)))
     return ()
 
 
@@ -217,108 +208,3 @@ def _parse_control(
         return {}
     gains, limit = _CONTROL_KEYS[:2], _CONTROL_KEYS[2:]
     return _parse_numbers(content, "control", gains, limit, problems)
-
-
-def _parse_runs(content: dict, problems: list[Problem]) -> tuple[RunEntry, ...]:
-    runs = content.get("runs")
-    if not isinstance(runs, list) or not runs:
-        found = None if runs == [] else runs
-        problems.append(_error(_wanted("runs", "a list of runs", found)))
-        return ()
-    entries = tuple(
-        _parse_run(run, number, problems)
-        for number, run in enumerate(runs, start=1)
-    )
-    _check_files(entries, problems)
-    _check_repeats(entries, problems)
-    _check_splits(entries, problems)
-    return entries
-
-
-def _parse_run(run: object, number: int, problems: list[Problem]) -> RunEntry:
-    """One entry; its faults go to `problems`, usable values are kept."""
-    if not isinstance(run, dict):
-        problems.append(_error(_wanted(f"run {number}", "a mapping", run)))
-        return RunEntry()
-    place = f"run {number}"
-    if isinstance(run.get("file"), str):
-        place += f" ({quoted(run['file'])[1:-1]})"
-    missing = [key for key in _REQUIRED_RUN_KEYS if run.get(key) is None]
-    if missing:
-        problems.append(_error(f"{place} has no {', '.join(missing)}"))
-    kinds = {"file": str, "contact": bool, "motion": str, "repeat_of": str}
-    names = {str: "text", bool: "true or false"}
-    values = {}
-    for key, kind in kinds.items():
-        value = run.get(key)
-        if isinstance(value, kind) and value != "":
-            values[key] = value
-        elif value is not None:
-            wanted = _wanted(key, names[kind], value)
-            problems.append(_error(f"{place}: {wanted}"))
-    split = run.get("split")
-    if split in SPLITS:
-        values["split"] = split
-    elif split is not None:
-        wanted = _wanted("split", " or ".join(SPLITS), split)
-        problems.append(_error(f"{place}: {wanted}"))
-    return RunEntry(**values)
-
-
-def leaves_folder(file: str) -> bool:
-    """Whether a run's path points outside its campaign's folder."""
-    path = posixpath.normpath(file.replace("\\", "/"))
-    return posixpath.isabs(path) or path.split("/")[0] in ("..", ".")
-
-
-def same_file(one: str, other: str) -> bool:
-    """Whether two run paths mean the same file."""
-    return posixpath.normpath(one) == posixpath.normpath(other)
-
-
-def _check_files(
-    entries: tuple[RunEntry, ...], problems: list[Problem]
-) -> None:
-    seen: dict[str, int] = {}
-    for number, entry in enumerate(entries, start=1):
-        if entry.file is None:
-            continue
-        if leaves_folder(entry.file):
-            problems.append(
-                error(entry.file, "the path leaves the campaign's folder")
-            )
-        first = seen.setdefault(posixpath.normpath(entry.file), number)
-        if first != number:
-            message = f"duplicate file: runs {first} and {number} share it"
-            problems.append(error(entry.file, message))
-
-
-def _check_repeats(
-    entries: tuple[RunEntry, ...], problems: list[Problem]
-) -> None:
-    files = [entry.file for entry in entries if entry.file is not None]
-    for number, entry in enumerate(entries, start=1):
-        if entry.repeat_of is None:
-            continue
-        place = f"run {number} ({entry.file}): repeat_of"
-        if not any(same_file(entry.repeat_of, file) for file in files):
-            problems.append(
-                _error(f"{place} names no run: {quoted(entry.repeat_of)}")
-            )
-        elif entry.file and same_file(entry.repeat_of, entry.file):
-            problems.append(_error(f"{place} names the run itself"))
-
-
-def _check_splits(
-    entries: tuple[RunEntry, ...], problems: list[Problem]
-) -> None:
-    splits = {entry.split for entry in entries}
-    if "fit" not in splits:
-        problems.append(_error("no run has split: fit, nothing to learn from"))
-    if "validation" not in splits:
-        problems.append(
-            warning(
-                MANIFEST,
-                "no run has split: validation, no claim can be tested",
-            )
-        )

@@ -11,12 +11,13 @@ import numpy as np
 import yaml
 
 from brace_drake.campaign.columns import split_unit
-from brace_drake.campaign.manifest import FORMAT, MANIFEST, leaves_folder
+from brace_drake.campaign.manifest import FORMAT
+from brace_drake.campaign.manifest_runs import MANIFEST, leaves_folder
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.errors import OutputError
 
 # Decimals per unit: finer than any sensor of the bench resolves.
-_DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
+DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
 _OTHER_UNITS = "%.9g"
 
 
@@ -96,7 +97,7 @@ def format_table(run: Run) -> str:
     formats, columns = [], []
     for name, values in run.channels.items():
         values = np.asarray(values)
-        decimals = _DECIMALS.get(split_unit(name)[1])
+        decimals = DECIMALS.get(split_unit(name)[1])
         if values.dtype.kind not in "fiub":
             formats.append("%s")
         elif decimals is None:

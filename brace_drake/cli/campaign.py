@@ -11,6 +11,7 @@ from brace_drake.cli.link_options import (
     AddRecording,
     OpenRecorder,
 )
+from brace_drake.cli.options import AddCommand
 
 _EPILOG = """\
 example:
@@ -30,17 +31,17 @@ of runs is a file:
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `campaign`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "campaign",
+        Run,
         help="record all runs that a diagnosis needs",
         description="Guides through a whole campaign on a device.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
     parser.add_argument("--plan", metavar="FILE", help="default: the standard")
     AddRecording(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 from brace_drake.campaign import CheckCampaign
 from brace_drake.campaign.findings import counted
-from brace_drake.cli.options import AddJson, PrintJson
+from brace_drake.cli.options import AddCampaign, AddCommand, AddJson, PrintJson
 
 _EPILOG = """\
 example:
@@ -20,20 +20,16 @@ Prints one line per problem. Ends with status 0 when there is no error
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `check` to the command line."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "check",
+        Run,
         help="find every problem of a recorded campaign",
         description="Finds every problem of a recorded campaign.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "campaign",
-        metavar="CAMPAIGN",
-        help="folder with campaign.yaml and its recordings",
-    )
+    AddCampaign(parser)
     AddJson(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from brace_drake.cli.options import (
+    AddCommand,
     AddMotion,
     AddNoiseSeed,
     MakeBar,
@@ -28,12 +29,13 @@ y or 20 mm along x and z.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `compare`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "compare",
+        Run,
         help="run every controller on the same push",
         description="Compares the brace's controllers on one reference.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "scenario",
@@ -55,7 +57,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--out", required=True, metavar="DIR", help="folder for the table"
     )
     AddNoiseSeed(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

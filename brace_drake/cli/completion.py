@@ -6,6 +6,8 @@ import argparse
 
 import shtab
 
+from brace_drake.cli.options import AddCommand
+
 _EPILOG = """\
 example:
   brace-drake completion bash
@@ -17,15 +19,15 @@ for bash ~/.local/share/bash-completion/completions/brace-drake.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `completion`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "completion",
+        Run,
         help="print a script that completes commands in the shell",
         description="Prints a script that completes commands in the shell.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("shell", choices=shtab.SUPPORTED_SHELLS)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -12,8 +12,7 @@ from brace_drake.cli.link_options import (
     load_device_motion,
     load_device_options,
 )
-from brace_drake.cli.options import AddMotion
-from brace_drake.errors import StoppedError
+from brace_drake.cli.options import AddCommand, AddMotion
 from brace_drake.output import HoldFolder
 
 _EPILOG = """\
@@ -40,12 +39,13 @@ _DRY_SECONDS = 2.0
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `deploy`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "deploy",
+        Run,
         help="run a controller or a policy on a device",
         description="Puts a device in the plant's place.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
     what = parser.add_mutually_exclusive_group()
@@ -61,7 +61,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument("--dry-run", action="store_true", help="never arm")
     parser.add_argument("--out", metavar="DIR", help="for log and timing")
     AddCountdown(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
@@ -102,8 +101,7 @@ def Run(args: argparse.Namespace) -> int:
         still = np.zeros((round(_DRY_SECONDS * rate), *desired.shape[1:]))
         check_dry_run(run("dry_run", still, True))
         if not args.dry_run:
-            if not CountDown(args.countdown, f"{motion.name} moves", keys):
-                raise StoppedError(f"{motion.name}: not begun")
+            CountDown(args.countdown, motion.name, keys)
             run("armed", desired, False)
     if log:
         print(f"log: {Path(args.out) / 'ticks.csv'}")

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from brace_drake.campaign import LoadCampaign
 from brace_drake.cli.options import (
+    AddCampaign,
+    AddCommand,
     AddJobs,
     AddJson,
     AddScenario,
@@ -34,26 +36,21 @@ shrinks.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `diagnose`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "diagnose",
+        Run,
         help="say where the gap lies, what causes it, how far it shrinks",
         description="Diagnoses the gap between twin and recording.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "campaigns",
-        nargs="+",
-        metavar="CAMPAIGN",
-        help="folder with campaign.yaml and its recordings",
-    )
+    AddCampaign(parser, "campaigns", nargs="+")
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="folder for the results"
     )
     AddScenario(parser)
     AddJobs(parser)
     AddJson(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

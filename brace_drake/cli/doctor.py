@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from packaging.requirements import Requirement
 
-from brace_drake.cli.options import AddJson, PrintJson
+from brace_drake.cli.options import AddCommand, AddJson, PrintJson
 
 _EPILOG = """\
 example:
@@ -48,15 +48,15 @@ class Finding(NamedTuple):
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `doctor`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "doctor",
+        Run,
         help="say what is missing on this machine",
         description="Looks at Python, packages, programs, ports and folders.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddJson(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

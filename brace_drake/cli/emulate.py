@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 
+from brace_drake.cli.options import AddCommand
 from brace_drake.errors import BraceError, LinkError
 
 _EPILOG = """\
@@ -33,13 +34,14 @@ Lines on standard input change it while it runs:
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `emulate`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "emulate",
+        Run,
         help="serve an emulated brace on a pseudo-terminal",
         description="A device with the laws of bench or brace, for working"
         " without one.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "--link", metavar="PATH", help="symbolic link to make to the terminal"
@@ -89,7 +91,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         metavar="LINE",
         help="as on standard input, from the start",
     )
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from brace_drake.cli.options import (
+    AddCommand,
     AddJobs,
     open_workers_option,
     positive,
@@ -29,12 +30,13 @@ evaluation.html.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `evaluate`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "evaluate",
+        Run,
         help="the paper's Table 1 and Figures 8 to 13, and unseen subjects",
         description="Compares policies with controllers, without chance.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
     add(
@@ -66,7 +68,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="take the first N policies of each training (default: all)",
     )
     AddJobs(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 
-from brace_drake.cli.options import AddCampaign
+from brace_drake.cli.options import AddCampaign, AddCommand
 from brace_drake.errors import OutputError
 
 _EPILOG = """\
@@ -19,16 +19,16 @@ channels. `brace-drake import monday.mcap` makes a campaign of it again.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `export`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "export",
+        Run,
         help="write a campaign as an MCAP file",
         description="Puts all runs of a campaign into one file.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddCampaign(parser)
     parser.add_argument("--out", required=True, metavar="FILE", help="*.mcap")
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

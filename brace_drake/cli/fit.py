@@ -11,14 +11,15 @@ from tqdm import tqdm
 from brace_drake.campaign import LoadCampaign
 from brace_drake.cli.options import (
     AddCampaign,
+    AddCommand,
     AddJobs,
     AddJson,
     AddScenario,
-    PrintJson,
+    TellDocument,
     load_scenario_option,
     open_workers_option,
 )
-from brace_drake.output import HoldFolder, WriteJson
+from brace_drake.output import HoldFolder
 from brace_drake.parallel import Workers
 
 _EPILOG = """\
@@ -33,12 +34,13 @@ _USUAL = 8
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `fit`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "fit",
+        Run,
         help="fit the subject's parameters to the fit runs",
         description="Fits the subject's parameters to all fit runs jointly.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddCampaign(parser)
     parser.add_argument("--out", metavar="DIR", help="folder for fit.json")
@@ -51,7 +53,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     AddScenario(parser)
     AddJobs(parser)
     AddJson(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
@@ -63,14 +64,7 @@ def Run(args: argparse.Namespace) -> int:
         found = fit_with_bar(
             campaign, scenario, workers, args.seed, args.solver
         )
-    if out is not None:
-        WriteJson(out / "fit.json", found)
-    if args.json:
-        PrintJson(found)
-        return 0
-    _print(found)
-    if out is not None:
-        print(f"fit: {out / 'fit.json'}")
+    TellDocument(args, found, out, "fit", format_fit)
     return 0
 
 
@@ -90,29 +84,33 @@ def fit_with_bar(
         return fit_campaign(campaign, jobs, seed, scenario, solver, progress)
 
 
-def _print(found: dict) -> None:
-    for start in found["contact_starts"]:
-        print(
-            f"start from {start['run']}: k {start['stiffness']:.0f} N/m,"
-            f" c {start['damping']:.0f} N s/m"
-            f" (equation (2) as printed: {start['printed_stiffness']:.0f},"
-            f" {start['printed_damping']:.0f})"
-        )
-    width = max(len(p["name"]) for p in found["parameters"])
-    print(f"{'':{width}}  {'value':>11} {'std. error':>10} {'nominal':>10}")
+def format_fit(found: dict) -> str:
+    """The starts, the parameters as a table, and how sharp the fit is."""
+    lines = [
+        f"start from {start['run']}: k {start['stiffness']:.0f} N/m,"
+        f" c {start['damping']:.0f} N s/m"
+        f" (equation (2) as printed: {start['printed_stiffness']:.0f},"
+        f" {start['printed_damping']:.0f})"
+        for start in found["contact_starts"]
+    ]
+    names = [p["name"] for p in found["parameters"]]
+    width = max(map(len, names))
+    lines.append(
+        f"{'':{width}}  {'value':>11} {'std. error':>10} {'nominal':>10}"
+    )
     for p in found["parameters"]:
         flag = "  at its limit" if p["at_limit"] else ""
-        print(
+        lines.append(
             f"{p['name']:{width}}  {p['value']:11.5g}"
             f" {p['standard_error']:10.2g} {p['nominal']:10.5g}{flag}"
         )
     correlation = np.array(found["correlation"])
     np.fill_diagonal(correlation, 0.0)
     i, j = np.unravel_index(np.argmax(np.abs(correlation)), correlation.shape)
-    names = [p["name"] for p in found["parameters"]]
-    print(
+    lines.append(
         f"mean square {found['mean_square']:.4f} floors,"
         f" condition {found['condition_number']:.1f}, strongest correlation"
         f" {correlation[i, j]:.2f} ({names[i]}, {names[j]}),"
         f" {found['solver']}: {found['evaluations']} evaluations"
     )
+    return "\n".join(lines)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from brace_drake.cli.options import AddCommand
+
 _EPILOG = """\
 example:
   brace-drake import monday.map.yaml --out recordings/monday
@@ -29,18 +31,18 @@ Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS, JSON messages of MCAP (options:
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `import`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "import",
+        Run,
         help="make a campaign from CSV, MATLAB, TDMS or MCAP files",
         description="Turns a lab's own recordings into a campaign.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "map", metavar="MAP", help="*.yaml, see the example; or *.mcap"
     )
     parser.add_argument("--out", required=True, metavar="DIR")
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

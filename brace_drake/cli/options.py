@@ -12,28 +12,58 @@ from pathlib import Path
 from tqdm import tqdm
 
 from brace_drake.errors import PolicyError
+from brace_drake.output import WriteJson
 from brace_drake.parallel import Workers, open_workers
 
 _BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"
 
 
-def AddCampaign(parser: argparse.ArgumentParser) -> None:
+def AddCommand(
+    subparsers: argparse._SubParsersAction,
+    name: str,
+    run: Callable[[argparse.Namespace], int] | None,
+    **words: str,
+) -> argparse.ArgumentParser:
+    """Adds a subcommand.
+
+    Args:
+        subparsers: Of the command line.
+        name: Of the command.
+        run: Returns its status; None where its parts have their own.
+        words: Its help, description and epilog, which stays as written.
+    """
+    parser = subparsers.add_parser(
+        name, formatter_class=argparse.RawDescriptionHelpFormatter, **words
+    )
+    parser.set_defaults(run=run)
+    return parser
+
+
+def AddCampaign(
+    parser: argparse.ArgumentParser, name: str = "campaign", **options
+) -> None:
     """Adds the positional CAMPAIGN."""
+    help_text = "folder with campaign.yaml and its recordings"
     parser.add_argument(
-        "campaign",
-        metavar="CAMPAIGN",
-        help="folder with campaign.yaml and its recordings",
+        name, metavar="CAMPAIGN", **{"help": help_text, **options}
     )
 
 
-def AddJobs(parser: argparse.ArgumentParser) -> None:
-    """Adds --jobs, --cluster and --seed."""
+def AddJobCount(parser: argparse.ArgumentParser, help_text: str) -> None:
+    """Adds --jobs alone."""
     parser.add_argument(
         "--jobs",
         type=positive,
         default=os.cpu_count() or 1,
         metavar="N",
-        help="threads (default: all cores); results do not depend on it",
+        help=help_text,
+    )
+
+
+def AddJobs(parser: argparse.ArgumentParser) -> None:
+    """Adds --jobs, --cluster and --seed."""
+    AddJobCount(
+        parser, "threads (default: all cores); results do not depend on it"
     )
     parser.add_argument(
         "--cluster",
@@ -75,6 +105,33 @@ def AddJson(parser: argparse.ArgumentParser) -> None:
 def PrintJson(document: dict) -> None:
     """Prints what --json asks for."""
     print(json.dumps(document, indent=1, allow_nan=False))
+
+
+def TellDocument(
+    args: argparse.Namespace,
+    document: dict,
+    out: Path | None,
+    what: str,
+    describe: Callable[[dict], str],
+) -> None:
+    """Writes WHAT.json where --out asks for it, and prints a document.
+
+    Args:
+        args: With `json`: it is printed alone, as JSON.
+        document: What was found.
+        out: Folder of --out.
+        what: In a word.
+        describe: What people read instead of JSON.
+    """
+    file = None if out is None else out / f"{what}.json"
+    if file is not None:
+        WriteJson(file, document)
+    if args.json:
+        PrintJson(document)
+        return
+    print(describe(document))
+    if file is not None:
+        print(f"{what}: {file}")
 
 
 def load_scenario_option(path: str | None):

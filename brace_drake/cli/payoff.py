@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from brace_drake.cli.options import (
+    AddCommand,
     AddJobs,
     check_training_extra,
     open_workers_option,
@@ -29,12 +30,13 @@ options, payoff.csv and payoff.md. Needs pip install -e '.[train]'.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `payoff`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "payoff",
+        Run,
         help="policies of the nominal and the repaired twin, on the machine",
         description="Measures what closing the gap is worth to a policy.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
     add("--out", required=True, metavar="DIR", help="folder for all of it")
@@ -72,7 +74,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="of each controller on each machine (default: 3)",
     )
     AddJobs(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from brace_drake.cli.options import AddScenario
+from brace_drake.cli.options import AddCommand, AddScenario
 from brace_drake.output import HoldFolder
 
 _EPILOG = """\
@@ -27,12 +27,13 @@ _SCENARIOS = ("brace.scenario.yaml", "bench.scenario.yaml")
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `personalize`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "personalize",
+        Run,
         help="make a torso, its pads and a scenario from a scan or measures",
         description="Makes a patient's torso, and pads that fit it.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "source",
@@ -72,7 +73,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="the same under pads, m (default: 0.005)",
     )
     AddScenario(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

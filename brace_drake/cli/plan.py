@@ -6,16 +6,17 @@ import argparse
 from pathlib import Path
 
 from brace_drake.cli.options import (
+    AddCommand,
     AddJobs,
     AddJson,
     AddScenario,
-    PrintJson,
+    TellDocument,
     load_scenario_option,
     open_workers_option,
     share_bar,
 )
 from brace_drake.errors import CampaignError
-from brace_drake.output import HoldFolder, WriteJson
+from brace_drake.output import HoldFolder
 
 _EPILOG = """\
 example:
@@ -30,12 +31,13 @@ told apart. Nothing has to be recorded for that.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `plan`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "plan",
+        Run,
         help="say which effects planned runs could not tell apart",
         description="Foresees what a planned campaign could tell apart.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     source = parser.add_mutually_exclusive_group()
     source.add_argument(
@@ -55,7 +57,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     AddScenario(parser)
     AddJobs(parser)
     AddJson(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
@@ -88,14 +89,7 @@ def Run(args: argparse.Namespace) -> int:
             args.seed,
             progress,
         )
-    if out is not None:
-        WriteJson(out / "plan.json", plan)
-    if args.json:
-        PrintJson(plan)
-        return 0
-    print(format_plan(plan))
-    if out is not None:
-        print(f"plan: {out / 'plan.json'}")
+    TellDocument(args, plan, out, "plan", format_plan)
     return 0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from brace_drake.cli.options import AddCommand
 from brace_drake.errors import PolicyError
 
 _EPILOG = """\
@@ -19,12 +20,13 @@ contact_damping, preload, posture_stiffness, posture_damping, torso_mass.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `predict`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "predict",
+        Run,
         help="desired impedance for a displacement and a subject",
         description="Moves the twin of a subject under a trained policy.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
     add("policy", metavar="POLICY", help="file *.npz of a training run")
@@ -43,7 +45,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     add("--out", metavar="DIR", help="write prediction.json and course.csv")
     add("--onnx", metavar="FILE", help="also write the network as ONNX")
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

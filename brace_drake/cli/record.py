@@ -12,7 +12,7 @@ from brace_drake.cli.link_options import (
     load_device_motion,
     load_link_scenario,
 )
-from brace_drake.cli.options import AddMotion
+from brace_drake.cli.options import AddCommand, AddMotion
 from brace_drake.errors import CampaignError
 
 _EPILOG = """\
@@ -32,12 +32,13 @@ _PLANS = (".yaml", ".yml")
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `record`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "record",
+        Run,
         help="run a motion on a device and record it",
         description="Drives a device through a motion and records it.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
     AddMotion(
@@ -51,7 +52,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         choices=("fit", "validation"),
         help="what the run is for (default: fit)",
     )
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

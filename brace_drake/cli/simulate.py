@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.cli.options import (
+    AddCommand,
     AddMotion,
     AddNoiseSeed,
     MakeBar,
@@ -38,12 +39,13 @@ of the stages that the scenario picks; stage 2 alone records as the bench does.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `simulate`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "simulate",
+        Run,
         help="record a motion with the twin of a scenario",
         description="Runs the Drake diagram of a scenario over a reference.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "scenario",
@@ -68,7 +70,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddNoiseSeed(parser)
     AddPlaybackOptions(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

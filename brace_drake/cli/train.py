@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from brace_drake.cli.options import (
+    AddCommand,
     check_training_extra,
     not_negative,
     positive,
@@ -28,12 +29,13 @@ pip install -e '.[train]'.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `train`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "train",
+        Run,
         help="train a policy that sets the stiffness",
         description="PPO on the twin with the paper's hyper-parameters.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
     add("--out", required=True, metavar="DIR", help="folder of the run")
@@ -56,7 +58,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add("--envs", type=positive, metavar="N", help="side by side (default: 1)")
     add("--patience", type=not_negative, metavar="N", help="0: no early stop")
     add("--seed", type=not_negative, metavar="S", help="default: 0")
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

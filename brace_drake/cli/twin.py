@@ -12,7 +12,7 @@ from brace_drake.cli.link_options import (
     load_device_motion,
     load_device_options,
 )
-from brace_drake.cli.options import AddMotion
+from brace_drake.cli.options import AddCommand, AddMotion
 from brace_drake.errors import StoppedError
 
 _EPILOG = """\
@@ -32,12 +32,13 @@ _SHOW = 0.2
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `twin`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "twin",
+        Run,
         help="run the twin beside a device and show the gap",
         description="Compares a device with its twin while it moves.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     AddDevice(parser)
     AddMotion(parser, default="reversal", help="default: reversal")
@@ -54,7 +55,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument("--web-port", type=int, default=0, metavar="N")
     AddCountdown(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:
@@ -91,8 +91,7 @@ def Run(args: argparse.Namespace) -> int:
         desired = desired_at_ticks(motion, link.hello.rate_hz)
         session = Session(link, MakeControl(scenario, limits), limits)
         show = _Show(beside, page, session, overlay, args.stop_at_alarm)
-        if not CountDown(args.countdown, f"{motion.name} moves", keys):
-            raise StoppedError(f"{motion.name}: not begun")
+        CountDown(args.countdown, motion.name, keys)
         session.Start(desired)
         WatchSession(session, show.Take, keys.pressed)
         if session.trip is not None:

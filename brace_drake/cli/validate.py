@@ -7,6 +7,8 @@ import json
 from pathlib import Path
 
 from brace_drake.cli.options import (
+    AddCampaign,
+    AddCommand,
     AddJobs,
     AddScenario,
     load_scenario_option,
@@ -28,17 +30,17 @@ run and on one held back), and validation.json with their numbers.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `validate`."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "validate",
+        Run,
         help="draw the twin beside the recording, before and after the fit",
         description="Replays a campaign of the bench, as the paper validates.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "campaign",
+    AddCampaign(
+        parser,
         nargs="?",
-        metavar="CAMPAIGN",
         help="folder with campaign.yaml (default: the recorded example)",
     )
     parser.add_argument(
@@ -57,7 +59,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddScenario(parser)
     AddJobs(parser)
-    parser.set_defaults(run=Run)
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 
 from tqdm import tqdm
 
-from brace_drake.cli.options import not_negative, positive
+from brace_drake.cli.options import (
+    AddCommand,
+    AddJobCount,
+    not_negative,
+    positive,
+)
 from brace_drake.errors import BraceError
 from brace_drake.output import HoldFolder, WriteJson, WriteText
 
@@ -26,12 +30,13 @@ COMMITMENT among the answers promises those.
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `withheld` with its three parts."""
-    parser = subparsers.add_parser(
+    parser = AddCommand(
+        subparsers,
         "withheld",
+        None,
         help="put the diagnosis to a blind test",
         description="Puts the diagnosis to a blind test.",
         epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parts = parser.add_subparsers(metavar="PART", required=True)
     _add_make(parts)
@@ -69,13 +74,7 @@ def _add_answer(parts: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--out", required=True, metavar="ANSWERS", help="for the diagnoses"
     )
-    parser.add_argument(
-        "--jobs",
-        type=positive,
-        default=os.cpu_count() or 1,
-        metavar="N",
-        help="cases at a time (default: all cores)",
-    )
+    AddJobCount(parser, "cases at a time (default: all cores)")
     parser.set_defaults(run=RunAnswer)
 
 

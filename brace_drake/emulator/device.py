@@ -17,6 +17,21 @@ from brace_drake.hardware.limits import DEFAULT, Limits
 from brace_drake.hardware.words import DeviceState
 
 
+def measure_plant(
+    plant: EmulatedPlant, u, estop: bool, drive_fault: bool
+) -> Measured:
+    """Advances a plant by one tick under commands (6n,), N; its readings."""
+    readings = plant.advance(u).tolist()
+    legs = len(plant.hold)
+    return Measured(
+        tuple(readings[0:legs]),
+        tuple(readings[legs:-3]),
+        tuple(readings[-3:]),
+        estop,
+        drive_fault,
+    )
+
+
 @dataclass
 class Faults:
     """What may be wrong with the device or its line, changed at any time.
@@ -150,15 +165,7 @@ class EmulatedDevice:
             set(faults.stuck_legs),
             set(faults.frozen_legs),
         )
-        readings = plant.advance(u).tolist()
-        legs = len(plant.hold)
-        measured = Measured(
-            tuple(readings[0:legs]),
-            tuple(readings[legs:-3]),
-            tuple(readings[-3:]),
-            faults.estop,
-            faults.drive_fault,
-        )
+        measured = measure_plant(plant, u, faults.estop, faults.drive_fault)
         self._Send(self.firmware.tick(measured, now), now)
         self._Flush()
 

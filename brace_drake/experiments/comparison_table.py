@@ -9,20 +9,16 @@ import numpy as np
 
 from brace_drake.experiments.compare import TABLE_1_PIC, ControllerRun
 from brace_drake.experiments.measures import DRIFT_LIMIT_M, FORCE_LIMIT_N
+from brace_drake.experiments.table_columns import PEAK_FORCE, TABLE_1, Column
 from brace_drake.output import WriteBytes, WriteText
 from brace_drake.report.canvas import WIDTH, figure_style, make_figure
 
-# Measure, column, unit as printed, factor from SI.
 COLUMNS = (
-    ("y_rms", "y_rmse_mm", "y, mm", 1e3),
-    ("vy_rms", "vy_rmse_mm_s", "y', mm/s", 1e3),
-    ("x_rms", "x_rmse_mm", "x, mm", 1e3),
-    ("z_rms", "z_rmse_mm", "z, mm", 1e3),
-    ("force_rms", "force_rmse_N", "F_y, N", 1.0),
-    ("peak_force", "peak_force_N", "peak F_y, N", 1.0),
-    ("force_end", "final_force_N", "final F_y, N", 1.0),
-    ("peak_drift", "peak_drift_mm", "peak x, z, mm", 1e3),
-    ("peak_leg", "peak_leg_force_N", "peak leg, N", 1.0),
+    *TABLE_1,
+    PEAK_FORCE,
+    Column("force_end", "final_force_N", "final F_y, N", 1.0),
+    Column("peak_drift", "peak_drift_mm", "peak x, z, mm", 1e3),
+    Column("peak_leg", "peak_leg_force_N", "peak leg, N", 1.0),
 )
 # Okabe and Ito's, told apart by any reader.
 _COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
@@ -30,7 +26,7 @@ _COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
 
 def format_csv(runs: list[ControllerRun], with_paper: bool) -> str:
     """The table as CSV; what the paper does not state is empty."""
-    names = [column for _, column, _, _ in COLUMNS]
+    names = [column.name for column in COLUMNS]
     lines = [",".join(["controller", "setting", *names, "within_limits"])]
     for label, setting, cells, within in _rows(runs, with_paper, "{:.5g}"):
         setting = f'"{setting}"' if "," in setting else setting
@@ -42,7 +38,7 @@ def format_markdown(
     runs: list[ControllerRun], reasons: list[str], with_paper: bool
 ) -> str:
     """The table with what its columns mean, and the reasons below."""
-    titles = ["controller", "setting", *(t for _, _, t, _ in COLUMNS)]
+    titles = ["controller", "setting", *(c.title for c in COLUMNS)]
     titles.append("within limits")
     lines = [
         "# Controllers on the same push",
@@ -66,16 +62,16 @@ def format_markdown(
 def _rows(runs: list[ControllerRun], with_paper: bool, form: str):
     for run in runs:
         cells = [
-            form.format(factor * getattr(run.tracking, name))
-            for name, _, _, factor in COLUMNS
+            form.format(c.factor * getattr(run.tracking, c.measure))
+            for c in COLUMNS
         ]
         within = "yes" if run.tracking.within_limits else "no"
         yield run.tag, run.setting, cells, within
     if with_paper:
         cells = []
-        for name, _, _, factor in COLUMNS:
-            value = getattr(TABLE_1_PIC, name, None)
-            cells.append("" if value is None else form.format(factor * value))
+        for c in COLUMNS:
+            value = getattr(TABLE_1_PIC, c.measure, None)
+            cells.append("" if value is None else form.format(c.factor * value))
         yield "pic", "the paper's Table 1", cells, ""
 
 

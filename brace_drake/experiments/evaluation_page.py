@@ -9,12 +9,12 @@ from pathlib import Path
 from brace_drake.experiments.evaluate import Evaluation
 from brace_drake.experiments.evaluation_table import (
     MORE,
-    TABLE_1,
     summarize,
     table_1,
 )
 from brace_drake.experiments.evaluation_words import explain
 from brace_drake.experiments.scores import Spread
+from brace_drake.experiments.table_columns import TABLE_1
 from brace_drake.output import WriteText
 from brace_drake.report import page as report_page
 
@@ -54,8 +54,8 @@ def render_page(evaluation: Evaluation, figures: dict[str, bytes]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    columns = [title for _, _, title, _ in (*TABLE_1, *MORE)]
-    names = [column for _, column, _, _ in (*TABLE_1, *MORE)]
+    shown = (*TABLE_1, *MORE)
+    columns, names = [c.title for c in shown], [c.name for c in shown]
     policies = list(dict.fromkeys(c.name for c in evaluation.policies))
     return environment.get_template(_TEMPLATE).render(
         subjects=len(evaluation.subjects),

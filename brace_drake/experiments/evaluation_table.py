@@ -22,22 +22,20 @@ from brace_drake.experiments.scores import (
     over_seeds,
     share_of,
 )
+from brace_drake.experiments.table_columns import (
+    PEAK_FORCE,
+    STIFFNESS,
+    TABLE_1,
+    Column,
+)
 from brace_drake.output import WriteText
 
-# Measure, column, title, factor from SI.
-TABLE_1 = (
-    ("y_rms", "y_rmse_mm", "y, mm", 1e3),
-    ("vy_rms", "vy_rmse_mm_s", "y', mm/s", 1e3),
-    ("x_rms", "x_rmse_mm", "x, mm", 1e3),
-    ("z_rms", "z_rmse_mm", "z, mm", 1e3),
-    ("force_rms", "force_rmse_N", "F_y, N", 1.0),
-)
 MORE = (
-    ("start_rate", "start_rate_error_mm_s", "start of y', mm/s", 1e3),
-    ("peak_force", "peak_force_N", "peak F_y, N", 1.0),
-    ("stiffness", "stiffness_N_m", "K, N/m", 1.0),
-    ("stiffness_low", "stiffness_low_N_m", "least", 1.0),
-    ("stiffness_high", "stiffness_high_N_m", "most", 1.0),
+    Column("start_rate", "start_rate_error_mm_s", "start of y', mm/s", 1e3),
+    PEAK_FORCE,
+    STIFFNESS,
+    Column("stiffness_low", "stiffness_low_N_m", "least", 1.0),
+    Column("stiffness_high", "stiffness_high_N_m", "most", 1.0),
 )
 
 
@@ -51,8 +49,8 @@ def table_1(evaluation: Evaluation) -> list[dict]:
             "controller": contestant.name,
             "seed": contestant.seed if contestant.policy else "",
         }
-        for field, column, _, factor in (*TABLE_1, *MORE):
-            row[column] = factor * getattr(score, field)
+        for c in (*TABLE_1, *MORE):
+            row[c.name] = c.factor * getattr(score, c.measure)
         row["at_upper_bound"] = int(score.at_upper)
         row["violates"] = int(score.violates)
         rows.append(row)
@@ -65,10 +63,7 @@ def table_1(evaluation: Evaluation) -> list[dict]:
 
 
 def _paper_row(paper: PaperTable) -> dict:
-    return {
-        column: factor * getattr(paper, field)
-        for field, column, _, factor in TABLE_1
-    }
+    return {c.name: c.factor * getattr(paper, c.measure) for c in TABLE_1}
 
 
 def nominal_of(evaluation: Evaluation, name: str) -> list[Score]:

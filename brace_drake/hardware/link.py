@@ -11,7 +11,12 @@ import serial
 
 from brace_drake.errors import LimitsError, LinkError
 from brace_drake.hardware.clock import ClockSync
-from brace_drake.hardware.codec import Decoder, Packet, make_codec
+from brace_drake.hardware.codec import (
+    Decoder,
+    Packet,
+    describe_stranger,
+    make_codec,
+)
 from brace_drake.hardware.inbox import Inbox
 from brace_drake.hardware.limits import (
     SHARED,
@@ -22,7 +27,7 @@ from brace_drake.hardware.limits import (
     refuse_wider,
     shared_values,
 )
-from brace_drake.hardware.messages import BAUD, BY_NAME, VERSION
+from brace_drake.hardware.messages import BAUD, BY_NAME
 from brace_drake.hardware.ports import OpenPort
 from brace_drake.hardware.sequence import Counts, SequenceWatch
 from brace_drake.hardware.words import Cause, Mode, Reason, reason_text
@@ -86,7 +91,7 @@ class Link:
                 # The answer to somebody before us.
                 self._inbox.Forget(*names)
             self._CheckAlive()
-        raise LinkError(f"{self.path}: {self._DescribeStranger()}")
+        raise LinkError(f"{self.path}: {describe_stranger(self._decoder)}")
 
     def Agree(self, limits: Limits) -> None:
         """Tells the limits and begins a session.
@@ -248,19 +253,6 @@ class Link:
         return LinkError(
             f"{self.path}: the device is gone (unplugged, or switched off)"
         )
-
-    def _DescribeStranger(self) -> str:
-        decoder = self._decoder
-        if decoder.bytes_read == 0:
-            return "no answer to hello; is the device switched on?"
-        if decoder.bad["version"]:
-            return f"a device of another protocol version; ours is {VERSION}"
-        if decoder.good == 0:
-            return (
-                f"{decoder.bytes_read} bytes and no message among them: not a"
-                " brace, or another baud rate"
-            )
-        return "messages, but no answer to hello"
 
     # Reading
 

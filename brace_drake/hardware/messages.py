@@ -50,7 +50,6 @@ class Message(NamedTuple):
         code: Of its type on the wire.
         sender: host, device or both.
         feeds: What of the device it feeds: nothing, session or watchdog.
-        sealed: Whether its last field is a seal, see PROTOCOL.md.
         fields: In the order of the wire, without gaps.
         meaning: In a sentence.
     """
@@ -59,9 +58,13 @@ class Message(NamedTuple):
     code: int
     sender: str
     feeds: str
-    sealed: bool
     fields: tuple[Field, ...]
     meaning: str
+
+    @property
+    def sealed(self) -> bool:
+        """Whether its last field is a seal, see PROTOCOL.md."""
+        return self.fields[-1] == _SEAL
 
 
 def _field(name, kind, meaning, unit="", count=ONE) -> Field:
@@ -87,7 +90,6 @@ MESSAGES = (
         0x01,
         "host",
         "nothing",
-        False,
         (_field("nonce", "u32", "any number"),),
         "Asks who is there. Answered in every state but BOOT.",
     ),
@@ -96,7 +98,6 @@ MESSAGES = (
         0x02,
         "device",
         "nothing",
-        False,
         (
             _field("nonce", "u32", "of the request"),
             _field("model", "text", "kind of device", count=TEXT),
@@ -118,7 +119,6 @@ MESSAGES = (
         0x03,
         "device",
         "nothing",
-        False,
         (
             _field("rest", "f32", "of each ring's origin, W", "m", FORCES),
             _field("lower", "f32", "lower anchors, lower ring", "m", ANCHORS),
@@ -131,7 +131,6 @@ MESSAGES = (
         0x04,
         "device",
         "nothing",
-        False,
         _LIMITS,
         "The widest limits that the device accepts; follows GEOMETRY.",
     ),
@@ -140,7 +139,6 @@ MESSAGES = (
         0x05,
         "host",
         "session",
-        True,
         (*_LIMITS, _SEAL),
         "The limits that shall hold; sealed with the session 0.",
     ),
@@ -149,7 +147,6 @@ MESSAGES = (
         0x06,
         "device",
         "nothing",
-        False,
         (
             _field("reason", "u8", "see reasons"),
             _field("index", "u8", "of the refused limit, from 0"),
@@ -163,7 +160,6 @@ MESSAGES = (
         0x10,
         "device",
         "nothing",
-        False,
         (
             _field("state", "u8", "see states"),
             _CAUSE,
@@ -182,7 +178,6 @@ MESSAGES = (
         0x11,
         "host",
         "watchdog",
-        True,
         (
             _field("mode", "u8", "see modes"),
             _field("tick", "u32", "of the state that it answers"),
@@ -196,7 +191,6 @@ MESSAGES = (
         0x12,
         "both",
         "session",
-        False,
         (_field("echo_us", "u64", "time_us of the heartbeat answered", "us"),),
         "Keeps the session; the device answers each, for the clocks.",
     ),
@@ -205,7 +199,6 @@ MESSAGES = (
         0x13,
         "host",
         "session",
-        True,
         (_field("nonce", "u32", "any number"), _SEAL),
         "Lets the drives follow commands.",
     ),
@@ -214,7 +207,6 @@ MESSAGES = (
         0x14,
         "host",
         "session",
-        False,
         (_field("nonce", "u32", "any number"),),
         "Releases the drives without a latched stop.",
     ),
@@ -223,7 +215,6 @@ MESSAGES = (
         0x15,
         "host",
         "session",
-        False,
         (_CAUSE,),
         "Releases the drives and latches. Needs neither seal nor session.",
     ),
@@ -232,7 +223,6 @@ MESSAGES = (
         0x16,
         "host",
         "session",
-        True,
         (_field("cause", "u8", "the one that was latched"), _SEAL),
         "Ends a latched stop where its cause has gone; to DISARMED.",
     ),
@@ -241,7 +231,6 @@ MESSAGES = (
         0x17,
         "device",
         "nothing",
-        False,
         (
             _field("request", "u8", "code of the message answered"),
             _field("sequence_answered", "u16", "its sequence"),
@@ -255,7 +244,6 @@ MESSAGES = (
         0x18,
         "device",
         "nothing",
-        False,
         (
             _field("state", "u8", "STOPPED or FAULT"),
             _CAUSE,
@@ -267,7 +255,6 @@ MESSAGES = (
     ),
 )
 BY_NAME = {message.name: message for message in MESSAGES}
-BY_CODE = {message.code: message for message in MESSAGES}
 
 
 def num_items(field: Field, stages: int) -> int:

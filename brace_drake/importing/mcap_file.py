@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.campaign.manifest import RunEntry, parse_manifest
+from brace_drake.campaign.manifest import parse_manifest
+from brace_drake.campaign.manifest_runs import RunEntry
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.campaign.write import describe
 from brace_drake.errors import CampaignError
@@ -97,7 +98,7 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
             raise CampaignError(f"{path}: {errors[0]}")
         # Without errors it has both.
         assert manifest.device is not None and manifest.rate_hz is not None
-        tables = _read_topics(path, reader)
+        tables = _read_topics(reader)
     runs = tuple(_make_run(path, e, tables) for e in manifest.entries)
     return Campaign(
         path,
@@ -141,7 +142,7 @@ def LoadMcapTable(path: Path, options: dict) -> Columns:
         CampaignError: One line: file, and what is wrong with it.
     """
     with _OpenReader(path) as reader:
-        tables = _read_topics(path, reader)
+        tables = _read_topics(reader)
     topic = options.get("group")
     if topic is None and len(tables) == 1:
         (topic,) = tables
@@ -153,7 +154,7 @@ def LoadMcapTable(path: Path, options: dict) -> Columns:
     return tables[topic]
 
 
-def _read_topics(path: Path, reader) -> dict[str, Columns]:
+def _read_topics(reader) -> dict[str, Columns]:
     rows: dict[str, list[dict[str, float]]] = {}
     for _, channel, message in reader.iter_messages():
         if channel.message_encoding != _ENCODING:

@@ -12,7 +12,7 @@ from brace_drake.laws.control import low_pass_gain_tau
 from brace_drake.operation.columns import leg_names
 from brace_drake.operation.contact_estimate import ContactEstimate
 from brace_drake.operation.motion import RING
-from brace_drake.operation.session import Row
+from brace_drake.operation.rows import Row
 from brace_drake.operation.station import MakeControl, moving_rings
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario

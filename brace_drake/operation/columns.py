@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.campaign.columns import BENCH, BRACE_STAGES, device_channels
-from brace_drake.operation.session import Row
+from brace_drake.operation.rows import Row
 from brace_drake.twin.reference import reference_columns
 
 # Beside the channels of the device's format.

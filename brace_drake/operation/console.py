@@ -8,6 +8,8 @@ import sys
 import time
 from collections.abc import Iterator
 
+from brace_drake.errors import StoppedError
+
 STOP_KEYS = "any key stops"
 
 
@@ -45,16 +47,19 @@ def ReadKeys() -> Iterator[Keys]:
         termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
 
 
-def CountDown(seconds: int, what: str, keys: Keys) -> bool:
-    """Counts down; False where a key was pressed instead of waiting."""
+def CountDown(seconds: int, name: str, keys: Keys, more: str = "") -> None:
+    """Counts down to a motion, of which there may be `more` to say.
+
+    Raises:
+        StoppedError: A key was pressed instead of waiting.
+    """
     for left in range(seconds, 0, -1):
-        Say(f"{what} in {left} s ({STOP_KEYS})")
+        Say(f"{name}{more} moves in {left} s ({STOP_KEYS})")
         ends = time.monotonic() + 1.0
         while time.monotonic() < ends:
             if keys.pressed():
-                return False
+                raise StoppedError(f"{name}: not begun")
             time.sleep(0.02)
-    return True
 
 
 def Say(text: str, end: bool = False) -> None:

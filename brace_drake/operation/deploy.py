@@ -15,7 +15,8 @@ from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
 from brace_drake.operation.columns import leg_names
 from brace_drake.operation.motion import RING
-from brace_drake.operation.session import Row, Session
+from brace_drake.operation.rows import Row
+from brace_drake.operation.session import Session
 from brace_drake.operation.watch import WatchSession
 from brace_drake.output import WriteJson, WriteText
 

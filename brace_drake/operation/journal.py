@@ -22,11 +22,12 @@ from pathlib import Path
 import yaml
 
 from brace_drake.campaign.columns import split_unit
-from brace_drake.campaign.manifest import FORMAT, MANIFEST
+from brace_drake.campaign.manifest import FORMAT
+from brace_drake.campaign.manifest_runs import MANIFEST
+from brace_drake.campaign.write import DECIMALS
 from brace_drake.errors import CampaignError, OutputError
 from brace_drake.output import HoldFolder, ReleaseFolder, WriteText
 
-_DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
 _PAGE = 4096
 _SYNC = 0.25
 
@@ -162,12 +163,12 @@ class RunFile:
         self._path = journal.folder / entry["file"]
         formats = []
         for name in columns:
-            decimals = _DECIMALS.get(split_unit(name)[1])
+            decimals = DECIMALS.get(split_unit(name)[1])
             formats.append("%d" if decimals is None else f"%.{decimals}f")
         self._format = ",".join(formats)
         # Room for a sign and five figures in front of the decimals.
         widest = sum(
-            7 + _DECIMALS.get(split_unit(name)[1], 4) for name in columns
+            7 + DECIMALS.get(split_unit(name)[1], 4) for name in columns
         ) + len(columns)
         self._width = 1 << max(6, (widest - 1).bit_length())
         if self._width > _PAGE:

@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import CampaignError
 from brace_drake.twin.motion_library import SafeMotion
-from brace_drake.twin.reference import reference_at_ticks, reference_columns
+from brace_drake.twin.reference import reference_at_ticks, references_of_rings
 
 # Of the paper's experiments, and the bench's only one.
 RING = 2
@@ -61,16 +61,8 @@ def motion_of_rings(
         CampaignError: A reference of a ring that the device has not.
     """
     samples = np.zeros((len(run.time_s), 3, len(rings)))
-    for ring in (1, 2, 3):
-        columns = reference_columns(ring)
-        if columns[0] not in run.channels:
-            continue
-        if ring not in rings:
-            raise CampaignError(
-                f"{run.file}: {columns[0]} moves ring {ring}; moving rings of"
-                f" the device: {', '.join(map(str, rings))}"
-            )
-        samples[:, :, list(rings).index(ring)] = run.stack(columns)
+    for i, reference in references_of_rings(run, rings, "device"):
+        samples[:, :, i] = reference
     if len(rings) == 1:
         samples = np.ascontiguousarray(samples[:, :, 0])
     time = run.time_s - run.time_s[0]

@@ -10,7 +10,8 @@ from brace_drake.hardware.link import Link
 from brace_drake.operation.columns import arrange_row, columns_of
 from brace_drake.operation.journal import Journal, RunFile
 from brace_drake.operation.motion import desired_at_ticks
-from brace_drake.operation.session import Row, Session
+from brace_drake.operation.rows import Row
+from brace_drake.operation.session import Session
 from brace_drake.operation.watch import WatchSession
 from brace_drake.twin.motion_library import SafeMotion
 

@@ -117,9 +117,8 @@ class Recorder:
         control = MakeControl(self._scenario, self._limits)
         session = Session(self.link, control, self._limits)
         where = "with the torso" if motion.contact else "WITHOUT the torso"
-        what = f"{motion.name} ({motion.meaning}), {where}, moves"
-        if not CountDown(countdown, what, keys):
-            raise StoppedError(f"{motion.name}: not begun")
+        more = f" ({motion.meaning}), {where},"
+        CountDown(countdown, motion.name, keys, more)
 
         def tell(share, session):
             Say(describe_status(share, session))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,8 +13,14 @@ from brace_drake.hardware.codec import Packet
 from brace_drake.hardware.guards import Trip
 from brace_drake.hardware.limits import Limits
 from brace_drake.hardware.link import Link
+from brace_drake.hardware.safety_memory import (
+    Reading,
+    SafetyMode,
+    Setup,
+    start_memory,
+)
 from brace_drake.hardware.words import Cause, DeviceState, StateFlag
-from brace_drake.operation.spread import Spread
+from brace_drake.operation.rows import Row, Tally
 from brace_drake.twin.motion_limits import check_reach
 
 # More missing ticks than this are not bridged: the supervisor has stopped.
@@ -23,53 +28,6 @@ _MOST_BRIDGED = 100
 # A released ring may have been pushed away. It is brought home in this time, s;
 # until shortly after, it may be far from its virtual pose.
 _HOME, _HOME_MARGIN = 0.8, 0.1
-
-
-@dataclass
-class Row:
-    """One control tick as it was recorded.
-
-    Attributes:
-        tick: Of the motion; below 0 while the ring settles.
-        command: Leg commands computed at it (6 S,), N.
-        readings: Lengths, forces, marker (9 S + 3,).
-        desired: y_d, y_d', y_d'' (3,), of several rings (3, S).
-        y_virtual: Of each ring (S,), m.
-        y_ring: Displacement of each ring along y (S,), m.
-        latency: From the state's arrival to the command's departure, s.
-        age: Ticks between the state and that which the command in use answers.
-        bridged: Whether the state was lost and its readings are interpolated.
-        stiffness: K_d along y in use, of each ring (S,), N/m.
-    """
-
-    tick: int
-    command: np.ndarray
-    readings: np.ndarray
-    desired: np.ndarray
-    y_virtual: np.ndarray
-    y_ring: np.ndarray
-    latency: float
-    age: int
-    bridged: bool = False
-    stiffness: np.ndarray | None = None
-
-
-@dataclass
-class Tally:
-    """What was seen of the line during a motion.
-
-    Attributes:
-        ticks, bridged: Ticks controlled, and of them those interpolated.
-        unanswered: Ticks in which the device had no new command in time.
-        periods, latencies, ages: s, s, ticks.
-    """
-
-    ticks: int = 0
-    bridged: int = 0
-    unanswered: int = 0
-    periods: Spread = field(default_factory=Spread)
-    latencies: Spread = field(default_factory=Spread)
-    ages: Spread = field(default_factory=Spread)
 
 
 class Session:
@@ -86,8 +44,8 @@ class Session:
         self, link: Link, control, limits: Limits, dry_run: bool = False
     ):
         self._link, self._control, self._dry = link, control, dry_run
-        self._setup = safety.Setup(limits, control.hold, control.period)
-        self._memory = safety.start_memory(self._setup)
+        self._setup = Setup(limits, control.hold, control.period)
+        self._memory = start_memory(self._setup)
         self._desired, self._legs = np.zeros((0, 3)), len(control.hold)
         self._at, self._home_at, self._moving = 0, 0, False
         self._last_tick: int | None = None
@@ -228,7 +186,7 @@ class Session:
         control = self._control
         controlled = command is not None
         now = self._now
-        reading = safety.Reading(
+        reading = Reading(
             now,
             readings[: self._legs].tolist(),
             readings[self._legs : -3].tolist(),
@@ -261,7 +219,7 @@ class Session:
         command = self._control.Tick(readings, self._Reference())
         self._See(readings, missing, command.tolist())
         memory = self._memory
-        if memory.mode == safety.SafetyMode.STOPPED:
+        if memory.mode == SafetyMode.STOPPED:
             self._Trip(memory.trip)
             return
         if memory.clamped:

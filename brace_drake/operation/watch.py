@@ -9,7 +9,8 @@ import time
 from collections.abc import Callable
 
 from brace_drake.hardware.words import Cause
-from brace_drake.operation.session import Row, Session
+from brace_drake.operation.rows import Row
+from brace_drake.operation.session import Session
 
 
 def WatchSession(

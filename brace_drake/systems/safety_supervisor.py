@@ -10,6 +10,12 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 from brace_drake.hardware import safety
 from brace_drake.hardware.guards import Trip
 from brace_drake.hardware.limits import Limits
+from brace_drake.hardware.safety_memory import (
+    Memory,
+    Reading,
+    Setup,
+    start_memory,
+)
 from brace_drake.hardware.words import Cause
 from brace_drake.systems.ticks import TICK_LEAD
 
@@ -43,14 +49,14 @@ class SafetySupervisor(LeafSystem):
         stiffness: What passed of it (n,).
         status: See NUM_STATUS.
 
-    Its memory (`safety.Memory`) is an abstract state of the Context.
+    Its memory (`Memory`) is an abstract state of the Context.
     """
 
     def __init__(
         self, limits: Limits, hold: Sequence[float], period: float = 1e-3
     ):
         super().__init__()
-        self._setup = safety.Setup(limits, tuple(map(float, hold)), period)
+        self._setup = Setup(limits, tuple(map(float, hold)), period)
         n = len(self._setup.hold)
         declare = self.DeclareVectorInputPort
         self._command_port = declare("leg_command", n)
@@ -62,7 +68,7 @@ class SafetySupervisor(LeafSystem):
         self._expected_port = declare("expected_force", n // 2)
         self._time_port = declare("reading_time", 1)
         self._request_port = declare("request", 1)
-        start = safety.start_memory(self._setup)
+        start = start_memory(self._setup)
         self._memory = int(
             self.DeclareAbstractState(AbstractValue.Make((start, 0.0, False)))
         )
@@ -79,7 +85,7 @@ class SafetySupervisor(LeafSystem):
             period, period - TICK_LEAD / 2.0, self._Tick
         )
 
-    def memory(self, context: Context) -> safety.Memory:
+    def memory(self, context: Context) -> Memory:
         """What the supervisor remembers."""
         return self._Load(context)[0]
 
@@ -92,7 +98,7 @@ class SafetySupervisor(LeafSystem):
         asked = self._command_port.Eval(context)
         if not started:
             # What is held now is what the controller has held so far.
-            held = safety.Reading(reading.time, *reading[1:3])
+            held = Reading(reading.time, *reading[1:3])
             memory = safety.advance(self._setup, memory, now, held, None)
             memory = memory._replace(command=tuple(asked))
             if not self._request_port.HasValue(context):
@@ -110,13 +116,13 @@ class SafetySupervisor(LeafSystem):
         value = AbstractValue.Make((memory, request, True))
         state.get_mutable_abstract_state(self._memory).SetFrom(value)
 
-    def _Read(self, context: Context) -> safety.Reading:
+    def _Read(self, context: Context) -> Reading:
         def optional(port):
             return port.Eval(context) if port.HasValue(context) else None
 
         measured = optional(self._time_port)
         now = context.get_time()
-        return safety.Reading(
+        return Reading(
             now if measured is None else float(measured[0]),
             self._length_port.Eval(context).tolist(),
             self._force_port.Eval(context).tolist(),
@@ -155,9 +161,7 @@ class SafetySupervisor(LeafSystem):
         )
 
 
-def _carry_out(
-    request: float, memory: safety.Memory, now: float
-) -> safety.Memory:
+def _carry_out(request: float, memory: Memory, now: float) -> Memory:
     if request == 1.0:
         return safety.arm(memory)
     if request == 2.0:

@@ -13,7 +13,7 @@ A_n the effective area of a pad (brace_drake.torso.pads), here its mean.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from pydrake.common import MemoryFile
@@ -33,14 +33,16 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     ContactModel,
     CoulombFriction,
-    DiscreteContactApproximation,
     MultibodyPlant,
 )
 from pydrake.multibody.tree import RigidBody
 
 from brace_drake.errors import TorsoError
-from brace_drake.scenario.bench import Contact
 from brace_drake.scenario.brace import BraceScenario
+from brace_drake.torso.contact_numbers import (
+    TorsoContact,
+    map_linear_contact,
+)
 from brace_drake.torso.files import obj_text, vtk_text
 from brace_drake.torso.fitted import FittedTorso
 from brace_drake.torso.pads import Pad
@@ -49,57 +51,6 @@ from brace_drake.torso.solid import Solid, surface_volume
 
 # Drake's mesh may differ from ours by what the text of its file rounds.
 _VOLUME = 1e-6
-
-
-@dataclass(frozen=True)
-class TorsoContact:
-    """Numbers of the contact.
-
-    Attributes:
-        foundation_modulus: κ, pressure over depth, N/m^3.
-        dissipation: D of Hunt and Crossley, s/m; `lagged` and `similar`.
-        friction: Coulomb's coefficient, at rest and sliding.
-        stiction_tolerance: Sliding speed from which friction is full, m/s;
-            `lagged` and `similar`.
-        relaxation_time: c / k, s; `sap`.
-        preload: Depth of each pad at rest, m.
-        reach: Pads farther than this from the torso at rest do not meet it, m.
-        points: Of a pad, across and up, see `points`; 0, 0: its whole face.
-        approximation: Of Drake's discrete contact.
-    """
-
-    foundation_modulus: float
-    dissipation: float = 0.0
-    friction: float = 0.0
-    stiction_tolerance: float = 0.005
-    relaxation_time: float = 0.0
-    preload: float = 0.0
-    reach: float = 0.05
-    points: tuple[int, int] = (0, 0)
-    approximation: DiscreteContactApproximation = (
-        DiscreteContactApproximation.kLagged
-    )
-
-
-def map_linear_contact(contact: Contact, effective_area: float) -> TorsoContact:
-    """Numbers that give a scenario's linear stiffness and damping.
-
-    The damping is that of the linear law at the preload, where there is one.
-
-    Args:
-        contact: Of the scenario.
-        effective_area: A_n, the mean of the pads, m^2.
-    """
-    relaxation = contact.damping / contact.stiffness
-    return TorsoContact(
-        foundation_modulus=contact.stiffness / effective_area,
-        dissipation=relaxation / contact.preload if contact.preload else 0.0,
-        friction=contact.friction,
-        stiction_tolerance=contact.friction_regularization,
-        relaxation_time=relaxation,
-        preload=contact.preload,
-        points=tuple(int(n) for n in contact.pad_points),
-    )
 
 
 def AddTorsoContact(

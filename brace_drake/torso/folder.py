@@ -9,7 +9,7 @@ import yaml
 
 from brace_drake.errors import TorsoError
 from brace_drake.output import WriteText
-from brace_drake.torso.contact import TorsoContact
+from brace_drake.torso.contact_numbers import TorsoContact
 from brace_drake.torso.depth import deepest
 from brace_drake.torso.files import (
     LoadSolid,

@@ -14,7 +14,10 @@ from brace_drake.output import MakeFolder, WriteBytes
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import SaveScenario
-from brace_drake.torso.contact import TorsoContact, map_linear_contact
+from brace_drake.torso.contact_numbers import (
+    TorsoContact,
+    map_linear_contact,
+)
 from brace_drake.torso.fitted import (
     DENSITY,
     PAD_RESOLUTION,

@@ -10,7 +10,8 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from brace_drake.torso.contact import AddTorsoContact, TorsoContact
+from brace_drake.torso.contact import AddTorsoContact
+from brace_drake.torso.contact_numbers import TorsoContact
 from brace_drake.torso.fitted import FittedTorso
 
 # A press that contact does not move, kg, within a step of 10 us: then the

@@ -9,17 +9,21 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.experiments.scores import Spread, over_seeds
+from brace_drake.experiments.table_columns import (
+    PEAK_FORCE,
+    STIFFNESS,
+    TABLE_1,
+    Column,
+)
 from brace_drake.output import WriteText
 from brace_drake.transfer.payoff import Outcome
 
-# Measure, column, title, factor from SI.
 _COLUMNS = (
-    ("y_rms", "y_rmse_mm", "y, mm", 1e3),
-    ("vy_rms", "vy_rmse_mm_s", "y', mm/s", 1e3),
-    ("across_rms", "across_rmse_mm", "x and z, mm", 1e3),
-    ("peak_force", "peak_force_N", "peak F_y, N", 1.0),
-    ("over_force", "time_above_limit_percent", "above F_max, %", 100.0),
-    ("stiffness", "stiffness_N_m", "K, N/m", 1.0),
+    *TABLE_1[:2],
+    Column("across_rms", "across_rmse_mm", "x and z, mm", 1e3),
+    PEAK_FORCE,
+    Column("over_force", "time_above_limit_percent", "above F_max, %", 100.0),
+    STIFFNESS,
 )
 
 
@@ -33,8 +37,10 @@ def spreads_of(outcomes: Sequence[Outcome]) -> dict[tuple[str, str], dict]:
         groups.setdefault((o.cause, o.controller), []).append(o)
     return {
         key: {
-            column: over_seeds([factor * getattr(o, name) for o in group])
-            for name, column, _, factor in _COLUMNS
+            c.name: over_seeds(
+                [c.factor * getattr(o, c.measure) for o in group]
+            )
+            for c in _COLUMNS
         }
         for key, group in groups.items()
     }
@@ -43,8 +49,8 @@ def spreads_of(outcomes: Sequence[Outcome]) -> dict[tuple[str, str], dict]:
 def format_csv(outcomes: Sequence[Outcome]) -> str:
     """A row for each machine and controller; a measure takes three columns."""
     names = [
-        f"{column}{part}"
-        for _, column, _, _ in _COLUMNS
+        f"{column.name}{part}"
+        for column in _COLUMNS
         for part in ("", "_lower95", "_upper95")
     ]
     lines = [",".join(["machine", "controller", *names])]
@@ -60,7 +66,7 @@ def format_csv(outcomes: Sequence[Outcome]) -> str:
 
 def format_markdown(outcomes: Sequence[Outcome]) -> str:
     """The table, and a sentence for each machine."""
-    titles = [title for _, _, title, _ in _COLUMNS]
+    titles = [column.title for column in _COLUMNS]
     lines = [
         "# Does closing the gap pay?",
         "",

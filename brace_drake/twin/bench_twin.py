@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from brace_drake.campaign.recording import Run
-from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.effects.stack import stack_effects
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_numbers import pack_bench
-from brace_drake.scenario.effects import scenario_uses
+from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
 from brace_drake.twin.bench_rollout import (
     CHANNELS,
     Motion,
@@ -18,6 +15,7 @@ from brace_drake.twin.bench_rollout import (
     simulate_bench,
 )
 from brace_drake.twin.reference import reference_at_ticks, reference_of_run
+from brace_drake.twin.replay_twin import ReplayTwin
 from brace_drake.twin.run_memory import RunMemory, key_of_run
 from brace_drake.twin.subject import (
     bench_subject,
@@ -35,42 +33,30 @@ _COARSE_STEP = 1e-3 / 3.0
 _SETTLE_S = 2.0
 
 
-class BenchTwin:
-    """Replays recorded references on the compiled bench.
-
-    Attributes:
-        channels: Names of the columns of what `simulate` returns.
-        subject: Parameters to be estimated for every subject.
-        carried: Effects of the scenario, always on.
-        has_loop: Whether readings, with their noise, feed back to the motion.
-        instruments_known: Whether noise and numbers are given by a data
-            sheet, not taken from the recording itself.
-    """
+class BenchTwin(ReplayTwin):
+    """Replays recorded references on the compiled bench."""
 
     channels = CHANNELS
     instruments_known = True
     has_loop = True
 
     def __init__(self, scenario: BenchScenario, time_step: float | None = None):
-        self.scenario = scenario
+        super().__init__(scenario, pack_bench(scenario), time_step)
         self.device = scenario.device
-        self.time_step = time_step or scenario.time_step
-        self.numbers = pack_bench(scenario)
         self.subject = bench_subject(self.numbers)
-        self.carried = scenario_uses(scenario)
         self._memory = RunMemory()
 
     def coarse(self) -> BenchTwin:
         """The same twin with the longest plant step that stays accurate."""
         return BenchTwin(self.scenario, max(self.time_step, _COARSE_STEP))
 
-    def finer(self) -> BenchTwin:
-        """The same twin with half the plant step."""
-        return BenchTwin(self.scenario, self.time_step / 2.0)
-
     def scenario_of(self, subject: np.ndarray) -> BenchScenario:
         """The scenario with a subject's numbers, a copy."""
         return scenario_of_subject(self.scenario, subject)
+
+    def with_subject(self, values: np.ndarray) -> BenchNumbers:
+        """The numbers of a subject, values in the order of `subject`."""
+        return with_subject(self.numbers, values)
 
     def motion(self, run: Run) -> Motion:
         """The reference of a recorded run at control ticks."""
@@ -86,36 +72,13 @@ class BenchTwin:
         desired = np.vstack([held, desired])
         return Motion(desired, run.contact, every, settled)
 
-    def measured(self, run: Run) -> np.ndarray:
-        """The run's recorded channels, shape (N, C)."""
-        return run.stack(self.channels)
-
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (C,)."""
         names = np.array(self.channels)
         return run.contact | ~np.char.startswith(names, "torso")
 
-    def simulate(
-        self,
-        motion: Motion,
-        subject: np.ndarray,
-        uses: Sequence[Use] = (),
-        generator: np.random.Generator | None = None,
-    ) -> np.ndarray:
-        """Closed-loop replay, shape (N, C), not writable where it is exact.
-
-        Args:
-            motion: From `motion`.
-            subject: Values of the subject's parameters.
-            uses: Effects with their parameters, beside the carried ones.
-            generator: Draws the reading noise; None: exact readings.
-
-        Raises:
-            BraceError: The simulated run broke down.
-        """
-        uses = (*self.carried, *uses)
-        numbers = with_subject(self.numbers, subject)
-        numbers = modify_numbers(numbers, uses)
+    def _replay(self, numbers, motion, subject, uses, generator):
+        """In closed loop; not writable where readings are exact."""
         plug_ins = stack_effects(uses, numbers)
 
         def run(noise=None):

@@ -7,7 +7,7 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import CampaignError
-from brace_drake.twin.reference import reference_columns
+from brace_drake.twin.reference import references_of_rings
 
 
 def MakeBraceReference(
@@ -32,17 +32,8 @@ def MakeBraceReference(
     desired[:, 0] = start
     slopes = np.zeros_like(desired)
     found = False
-    for ring in (1, 2, 3):
-        columns = reference_columns(ring)
-        if columns[0] not in run.channels:
-            continue
-        if ring not in stages:
-            raise CampaignError(
-                f"{run.file}: {columns[0]} moves ring {ring}; moving rings of"
-                f" the scenario: {', '.join(map(str, stages))}"
-            )
-        samples, found = run.stack(columns), True
-        y = 6 * stages.index(ring) + 1
+    for i, samples in references_of_rings(run, stages, "scenario"):
+        found, y = True, 6 * i + 1
         desired[:, :, y] = samples
         slopes[:, :2, y] = samples[:, 1:]
         slopes[:, 2, y] = np.gradient(samples[:, 2], time)

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.campaign.recording import Run
-from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.effects.stack import stack_effects
 from brace_drake.errors import BraceError
 from brace_drake.laws.leg_rollout import NUM_LOGGED, rollout_leg
 from brace_drake.laws.plug_in import PlugIn, idle
-from brace_drake.scenario.effects import scenario_uses
 from brace_drake.scenario.leg_bench import (
     DEVICE,
     LegBenchNumbers,
@@ -22,6 +21,7 @@ from brace_drake.scenario.leg_bench import (
     estimate_position_noise,
     pack_leg_bench,
 )
+from brace_drake.twin.replay_twin import ReplayTwin
 from brace_drake.twin.subject import SubjectParameter
 
 CHANNELS = ("force_command_N", "position_m")
@@ -109,17 +109,12 @@ def simulate_leg(
     return log
 
 
-class LegBenchTwin:
+class LegBenchTwin(ReplayTwin):
     """Replays recorded references on the compiled leg bench.
 
     Without a recorded reference, or without gains, the recorded command
     drives the bench in open loop; position then drifts with every error of
     the model and is the channel to be compared.
-
-    Attributes:
-        channels: Names of the columns of what `simulate` returns.
-        subject: Parameters to be estimated for every drive.
-        carried: Effects of the scenario, always on.
     """
 
     channels = CHANNELS
@@ -130,25 +125,25 @@ class LegBenchTwin:
     def __init__(
         self, scenario: LegBenchScenario, time_step: float | None = None
     ):
-        self.scenario = scenario
-        self.time_step = time_step or scenario.time_step
-        self.numbers = pack_leg_bench(scenario)
+        super().__init__(scenario, pack_leg_bench(scenario), time_step)
         self.subject = leg_subject(self.numbers)
-        self.carried = scenario_uses(scenario)
 
     def coarse(self) -> LegBenchTwin:
         """The same twin: a run costs milliseconds as it is."""
         return self
-
-    def finer(self) -> LegBenchTwin:
-        """The same twin with half the plant step."""
-        return LegBenchTwin(self.scenario, self.time_step / 2.0)
 
     def scenario_of(self, subject: np.ndarray) -> LegBenchScenario:
         """The scenario with a drive's numbers, a copy."""
         out = copy.deepcopy(self.scenario)
         out.mass, out.viscous, out.offset = (float(v) for v in subject)
         return out
+
+    def with_subject(self, values: np.ndarray) -> LegBenchNumbers:
+        """The numbers of a drive, values in the order of `subject`."""
+        mass, viscous, offset = (np.array([float(v)]) for v in values)
+        return self.numbers.with_changes(
+            mass=mass, viscous=viscous, offset=offset
+        )
 
     def motion(self, run: Run) -> LegMotion:
         """The run's reference and loads at control ticks, and its start."""
@@ -216,10 +211,6 @@ class LegBenchTwin:
         velocity[2:] = (y[2:] - y[:-2]) / (2.0 * step)
         return kv * (kp * (run.channels["position_desired_m"] - y) - velocity)
 
-    def measured(self, run: Run) -> np.ndarray:
-        """The run's recorded channels, shape (N, 2)."""
-        return run.stack(self.channels)
-
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (2,).
 
@@ -229,30 +220,7 @@ class LegBenchTwin:
         closed = self._is_closed(run)
         return np.array([closed, not closed])
 
-    def simulate(
-        self,
-        motion: LegMotion,
-        subject: np.ndarray,
-        uses: Sequence[Use] = (),
-        generator: np.random.Generator | None = None,
-    ) -> np.ndarray:
-        """Replay of a run, shape (N, 2).
-
-        Args:
-            motion: From `motion`.
-            subject: Values of the subject's parameters.
-            uses: Effects with their parameters, beside the carried ones.
-            generator: Draws the reading noise; None: exact readings.
-
-        Raises:
-            BraceError: The simulated run broke down.
-        """
-        uses = (*self.carried, *uses)
-        mass, viscous, offset = (np.array([float(v)]) for v in subject)
-        numbers = self.numbers.with_changes(
-            mass=mass, viscous=viscous, offset=offset
-        )
-        numbers = modify_numbers(numbers, uses)
+    def _replay(self, numbers, motion, subject, uses, generator):
         noise = None
         if generator is not None:
             draws = generator.standard_normal(len(motion.asked))

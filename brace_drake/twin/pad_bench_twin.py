@@ -9,11 +9,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from brace_drake.campaign.recording import Run
-from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.effects.stack import stack_effects
 from brace_drake.errors import BraceError
 from brace_drake.laws.pad_rollout import rollout_pad
 from brace_drake.laws.plug_in import PlugIn, idle
-from brace_drake.scenario.effects import scenario_uses
 from brace_drake.scenario.pad_bench import (
     DEVICE,
     PadBenchNumbers,
@@ -22,6 +21,7 @@ from brace_drake.scenario.pad_bench import (
 )
 from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ, white_noise
 from brace_drake.twin.pad_motion import MakePadMotion, PadMotion
+from brace_drake.twin.replay_twin import ReplayTwin
 from brace_drake.twin.subject import SubjectParameter
 
 CHANNELS = ("force_N",)
@@ -92,14 +92,8 @@ def steps_per_sample(time: np.ndarray, time_step: float) -> int:
     return math.ceil(float(np.median(np.diff(time))) / time_step - 1e-9)
 
 
-class PadBenchTwin:
-    """Presses a pad along recorded displacements.
-
-    Attributes:
-        channels: Names of the columns of what `simulate` returns.
-        subject: Parameters to be estimated for every specimen.
-        carried: Effects of the scenario, always on.
-    """
+class PadBenchTwin(ReplayTwin):
+    """Presses a pad along recorded displacements."""
 
     channels = CHANNELS
     device = DEVICE
@@ -109,19 +103,12 @@ class PadBenchTwin:
     def __init__(
         self, scenario: PadBenchScenario, time_step: float | None = None
     ):
-        self.scenario = scenario
-        self.time_step = time_step or scenario.time_step
-        self.numbers = pack_pad_bench(scenario)
+        super().__init__(scenario, pack_pad_bench(scenario), time_step)
         self.subject = pad_subject(self.numbers, scenario.corner_share)
-        self.carried = scenario_uses(scenario)
 
     def coarse(self) -> PadBenchTwin:
         """The same twin with longer steps of the effects' states."""
         return PadBenchTwin(self.scenario, self.time_step * _COARSE)
-
-    def finer(self) -> PadBenchTwin:
-        """The same twin with half the step."""
-        return PadBenchTwin(self.scenario, self.time_step / 2.0)
 
     def scenario_of(self, subject: np.ndarray) -> PadBenchScenario:
         """The scenario with a specimen's numbers, a copy."""
@@ -138,35 +125,12 @@ class PadBenchTwin:
             self.numbers.displacement_noise[0],
         )
 
-    def measured(self, run: Run) -> np.ndarray:
-        """The run's recorded channels, shape (N, 1)."""
-        return run.stack(self.channels)
-
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (1,)."""
         return np.array([True])
 
-    def simulate(
-        self,
-        motion: PadMotion,
-        subject: np.ndarray,
-        uses: Sequence[Use] = (),
-        generator: np.random.Generator | None = None,
-    ) -> np.ndarray:
-        """Replay of a run, shape (N, 1).
-
-        Args:
-            motion: From `motion`.
-            subject: Values of the subject's parameters.
-            uses: Effects with their parameters, beside the carried ones.
-            generator: Draws the noise of both readings, that of displacement
-                on its way through the smoothing; None: exact readings.
-
-        Raises:
-            BraceError: The simulated run broke down.
-        """
-        uses = (*self.carried, *uses)
-        numbers = modify_numbers(self.with_subject(subject), uses)
+    def _replay(self, numbers, motion, subject, uses, generator):
+        """The noise of displacement goes through the motion's smoothing."""
         noise, force_noise = None, 0.0
         if generator is not None:
             noise = generator.standard_normal(len(motion.time))

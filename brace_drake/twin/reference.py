@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.campaign.recording import Run
+from brace_drake.errors import CampaignError
 
 
 def reference_columns(ring: int) -> tuple[str, str, str]:
@@ -51,6 +54,33 @@ def reference_at_ticks(
     at = np.minimum(time[0] + np.arange(ticks) / rate, time[-1])
     trajectory = MakeReference(time, samples)
     return np.ascontiguousarray(trajectory.vector_values(at).T)
+
+
+def references_of_rings(
+    run: Run, rings: Sequence[int], owner: str
+) -> Iterator[tuple[int, np.ndarray]]:
+    """Each ring's index in `rings` with its logged reference (N, 3).
+
+    Rings without a reference are left out.
+
+    Args:
+        run: With references of some rings.
+        rings: Numbers of the rings that can move, bottom to top.
+        owner: What the rings are of, for the message.
+
+    Raises:
+        CampaignError: A reference of a ring that cannot move.
+    """
+    for ring in (1, 2, 3):
+        columns = reference_columns(ring)
+        if columns[0] not in run.channels:
+            continue
+        if ring not in rings:
+            raise CampaignError(
+                f"{run.file}: {columns[0]} moves ring {ring}; moving rings of"
+                f" the {owner}: {', '.join(map(str, rings))}"
+            )
+        yield list(rings).index(ring), run.stack(columns)
 
 
 def reference_of_run(run: Run) -> tuple[np.ndarray, np.ndarray]:

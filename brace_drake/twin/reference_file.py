@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign.manifest import MANIFEST
+from brace_drake.campaign.manifest_runs import MANIFEST
 from brace_drake.campaign.read import LoadCampaign
 from brace_drake.campaign.recording import Run
 from brace_drake.campaign.table import parse_table

@@ -126,9 +126,7 @@ FAULTS = (
     Fault(
         "viscous_leg", "actuation", (7.0, 30.0, 100.0), _plain("legs.viscous")
     ),
-    Fault(
-        "backlash", "actuation", (6e-05, 0.0002, 0.0006), _plain("legs.play")
-    ),
+    Fault("backlash", "actuation", (6e-5, 2e-4, 6e-4), _plain("legs.play")),
     Fault(
         "force_deadzone",
         "actuation",
@@ -144,32 +142,27 @@ FAULTS = (
     ),
     Fault("force_gain", "actuation", (0.004, 0.02, 0.12), _all_legs),
     Fault("saturation", "actuation", (0.985, 0.95, 0.85), _plain("legs.limit")),
-    Fault("anchor_error", "mechanism", (5e-05, 0.0003, 0.002), _anchors),
+    Fault("anchor_error", "mechanism", (5e-5, 3e-4, 2e-3), _anchors),
     Fault("ring_mass", "mechanism", (0.004, 0.02, 0.15), _plain("ring.mass")),
     Fault(
         "leg_compliance",
         "mechanism",
-        (3e-05, 8e-05, 0.00016),
+        (3e-5, 8e-5, 1.6e-4),
         _plain("legs.compliance"),
     ),
-    Fault(
-        "hardening",
-        "contact",
-        (300000000.0, 1000000000.0, 3000000000.0),
-        _plain("pads.cubic"),
-    ),
+    Fault("hardening", "contact", (3e8, 1e9, 3e9), _plain("pads.cubic")),
     Fault("relaxation", "contact", (600.0, 2000.0, 6000.0), _relaxation),
     Fault("hysteresis", "contact", (0.4, 1.2, 3.0), _hysteresis),
-    Fault("clearance", "contact", (0.0001, 0.0004, 0.0015), _clearance),
+    Fault("clearance", "contact", (1e-4, 4e-4, 1.5e-3), _clearance),
     Fault(
         "hunt_crossley",
         "contact",
         (80.0, 160.0, 320.0),
         _plain("pads.crossley"),
     ),
-    Fault("breathing", "torso", (0.0001, 0.0003, 0.0008), _breathing),
+    Fault("breathing", "torso", (1e-4, 3e-4, 8e-4), _breathing),
     Fault("reflex", "torso", (150.0, 400.0, 800.0), _reflex),
-    Fault("posture_drift", "torso", (0.0001, 0.0005, 0.002), _posture_drift),
+    Fault("posture_drift", "torso", (1e-4, 5e-4, 2e-3), _posture_drift),
     Fault(
         "force_bias", "sensing", (0.02, 0.1, 0.45), _either_sign("sensors.bias")
     ),
@@ -189,7 +182,7 @@ FAULTS = (
     Fault(
         "encoder_offset",
         "sensing",
-        (0.00012, 0.0004, 0.0012),
+        (1.2e-4, 4e-4, 1.2e-3),
         _one_leg("sensors.lengths", 0.0, [-1.0, 1.0]),
     ),
 )
@@ -230,10 +223,7 @@ OUTSIDE = (
     Fault("lost_commands", "actuation", (0.5, 2.0, 6.0), _lost),
     Fault("screw_cogging", "actuation", (0.015, 0.08, 0.5), _cogging),
     Fault(
-        "quadratic_drag",
-        "actuation",
-        (1000.0, 4000.0, 12000.0),
-        _plain("legs.drag"),
+        "quadratic_drag", "actuation", (1e3, 4e3, 1.2e4), _plain("legs.drag")
     ),
     Fault(
         "force_crosstalk",

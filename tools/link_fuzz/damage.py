@@ -15,6 +15,32 @@ KINDS = (
 )
 
 
+class Fuzz:
+    """One way of a damaged line, between a device and its host.
+
+    Attributes:
+        counts: What was done, and what came of it.
+    """
+
+    BAD = ("wrong", "resync_lost")
+
+    def __init__(self, seed: int, words):
+        self.line = Damage(seed)
+        self.draw, self.codec = self.line.draw, self.line.codec
+        self.sequence, self.now, self.sent = 0, 0.0, {}
+        self.counts = dict.fromkeys((*KINDS, *words), 0)
+
+    def forget(self, kept: int):
+        """Of what was sent only the last is compared."""
+        if len(self.sent) > 1000:
+            for number in list(self.sent)[:-kept]:
+                del self.sent[number]
+
+    @property
+    def is_bad(self) -> bool:
+        return any(self.counts[name] for name in self.BAD)
+
+
 class Damage:
     """What becomes of a frame, by a seed.
 

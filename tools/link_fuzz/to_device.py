@@ -7,32 +7,23 @@ from brace_drake.hardware.device_ticks import Identity, Measured
 from brace_drake.hardware.firmware import Firmware
 from brace_drake.hardware.limits import DEFAULT, SHARED, shared_values
 from brace_drake.hardware.words import DeviceState
-from link_fuzz.damage import KINDS, Damage
+from link_fuzz.damage import KINDS, Fuzz
 
 _REST = Measured((0.141,) * 6, (0.0,) * 3, None)
 
 
-class ToDevice:
-    """An armed device, a host that is never tired, and a line between them.
-
-    Attributes:
-        counts: What was done, and what came of it.
-    """
-
-    BAD = ("wrong", "resync_lost")
+class ToDevice(Fuzz):
+    """An armed device, a host that is never tired, and a line between them."""
 
     def __init__(self, seed: int):
-        self.line = Damage(seed)
-        self.draw, self.codec = self.line.draw, self.line.codec
+        super().__init__(
+            seed, ("clean", "accepted", "wrong", "resync_lost", "stops")
+        )
         self.decoder = Decoder(self.codec)
         who = Identity(
             "x", "y", "z", 1, 1e3, 0, 0, 0, (0.0,) * 3, *[(0.0,) * 18] * 2
         )
         self.device = Firmware(who, DEFAULT, (2.0,) * 6, seed)
-        self.sequence, self.now, self.sent = 0, 0.0, {}
-        self.counts = dict.fromkeys(
-            (*KINDS, "clean", "accepted", "wrong", "resync_lost", "stops"), 0
-        )
         self.arm()
 
     def encode(self, name, values):
@@ -104,11 +95,9 @@ class ToDevice:
         self.pass_on(clean)
         if device.accepted == before:
             self.counts["resync_lost"] += 1
-        if len(self.sent) > 1000:
-            for number in list(self.sent)[:-100]:
-                del self.sent[number]
+        self.forget(100)
 
     def report(self):
         """The rest of what there is to say; whether it is bad."""
         print(f"refused      {self.device.rejected}")
-        return any(self.counts[name] for name in self.BAD)
+        return self.is_bad

@@ -18,7 +18,7 @@ from brace_drake.hardware.words import Cause, DeviceState
 from brace_drake.operation.control import HostControl
 from brace_drake.operation.session import Session
 from brace_drake.scenario.bench import BenchScenario
-from link_fuzz.damage import KINDS, Damage
+from link_fuzz.damage import KINDS, Fuzz
 
 # The host's readings have no real time here.
 _LIMITS = DEFAULT._replace(stale=1e3)
@@ -67,31 +67,23 @@ class Wire:
         self._closed.set()
 
 
-class ToHost:
-    """A device, a damaged line, and the link and the session of a host.
-
-    Attributes:
-        counts: What was done, and what came of it.
-    """
-
-    BAD = ("wrong", "resync_lost")
+class ToHost(Fuzz):
+    """A device, a damaged line, and the link and the session of a host."""
 
     def __init__(self, seed: int):
-        self.line = Damage(seed)
-        self.draw, self.codec = self.line.draw, self.line.codec
+        words = ("clean", "taken", "commands", "wrong", "resync_lost")
+        super().__init__(
+            seed, (*words, "overtaken", "missed", "forged", "stops")
+        )
         scenario = BenchScenario()
         self.control = HostControl(scenario)
         plant = BenchPlant(scenario, seed=None)
         self.rest = plant.advance(plant.hold).tolist()
         who = describe_device(scenario, "fuzzed")
         self.device = Firmware(who, DEFAULT, plant.hold, seed)
-        self.now, self.sequence, self.sent = 0.0, 0, {}
         self.commands = Decoder(self.codec)
         self.last, self.old, self.taken = None, 0, 0
         self.is_forged = False
-        words = ("clean", "taken", "commands", "wrong", "resync_lost")
-        words += ("overtaken", "missed", "forged", "stops")
-        self.counts = dict.fromkeys((*KINDS, *words), 0)
         self.wire = Wire(self.judge)
         with mock.patch(
             "brace_drake.hardware.link.OpenPort", return_value=self.wire
@@ -200,9 +192,7 @@ class ToHost:
             self.is_forged = False
         self.pass_whole()
         self.session.rows.clear()
-        if len(self.sent) > 1000:
-            for number in list(self.sent)[:-300]:
-                del self.sent[number]
+        self.forget(300)
 
     def pass_whole(self):
         """A whole state, which must reach the session."""
@@ -226,4 +216,4 @@ class ToHost:
         damaged = sum(counts[k] for k in ("corrupt", "truncate", "noise"))
         is_missed = counts["missed"] > 10.0 + _MISSED * damaged
         self.link.Close()
-        return is_missed or any(counts[name] for name in self.BAD)
+        return is_missed or self.is_bad
