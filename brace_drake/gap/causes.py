@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, polish, refine
@@ -19,9 +21,8 @@ from brace_drake.gap.verdict import (
     largest_excess,
 )
 
-# A flexible effect has to leave less than half of the gap, and may leave so
-# many times what the best has left.
-_HALF, _BEHIND = 0.5, 2.0
+# A flexible effect has to close about this share of the gap's amplitude.
+_HALF = 0.5
 
 
 def try_causes(
@@ -56,33 +57,38 @@ def try_causes(
     fits = polish(ground, fits, most)
     null = draw_null(evaluator, nominal, fits, seed)
 
-    if not is_exact(evaluator, nominal) and not is_near_floor(
-        evaluator, fits, null.misfit_threshold
-    ):
-        flexible = [c for c in cards if c.is_flexible]
-        more = race(ground, flexible, _part(say, 0.45, 0.5), places=0)
-        fits += _refine_flexible(evaluator, nominal, fits, best_fits(more))
-        runners += more
-    has_one = fits and has_gap(evaluator, nominal, fits, null)
-    # In what surrogates leave too there is nothing for a second effect.
-    if has_one and not is_near_floor(evaluator, fits, null.misfit_threshold):
-        second = SecondEffects(ground, fits, runners, null)
-        fits = [*fits, *second.search(_part(say, 0.55, 0.78))]
-        return fits, null, second.is_cut
+    def is_done():
+        done = is_near_floor(evaluator, fits, null.misfit_threshold)
+        # In what surrogates leave too there is nothing for a second effect.
+        return done or not (fits and has_gap(evaluator, nominal, fits, null))
+
+    if is_exact(evaluator, nominal):
+        return fits, null, False
+    second = SecondEffects(ground, fits, runners, null)
+    if not is_done() and second.try_pairs(_part(say, 0.45, 0.55)):
+        return [*fits, *second.search([], say)], null, False
+    flexible = []
+    if not is_near_floor(evaluator, fits, null.misfit_threshold):
+        cards = [c for c in cards if c.is_flexible]
+        more = race(ground, cards, _part(say, 0.55, 0.6), places=0)
+        flexible = _refine_flexible(evaluator, nominal, best_fits(more))
+        fits += flexible
+    if not is_done():
+        found = second.search(flexible, _part(say, 0.6, 0.78))
+        return [*fits, *found], null, second.is_cut
     return fits, null, False
 
 
-def _refine_flexible(evaluator, nominal, fits, flexible) -> list[CandidateFit]:
-    """Flexible fits, refined where they lead or may come to explain the gap.
+def _refine_flexible(evaluator, nominal, flexible) -> list[CandidateFit]:
+    """Flexible fits, refined where they close about half of the gap.
 
-    With so much freedom they have to leave less than half of it; a race leaves
-    their search far from its end.
+    With so much freedom less is no sign of them, and the end of their search
+    is dear; a race leaves it far from there.
     """
-    best = min((f.excess for f in fits), default=nominal.excess)
-    most = largest_excess(evaluator, nominal, 1)
-    bar = min(_HALF * nominal.excess, max(best, min(_BEHIND * best, most)))
-    good = [f for f in flexible if f.excess < bar]
-    rest = [f for f in flexible if f.excess >= bar]
+    before = np.sqrt(1.0 + max(0.0, nominal.excess / evaluator.count)) - 1.0
+    half = ((1.0 + _HALF * before) ** 2 - 1.0) * evaluator.count
+    good = [f for f in flexible if f.excess < half]
+    rest = [f for f in flexible if f.excess >= half]
     return [*refine(evaluator, good, nominal.excess), *rest]
 
 

@@ -115,7 +115,7 @@ class Ground:
         n = self.sensitivities.shape[1]
 
         def jacobian(z, residual):
-            columns = problem.columns(z, n, residual, quick=True)
+            columns = problem.columns(z, n, residual)
             out = np.zeros((len(residual), len(z)))
             out[: self.rows, :n] = self.sensitivities
             out[self.rows :] = problem.prior_jacobian()

@@ -218,11 +218,7 @@ class CandidateProblem:
         ]
 
     def columns(
-        self,
-        z: np.ndarray,
-        first: int = 0,
-        base: np.ndarray | None = None,
-        quick: bool = False,
+        self, z: np.ndarray, first: int = 0, base: np.ndarray | None = None
     ) -> np.ndarray:
         """Columns of the Jacobian from parameter `first` on.
 
@@ -233,10 +229,8 @@ class CandidateProblem:
             z: Scaled parameters.
             first: Of the columns.
             base: The coarse residual at z, where it is known.
-            quick: Differences to one side even where drives stick, for a
-                search that only ranks.
         """
-        if self.is_rough and not quick:
+        if self.is_rough:
             forth = self._differences(z, first, base, self.steps)
             back = self._differences(z, first, base, -self.steps)
             return 0.5 * (forth + back)

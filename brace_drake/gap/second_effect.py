@@ -52,7 +52,8 @@ class SecondEffects:
 
     Args:
         ground: The nominal fit.
-        fits: Of single effects.
+        fits: Of single effects of few parameters: beside dozens of them any
+            other effect looks right, and their search from afar is dear.
         runners: Of the race that they are from.
         null: What noise alone gives.
     """
@@ -67,22 +68,48 @@ class SecondEffects:
         self._ground, self._runners, self._null = ground, runners, null
         self._evaluator, self._nominal = ground.evaluator, ground.leader
         self._singles, self._found = list(fits), []
-        self._begun = ground.evaluator.replays
+        self._begun, self._spent = ground.evaluator.replays, 0
         self._most = largest_excess(self._evaluator, self._nominal, 2)
         self.is_cut = False
 
-    def search(self, say: Say) -> list[CandidateFit]:
-        """Pairs, and single effects found on the way, refined.
+    def try_pairs(self, say: Say) -> bool:
+        """The pairs that are foreseen from the ways of single effects.
 
         Args:
             say: Progress, shares of this search.
+
+        Returns:
+            Whether one explains the gap to the floor.
         """
-        # Beside dozens of parameters any other effect looks right, and their
-        # search from afar is dear: those that lead are kept below.
-        simple = [r for r in self._runners if not r.card.is_flexible]
-        self._try_pairs(simple, lambda w, share: say(w, 0.3 * share))
+        bar = self._bar()
+        if np.isfinite(bar):
+            # As the race has left them: then all are equally unfinished.
+            bar = _HALF * min(f.excess for f in best_fits(self._runners))
+        found = search_pairs(
+            self._ground, self._runners, _SEARCHED, say, bar, self._most
+        )
+        self._keep(found, self._nominal.excess, bar)
+        for pair in refined(self._found)[:1]:
+            self._found += self._try_without_one(pair)
+        is_done = self._is_done() and not self.is_cut
+        self._spent = self._evaluator.replays - self._begun
+        return is_done
+
+    def search(
+        self, fits: Sequence[CandidateFit], say: Say
+    ) -> list[CandidateFit]:
+        """What is dearer, and all that was found: pairs, and single effects
+        found on the way, refined.
+
+        Args:
+            fits: Of more single effects.
+            say: Progress, shares of this search.
+        """
+        self._singles += fits
+        # Other searches may have come between.
+        self._begun = self._evaluator.replays - self._spent
         if not self._is_done():
-            self._try_richer(lambda w, share: say(w, 0.3 + 0.2 * share))
+            self._try_richer(lambda w, share: say(w, 0.3 * share))
         # On the way a better single one may have shown.
         singles = [f for f in plausible(self._all()) if len(f.effects) == 1]
         leader = next(iter(singles), self._nominal)
@@ -104,9 +131,9 @@ class SecondEffects:
             beside = Ground(self._evaluator, leader)
         except BraceError:
             return
-        self._try_beside(beside, False, lambda w, s: say(w, 0.5 + 0.2 * s))
+        self._try_beside(beside, False, lambda w, s: say(w, 0.3 + 0.3 * s))
         if not (self._is_done(_ENOUGH) or self._is_rough(leader)):
-            self._try_beside(beside, True, lambda w, s: say(w, 0.7 + 0.3 * s))
+            self._try_beside(beside, True, lambda w, s: say(w, 0.6 + 0.4 * s))
 
     def _all(self) -> list[CandidateFit]:
         return [*self._singles, *self._found]
@@ -141,19 +168,6 @@ class SecondEffects:
         if not self._is_settled():
             return np.inf
         return _HALF * min(f.excess for f in plausible(self._all()))
-
-    def _try_pairs(self, runners: Sequence[Runner], say: Say) -> None:
-        """The pairs that are foreseen from the ways of single effects."""
-        bar = self._bar()
-        if np.isfinite(bar):
-            # As the race has left them: then all are equally unfinished.
-            bar = _HALF * min(f.excess for f in best_fits(runners))
-        found = search_pairs(
-            self._ground, runners, _SEARCHED, say, bar, self._most
-        )
-        self._keep(found, self._nominal.excess, bar)
-        for pair in refined(self._found)[:1]:
-            self._found += self._try_without_one(pair)
 
     def _try_without_one(self, pair: CandidateFit) -> list[CandidateFit]:
         """Either effect of a pair alone, from where the pair has it.
