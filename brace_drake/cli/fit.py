@@ -48,7 +48,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--solver",
         choices=("snopt", "ipopt", "nlopt"),
         default="snopt",
-        help="default: snopt",
+        help="solver of the MathematicalProgram (default: snopt)",
     )
     AddScenario(parser)
     AddJobs(parser)

@@ -8,6 +8,7 @@ import importlib
 import importlib.metadata
 import os
 import sys
+from typing import NoReturn
 
 # Two threads of ours and BLAS's own would fight over the cores; this must be
 # set before numpy is imported.
@@ -94,9 +95,16 @@ def _PrintNoMore() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in one line, without the usage."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(_Tell(f"{message}; see {self.prog} --help"))
+
+
 def make_parser() -> argparse.ArgumentParser:
     """The parser with all subcommands."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="brace-drake",
         description="Digital twin of a robotic scoliosis brace that says why"
         " it differs from the real one. Research software, not a medical"

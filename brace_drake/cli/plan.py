@@ -43,7 +43,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     source.add_argument(
         "--motions",
         metavar="A,B,C",
-        help="of the library (default: those of a common campaign)",
+        help="motions of the library (default: those of a common campaign)",
     )
     source.add_argument(
         "--references",
@@ -51,7 +51,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="folder of references (*.csv) or a campaign",
     )
     parser.add_argument(
-        "--effects", metavar="A,B,C", help="default: all of the library"
+        "--effects",
+        metavar="A,B,C",
+        help="effects to put in (default: all of the library)",
     )
     parser.add_argument("--out", metavar="DIR", help="folder for plan.json")
     AddScenario(parser)

@@ -34,14 +34,16 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--displacement-mm",
         type=float,
         metavar="Y",
-        help="of every ring along y (default: that of the training)",
+        help="displacement of every ring along y, mm (default: that of the"
+        " training)",
     )
     add(
         "--subject",
         action="append",
         default=[],
         metavar="NAME=FACTOR",
-        help="may be repeated",
+        help="number of the nominal subject to multiply; may be repeated; NAME:"
+        " torso_mass, rib_stiffness, rib_damping, contact_stiffness",
     )
     add("--out", metavar="DIR", help="write prediction.json and course.csv")
     add("--onnx", metavar="FILE", help="also write the network as ONNX")
@@ -62,15 +64,19 @@ def Run(args: argparse.Namespace) -> int:
         bound = ", at the bound of its range" if found.at_bound[i] else ""
         print(
             f"{name}: K_d {found.stiffness[i]:.0f} +- {found.spread[i]:.0f}"
-            f" N/m ({found.lowest[i]:.0f} to {found.highest[i]:.0f}){bound},"
+            f" N/m (from {found.lowest[i]:.0f} to {found.highest[i]:.0f} over"
+            f" the motion){bound},"
             f" C_d {found.damping[i]:.1f} N s/m, M_d {found.mass[i]:g} kg;"
             f" error {1e3 * found.error[i]:.3f} mm, force up to"
             f" {found.force[i]:.2f} N"
         )
     if args.out is not None:
         _Write(Path(args.out), found, policy.task.sample_time)
+        print(f"prediction: {Path(args.out) / 'prediction.json'}")
+        print(f"course: {Path(args.out) / 'course.csv'}")
     if args.onnx is not None:
         ExportOnnx(policy, args.onnx)
+        print(f"network: {args.onnx}")
     return 0
 
 

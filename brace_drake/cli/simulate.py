@@ -59,8 +59,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--torso",
         metavar="FOLDER",
-        help="of personalize: what the hydroelastic rings of a brace meet"
-        " (default: half spaces)",
+        help="folder of `personalize`: what the hydroelastic rings of a brace"
+        " meet (default: half spaces)",
     )
     parser.add_argument(
         "--limits",

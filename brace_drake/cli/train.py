@@ -46,7 +46,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add(
         "--reward",
         choices=("paper", "improved"),
-        help="as the paper writes it, or with a barrier below its force",
+        help="the paper's as written, or with a barrier below its force",
     )
     add(
         "--subjects",
@@ -57,7 +57,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add("--episodes", type=positive, metavar="N", help="budget (paper: 1000)")
     add("--envs", type=positive, metavar="N", help="side by side (default: 1)")
     add("--patience", type=not_negative, metavar="N", help="0: no early stop")
-    add("--seed", type=not_negative, metavar="S", help="default: 0")
+    add(
+        "--seed",
+        type=not_negative,
+        metavar="S",
+        help="start of all random draws (default: 0)",
+    )
 
 
 def Run(args: argparse.Namespace) -> int:
