@@ -262,7 +262,7 @@ class TestBadArguments(unittest.TestCase):
     def test_predict_names_the_factors_of_a_subject(self):
         from brace_drake.learning.subjects import FACTORS
 
-        text = dict(commands())["predict"].format_help()
+        text = dict(commands())["predict"].epilog
         for name in FACTORS:
             self.assertIn(name, text)
 

@@ -14,7 +14,8 @@ example:
       --subject contact_stiffness=1.2 --subject posture_stiffness=0.9
 
 Factors of the subject are on the scenario's numbers: contact_stiffness,
-contact_damping, preload, posture_stiffness, posture_damping, torso_mass.
+contact_damping, preload, posture_stiffness, posture_damping, torso_mass,
+displacement.
 """
 
 
@@ -42,8 +43,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         action="append",
         default=[],
         metavar="NAME=FACTOR",
-        help="number of the nominal subject to multiply; may be repeated; NAME:"
-        " torso_mass, rib_stiffness, rib_damping, contact_stiffness",
+        help="factor on a number of the subject, NAME as listed below; may be"
+        " repeated",
     )
     add("--out", metavar="DIR", help="write prediction.json and course.csv")
     add("--onnx", metavar="FILE", help="also write the network as ONNX")
