@@ -3,6 +3,7 @@
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -163,6 +164,18 @@ class TestSimulate(unittest.TestCase):
                 self.assertEqual(error.count("\n"), 1)
                 self.assertIn(part, error)
         self.assertFalse((folder / "nothing").exists())
+
+    def test_a_place_that_is_taken_is_refused_before_the_run(self):
+        taken = self.folder / "taken"
+        taken.mkdir()
+        (taken / "notes.txt").write_text("kept")
+        with mock.patch("brace_drake.simulate.RecordBench") as record:
+            code, _, error = run(
+                "simulate", self.file, "--motion", "push", "--out", taken
+            )
+        record.assert_not_called()
+        self.assertEqual((code, error.count("\n")), (2, 1))
+        self.assertIn("taken: exists and is not empty", error)
 
 
 class TestReferences(unittest.TestCase):

@@ -88,8 +88,10 @@ def Run(args: argparse.Namespace) -> int:
             f" {scenario.device!r}"
         )
     from brace_drake.campaign import Campaign, WriteCampaign
+    from brace_drake.campaign.write import check_new_folder
 
     out, ended = Path(args.out), []
+    check_new_folder(out)
     recorded, device, stages, live = record[scenario.device](
         scenario, args, lambda *end: ended.append(end)
     )

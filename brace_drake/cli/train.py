@@ -67,6 +67,10 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Trains or resumes; prints where and how well."""
+    if args.resume:
+        _refuse_changes(args)
+    else:
+        task, numbers = _make_records(args)
     check_training_extra()
     from tqdm import tqdm
 
@@ -81,10 +85,8 @@ def Run(args: argparse.Namespace) -> int:
             bar.update(done - bar.n)
 
         if args.resume:
-            _refuse_changes(args)
             result = ResumeTraining(folder, progress)
         else:
-            task, numbers = _make_records(args)
             result = StartTraining(folder, task, numbers, progress)
     why = "patience ran out" if result["stopped"] else "budget used"
     print(
