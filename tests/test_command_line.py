@@ -213,16 +213,6 @@ class TestHelp(unittest.TestCase):
                     self.assertGreaterEqual(len(words), 3)
                     self.assertNotIn(words[0], ("of", "default:"))
 
-    def test_each_shell_that_is_offered_gets_its_script(self):
-        shells = dict(commands())["completion"]._actions[-1].choices
-        self.assertIn("bash", shells)
-        for shell in shells:
-            with self.subTest(shell=shell):
-                out = io.StringIO()
-                with contextlib.redirect_stdout(out):
-                    self.assertEqual(main(["completion", shell]), 0)
-                self.assertIn("diagnose", out.getvalue())
-
 
 class TestBadArguments(unittest.TestCase):
     """What the parser itself refuses, in one line."""

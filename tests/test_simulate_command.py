@@ -140,7 +140,7 @@ class TestSimulate(unittest.TestCase):
             (
                 self.file,
                 write_reference(folder / "e.csv", rows=torn),
-                "e.csv: row 51, ring2_vy_desired_m_s is",
+                "e.csv: row 51 (line 52), ring2_vy_desired_m_s is",
             ),
             (
                 self.file,
@@ -170,7 +170,7 @@ class TestSimulate(unittest.TestCase):
         taken.mkdir()
         (taken / "notes.txt").write_text("kept")
         with mock.patch("brace_drake.simulate.RecordBench") as record:
-            code, _, error = run(
+            code, _, error = run_command(
                 "simulate", self.file, "--motion", "push", "--out", taken
             )
         record.assert_not_called()

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
-import importlib
-import importlib.metadata
 import os
 import sys
-from typing import NoReturn
+from typing import TYPE_CHECKING
 
 # Two threads of ours and BLAS's own would fight over the cores; this must be
 # set before numpy is imported.
@@ -16,6 +13,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from brace_drake.errors import BraceError
 from brace_drake.output import ReleaseFolders
+
+if TYPE_CHECKING:
+    import argparse
 
 _COMMANDS = (
     "check",
@@ -95,16 +95,15 @@ def _PrintNoMore() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-class _Parser(argparse.ArgumentParser):
-    """Says what is wrong with the arguments in one line, without the usage."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(_Tell(f"{message}; see {self.prog} --help"))
-
-
 def make_parser() -> argparse.ArgumentParser:
     """The parser with all subcommands."""
-    parser = _Parser(
+    # All that takes time to import comes where Ctrl-C is caught.
+    import argparse
+    import importlib.metadata
+
+    from brace_drake.cli.options import OneLineParser
+
+    parser = OneLineParser(
         prog="brace-drake",
         description="Digital twin of a robotic scoliosis brace that says why"
         " it differs from the real one. Research software, not a medical"

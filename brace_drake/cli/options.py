@@ -9,6 +9,7 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NoReturn
 
 from tqdm import tqdm
 
@@ -38,6 +39,14 @@ def AddCommand(
     )
     parser.set_defaults(run=run)
     return parser
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in one line, without the usage."""
+
+    def error(self, message: str) -> NoReturn:
+        text = " ".join(message.split())
+        self.exit(2, f"brace-drake: {text}; see {self.prog} --help\n")
 
 
 def AddCampaign(

@@ -107,9 +107,9 @@ def _check_motion(
     if away.max() > allowed:
         k = int(np.argmax(away > allowed))
         raise CampaignError(
-            f"{path}: row {k + 2}, {names[1]} is {speed[k + 1]:g}, but"
-            f" {names[0]} moves at {mean[k]:.4g} m/s there; allowed: its"
-            " derivative"
+            f"{path}: row {k + 2} (line {k + 3}), {names[1]} is"
+            f" {speed[k + 1]:g}, but {names[0]} moves at {mean[k]:.4g} m/s"
+            " there; allowed: its derivative"
         )
 
 
