@@ -228,10 +228,8 @@ def _make_notes(diagnosis: dict, verdict: dict) -> dict:
         and is_searched(c)
         and not set(parts_of(text(c, "effect"))) <= chosen
     ]
-    near, far = [], []
-    for cause in unconverged:
-        is_far = to_number(cause.get("excess")) > _FAR
-        (far if is_far else near).append(text(cause, "effect"))
+    far = [c for c in unconverged if to_number(c.get("excess")) > _FAR]
+    near = [c for c in unconverged if c not in far]
     experiment = part(diagnosis, "next_experiment")
     return {
         "warnings": names(diagnosis, "warnings"),
@@ -239,8 +237,8 @@ def _make_notes(diagnosis: dict, verdict: dict) -> dict:
         "unidentifiable": [
             text(c, "effect") for c in causes if c.get("identifiable") is False
         ],
-        "unconverged": near,
-        "left_early": far,
+        "unconverged": [text(c, "effect") for c in near],
+        "left_early": [text(c, "effect") for c in far],
         "why": text(experiment, "why"),
         "motion": text(experiment, "motion"),
     }
