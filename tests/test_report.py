@@ -555,22 +555,24 @@ class ReportTest(unittest.TestCase):
 class OpenTest(unittest.TestCase):
     """What the page says to be open does not contradict its verdict."""
 
-    def make_notes(self, **excess):
+    def make_notes(self, **explained):
         diagnosis = make_diagnosis()
         diagnosis["verdict"]["effects"] = ["clearance", "viscous_leg"]
         diagnosis["causes"] = [
-            {"effect": name, "converged": False, "excess": value}
-            for name, value in excess.items()
+            {"effect": name, "converged": False, "explained": value}
+            for name, value in explained.items()
         ]
         return make_view(diagnosis, [])["notes"]
 
     def test_a_part_of_the_verdict_is_not_open(self):
-        notes = self.make_notes(clearance=0.5, viscous_leg=360.0)
+        notes = self.make_notes(clearance=0.8, viscous_leg=0.2)
         self.assertEqual((notes["unconverged"], notes["left_early"]), ([], []))
 
-    def test_only_what_comes_near_the_floor_is_not_ruled_out(self):
-        notes = self.make_notes(hardening=2.9, coulomb_friction=3.1)
-        self.assertEqual(notes["unconverged"], ["hardening"])
+    def test_only_what_takes_most_of_the_gap_is_not_ruled_out(self):
+        notes = self.make_notes(
+            hardening=0.76, coulomb_friction=0.74, force_bias=None
+        )
+        self.assertEqual(notes["unconverged"], ["hardening", "force_bias"])
         self.assertEqual(notes["left_early"], ["coulomb_friction"])
 
     def test_the_probability_is_said_not_to_be_calibrated(self):

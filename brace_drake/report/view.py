@@ -52,9 +52,8 @@ from brace_drake.report.words import (
 # More runs than these would not be read, and the file would grow.
 _MOST_TRACES = 4
 _MOST_PLANES = 1
-# Mean square above the floor, in floors: a fit that leaves so much, twice the
-# floor's amplitude, is no rival, however its search would end.
-_FAR = 3.0
+# Least share of the gap that any verdict asks of an effect that explains it.
+_NEAR = 0.75
 
 
 def make_view(diagnosis: dict, traces: Sequence[RunTrace]) -> dict:
@@ -228,7 +227,7 @@ def _make_notes(diagnosis: dict, verdict: dict) -> dict:
         and is_searched(c)
         and not set(parts_of(text(c, "effect"))) <= chosen
     ]
-    far = [c for c in unconverged if to_number(c.get("excess")) > _FAR]
+    far = [c for c in unconverged if to_number(c.get("explained")) < _NEAR]
     near = [c for c in unconverged if c not in far]
     experiment = part(diagnosis, "next_experiment")
     return {
