@@ -51,3 +51,10 @@ class PolicyError(BraceError, ValueError):
 
 class ClusterError(BraceError, RuntimeError):
     """A cluster cannot be reached, or has lost its workers."""
+
+
+def reason(error: Exception) -> str:
+    """Why a file could not be read, on one line, without number and path."""
+    if isinstance(error, UnicodeDecodeError):
+        return "not UTF-8 text"
+    return getattr(error, "strerror", None) or " ".join(str(error).split())

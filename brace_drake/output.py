@@ -29,9 +29,8 @@ def MakeFolder(path: Path) -> Path:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        raise OutputError(
-            f"{path}: cannot write there: {error.strerror}"
-        ) from error
+        why = "is a file" if path.is_file() else error.strerror
+        raise OutputError(f"{path}: cannot write there: {why}") from error
     return path
 
 

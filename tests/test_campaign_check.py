@@ -18,7 +18,8 @@ from brace_drake.campaign import (
     LoadCampaign,
     WriteCampaign,
 )
-from brace_drake.campaign.samples import flat_extremes
+from brace_drake.campaign.manifest import parse_manifest
+from brace_drake.campaign.samples import check_time, flat_extremes
 from brace_drake.campaign.signs import explained
 from brace_drake.cli import check
 from tests.test_campaign_read import (
@@ -406,7 +407,6 @@ class TestTable(CheckTest):
             ("push.csv", 3, "torso_z_m"),
             ("push.csv", 3, "torso_x_m"),
             ("push.csv", 50, "time_s"),
-            ("push.csv", 51, "time_s"),
             ("push.csv", 60, "leg4_length_m"),
             ("free.csv", None, None),
         ]
@@ -659,7 +659,7 @@ class TestCommand(CheckTest):
         (self.path / "free.csv").unlink()
         status, lines = self.run_command()
         self.assertEqual((status, len(lines)), (2, 3))
-        self.assertIn("push.csv, row 3, column torso_x_m", lines[0])
+        self.assertIn("push.csv, row 3 (line 4), column torso_x_m", lines[0])
         self.assertIn("2 errors", lines[-1])
 
 
@@ -687,6 +687,23 @@ class TestRecordedCampaigns(unittest.TestCase):
         CheckCampaign(path)
         # Takes 0.2 s; the slack is for a slow machine.
         self.assertLess(time.process_time() - start, 1.0)
+
+
+class TestHints(unittest.TestCase):
+    def test_a_key_that_looks_like_a_missing_one_is_pointed_out(self):
+        text = "format: brace-campaign/1\ndevice: brace\nrate_Hz: 200\n"
+        _, problems = parse_manifest(text.encode())
+        said = [str(p) for p in problems]
+        self.assertTrue(any("did you mean rate_hz?" in s for s in said), said)
+        _, problems = parse_manifest(b"recorded: {by: me}\nnotes: none\n")
+        self.assertFalse(any("did you mean" in str(p) for p in problems))
+
+    def test_the_row_behind_one_that_is_early_is_no_gap(self):
+        time = np.arange(100) / 200.0
+        time[50] = 0.1
+        found = check_time(time, 200.0, "push.csv")
+        self.assertEqual([p.row for p in found], [51])
+        self.assertIn("row 51 (line 52)", str(found[0]))
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
 """Bad input on the command line: one clear line, status 2, nothing written."""
 
+import argparse
 import contextlib
 import csv
+import io
 import shutil
 import subprocess
 import sys
@@ -10,10 +12,19 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from brace_drake.cli.main import make_parser
+from brace_drake.cli.main import main, make_parser
 from brace_drake.cli.options import load_motion, names_file
 from tests.commands import run_command
 from tests.shared_data import EXAMPLE
+
+
+def commands(parser=None, above=""):
+    """Names and parsers of all commands, and of their parts."""
+    for action in (parser or make_parser())._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, command in action.choices.items():
+                yield above + name, command
+                yield from commands(command, f"{above}{name} ")
 
 
 class TestStart(unittest.TestCase):
@@ -188,11 +199,72 @@ class TestManyCampaigns(unittest.TestCase):
 
 class TestHelp(unittest.TestCase):
     def test_every_command_has_an_example(self):
-        parser = make_parser()
-        for action in parser._subparsers._group_actions:
-            for name, command in action.choices.items():
-                with self.subTest(command=name):
-                    self.assertIn("example", command.format_help())
+        for name, command in commands():
+            with self.subTest(command=name):
+                self.assertIn("example", command.format_help())
+
+    def test_every_argument_is_explained_in_three_words_or_more(self):
+        for name, command in commands():
+            for action in command._actions:
+                with self.subTest(command=name, argument=action.dest):
+                    if isinstance(action, argparse._SubParsersAction):
+                        continue
+                    words = (action.help or "").split()
+                    self.assertGreaterEqual(len(words), 3)
+                    self.assertNotIn(words[0], ("of", "default:"))
+
+
+class TestBadArguments(unittest.TestCase):
+    """What the parser itself refuses, in one line."""
+
+    def assert_refused(self, command, *words):
+        errors = io.StringIO()
+        with contextlib.redirect_stderr(errors):
+            with self.assertRaises(SystemExit) as caught:
+                main([*map(str, command)])
+        self.assertEqual(caught.exception.code, 2)
+        text = errors.getvalue()
+        self.assertEqual(text.count("\n"), 1, text)
+        self.assertTrue(text.startswith("brace-drake: "), text)
+        for word in words:
+            self.assertIn(word, text)
+
+    def test_no_seed_is_negative(self):
+        seen = 0
+        for name, command in commands():
+            for action in command._actions:
+                for option in action.option_strings:
+                    if option.endswith("seed"):
+                        seen += 1
+                        with self.subTest(command=name, option=option):
+                            self.assertEqual(action.type("0"), 0)
+                            for bad in ("-1", "1.5", "one"):
+                                with self.assertRaisesRegex(
+                                    argparse.ArgumentTypeError, "at least 0"
+                                ):
+                                    action.type(bad)
+        self.assertGreater(seen, 8)
+
+    def test_one_line_names_the_argument_and_what_is_allowed(self):
+        at = ("--port", "p", "--motion", "push", "--out", "o")
+        for command, words in (
+            (("fit", "c", "--seed", -1), ("--seed", "'-1'", "at least 0")),
+            (("plan", "--jobs", "abc"), ("--jobs", "'abc'", "at least 1")),
+            (("emulate", "--duration", -1), ("--duration", "above 0")),
+            (("twin", "--port", "p", "--memory", "nan"), ("--memory", "nan")),
+            (("record", *at, "--countdown", -1), ("--countdown", "'-1'")),
+            (("fit",), ("CAMPAIGN", "brace-drake fit --help")),
+            (("fitt",), ("fitt",)),
+        ):
+            with self.subTest(command=command):
+                self.assert_refused(command, *words)
+
+    def test_predict_names_the_factors_of_a_subject(self):
+        from brace_drake.learning.subjects import FACTORS
+
+        text = dict(commands())["predict"].epilog
+        for name in FACTORS:
+            self.assertIn(name, text)
 
 
 class TestWithoutTheSource(unittest.TestCase):

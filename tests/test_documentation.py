@@ -14,6 +14,7 @@ import xml.etree.ElementTree as ElementTree
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
+import shtab
 import yaml
 
 from brace_drake.cli.doctor import _packages, examine_machine
@@ -124,7 +125,8 @@ class TestFamily(unittest.TestCase):
         )
         self.assertEqual(found["onnx"].status, "optional")
         self.assertEqual(
-            found["none"], ("none", "optional", "pip install 'none>=3'")
+            found["none"],
+            ("none", "optional", "pip install 'none>=3', for an extra"),
         )
 
     def test_the_check_is_read_by_a_machine(self):
@@ -138,7 +140,9 @@ class TestFamily(unittest.TestCase):
         self.assertEqual(found["problems"][0]["severity"], "error")
 
     def test_shells_get_a_script_with_every_command(self):
-        for shell in ("bash", "zsh", "tcsh"):
+        shells = shtab.SUPPORTED_SHELLS
+        self.assertLessEqual({"bash", "zsh", "fish", "tcsh"}, set(shells))
+        for shell in shells:
             status, text, _ = run_command("completion", shell)
             self.assertEqual(status, 0)
             for name, _ in parsers(make_parser()):

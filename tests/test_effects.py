@@ -60,8 +60,12 @@ class TestCards(unittest.TestCase):
                         self.assertLess(start, p.upper)
 
     def test_an_unknown_effect_is_answered_with_the_closest_name(self):
-        with self.assertRaisesRegex(EffectError, "'coulomb_friction'"):
+        with self.assertRaisesRegex(EffectError, "mean coulomb_friction"):
             find_effect("coulomb_frictoin")
+        with self.assertRaises(EffectError) as caught:
+            find_effect("fooo")
+        self.assertNotIn("did you mean", str(caught.exception))
+        self.assertIn("; there are", str(caught.exception))
 
     def test_a_value_outside_its_limits_is_refused_by_name(self):
         card = find_effect("command_delay")

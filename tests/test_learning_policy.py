@@ -51,8 +51,10 @@ class TestFiles(unittest.TestCase):
 
     def test_what_is_no_policy_is_refused(self):
         self.path.write_bytes(b"nothing")
-        with self.assertRaisesRegex(PolicyError, "policy.npz"):
+        with self.assertRaisesRegex(PolicyError, "policy.npz: is not a policy"):
             LoadPolicy(self.path)
+        with self.assertRaisesRegex(PolicyError, "none: .*: No such file"):
+            LoadPolicy(self.path.parent / "none")
         np.savez(self.path, a=np.zeros(3))
         with self.assertRaisesRegex(PolicyError, "format"):
             LoadPolicy(self.path)

@@ -143,6 +143,29 @@ class TestCommands(unittest.TestCase):
         self.assertEqual(cut_stiffness(DEFAULT, (0.0,) * 6, first, 1e-3), first)
 
 
+class TestWords(unittest.TestCase):
+    def test_a_trip_says_value_and_limit_with_their_unit(self):
+        for trip, text in (
+            (
+                Trip(Cause.LEG_SPEED, 2, 0.1234, 0.1),
+                "leg speed: 123.4 mm/s, allowed 100 mm/s (leg 3)",
+            ),
+            (
+                Trip(Cause.TOTAL_FORCE, 0, 81.0, 80.0),
+                "total force: 81 N, allowed 80 N",
+            ),
+            (
+                Trip(Cause.STALE_DATA, 0, 0.05025, 0.03),
+                "stale data: the newest reading is 50 ms old, limit 30 ms"
+                " (`stale` of the limits): this computer is too slow or too"
+                " busy",
+            ),
+            (Trip(Cause.ESTOP), "estop"),
+        ):
+            with self.subTest(text=text):
+                self.assertEqual(str(trip), text)
+
+
 class TestTrips(unittest.TestCase):
     def assert_trips(self, cause, command=HOLD, **reading):
         memory, now = armed()

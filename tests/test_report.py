@@ -12,13 +12,15 @@ import numpy as np
 
 from brace_drake.errors import OutputError
 from brace_drake.report import RunTrace, WriteReport
-from brace_drake.report.cards import make_cards
+from brace_drake.report.cards import make_card, make_cards
 from brace_drake.report.page import render_page
-from brace_drake.report.tables import parameter_row, shrink_rows
+from brace_drake.report.tables import error_row, parameter_row, shrink_rows
+from brace_drake.report.view import make_view
 from brace_drake.report.words import (
     channel_text,
     parameter_text,
     percent,
+    percent_interval,
     scale_of,
 )
 
@@ -408,7 +410,7 @@ class ReportTest(unittest.TestCase):
         text = "".join(self.parsed.text)
         self.assertIn("The gap shared out over the blocks", text)
         self.assertIn("Channel, phase and frequency at once", text)
-        self.assertIn("81 % to 94 %", text)
+        self.assertIn("81 to 94 %", text)
 
     def test_same_diagnosis_gives_same_page(self):
         self.assertEqual(self.page, render_page(make_diagnosis(), self.traces))
@@ -550,6 +552,39 @@ class ReportTest(unittest.TestCase):
         self.assertEqual(diagnosis, kept)
 
 
+class OpenTest(unittest.TestCase):
+    """What the page says to be open does not contradict its verdict."""
+
+    def make_notes(self, **explained):
+        diagnosis = make_diagnosis()
+        diagnosis["verdict"]["effects"] = ["clearance", "viscous_leg"]
+        diagnosis["causes"] = [
+            {"effect": name, "converged": False, "explained": value}
+            for name, value in explained.items()
+        ]
+        return make_view(diagnosis, [])["notes"]
+
+    def test_a_part_of_the_verdict_is_not_open(self):
+        notes = self.make_notes(clearance=0.8, viscous_leg=0.2)
+        self.assertEqual((notes["unconverged"], notes["left_early"]), ([], []))
+
+    def test_only_what_takes_most_of_the_gap_is_not_ruled_out(self):
+        notes = self.make_notes(
+            hardening=0.76, coulomb_friction=0.74, force_bias=None
+        )
+        self.assertEqual(notes["unconverged"], ["hardening", "force_bias"])
+        self.assertEqual(notes["left_early"], ["coulomb_friction"])
+
+    def test_the_probability_is_said_not_to_be_calibrated(self):
+        text = "".join(parse(render_page(make_diagnosis(), [])).text)
+        self.assertIn("not calibrated", text)
+
+    def test_parameters_that_are_drawn_alike_are_one_line_of_a_card(self):
+        card = make_card("anchor_error", "runner-up", {})
+        self.assertEqual(len(card["parameters"]), 1)
+        self.assertIn("of 36", card["parameters"][0][1])
+
+
 class WriteTest(unittest.TestCase):
     def setUp(self):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
@@ -615,6 +650,30 @@ class WordsTest(unittest.TestCase):
         self.assertEqual(percent(0.004), "0.4 %")
         self.assertEqual(percent(-0.12), "−12 %")
         self.assertEqual(percent(None), "–")
+
+    def test_intervals_have_the_digits_that_tell_their_ends_apart(self):
+        for low, high, shown in (
+            (0.62, 0.74, "62 to 74 %"),
+            (0.981, 0.997, "98.1 to 99.7 %"),
+            (0.9999, 1.0004, "99.99 to 100.04 %"),
+            (0.0, 3e-5, "within 0.01 % of 0.00 %"),
+            (None, 0.1, ""),
+        ):
+            with self.subTest(shown=shown):
+                self.assertEqual(percent_interval(0.5, low, high)[1], shown)
+
+    def test_a_channel_that_was_at_its_floor_has_nothing_to_close(self):
+        row = {"before": 1.036, "after": 0.971, "floor": 1.0, "closed": 1.81}
+        self.assertEqual(error_row("a", "N", row)["closed"], "–")
+        self.assertEqual(
+            error_row("a", "N", row | {"before": 1.2})["closed"], "181 %"
+        )
+
+    def test_a_choice_is_shown_in_words_and_a_share_without_a_unit(self):
+        row = parameter_row({"name": "pad", "unit": "1", "value": 2.0})
+        self.assertEqual((row["name"], row["value"]), ("", "pad at -y"))
+        row = parameter_row(_parameter("force_scale", "1", 0.031, 0.002))
+        self.assertEqual((row["name"], row["unit"]), ("force scale", ""))
 
     def test_validation_errors_given_over_the_floor_lose_their_unit(self):
         rows = shrink_rows(

@@ -3,6 +3,7 @@
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -14,10 +15,12 @@ from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.effects import describe_use
 from brace_drake.scenario.load import SaveScenario
 from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.motion_library import MOTIONS, MakeMotion
 from brace_drake.twin.reference_file import (
     LoadReference,
     LoadReferences,
     common_rate,
+    format_reference,
 )
 from tests.commands import run_command
 from tests.shared_data import EXAMPLE
@@ -105,6 +108,10 @@ class TestSimulate(unittest.TestCase):
         uneven, back = rows.copy(), rows.copy()
         uneven[50:, 0] += 0.002
         back[50, 0] = back[49, 0]
+        jump, torn, idle = rows.copy(), rows.copy(), rows.copy()
+        jump[50:, 1] = 0.5
+        torn[50:, 1] += 0.01
+        idle[:, 2] = 0.0
         leg = scenario_path("leg_bench.scenario.yaml")
         lacking = HEAD.replace("ring2_ay", "ring2_az")
         cases = (
@@ -125,6 +132,21 @@ class TestSimulate(unittest.TestCase):
                 write_reference(folder / "c.csv", rows=back),
                 "c.csv: time_s does not increase",
             ),
+            (
+                self.file,
+                write_reference(folder / "d.csv", rows=jump),
+                "column ring2_y_desired_m: 0.5 is outside the plausible range",
+            ),
+            (
+                self.file,
+                write_reference(folder / "e.csv", rows=torn),
+                "e.csv: row 51 (line 52), ring2_vy_desired_m_s is",
+            ),
+            (
+                self.file,
+                write_reference(folder / "f.csv", rows=idle),
+                "allowed: its derivative",
+            ),
             (leg, "push", "this is a 'leg bench'"),
             (folder / "no.yaml", "push", "no.yaml: cannot be read"),
         )
@@ -143,8 +165,30 @@ class TestSimulate(unittest.TestCase):
                 self.assertIn(part, error)
         self.assertFalse((folder / "nothing").exists())
 
+    def test_a_place_that_is_taken_is_refused_before_the_run(self):
+        taken = self.folder / "taken"
+        taken.mkdir()
+        (taken / "notes.txt").write_text("kept")
+        with mock.patch("brace_drake.simulate.RecordBench") as record:
+            code, _, error = run_command(
+                "simulate", self.file, "--motion", "push", "--out", taken
+            )
+        record.assert_not_called()
+        self.assertEqual((code, error.count("\n")), (2, 1))
+        self.assertIn("taken: exists and is not empty", error)
+
 
 class TestReferences(unittest.TestCase):
+    def test_motions_of_the_library_are_references_at_20_hz_too(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in MOTIONS:
+                with self.subTest(motion=name):
+                    run = MakeMotion(name).run
+                    head, *rows = format_reference(run).splitlines()
+                    path = Path(folder) / f"{name}.csv"
+                    path.write_text("\n".join([head, *rows[::10], ""]))
+                    LoadReference(path)
+
     def test_a_campaign_gives_the_references_of_its_fit_runs(self):
         runs = LoadReferences(EXAMPLE)
         names = {r.name for r in runs}

@@ -227,7 +227,8 @@ class TestRefusals(unittest.TestCase):
         self.refused_file(self.folder / "none.obj", "cannot be read")
         path = self.folder / "scan.step"
         path.write_text("")
-        self.refused_file(path, "'.step'; allowed: .obj, .ply, .stl")
+        self.refused_file(path, "'.step'; allowed: a scan, .obj, .ply, .stl")
+        self.refused_file(self.folder, "is a folder; allowed: a scan")
 
     def test_measures_take_no_unit(self):
         self.refused_file(GIRL, "measures are in m", arguments=["--unit", "mm"])

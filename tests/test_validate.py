@@ -4,6 +4,7 @@ import json
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import SaveScenario
@@ -75,14 +76,23 @@ class TestValidate(unittest.TestCase):
         for words, fit, part in (
             (("--show", "walk"), "fit.json", "no fit run walk in contact"),
             ((), "other.json", "the fit is of 'another'"),
-            ((), "text.json", "text.json: cannot be read"),
-            ((), "none.json", "its format is not 'brace-fit/1'"),
+            ((), "text.json", "text.json: is not a fit.json of"),
+            ((), "none.json", "none.json: is not a fit.json of"),
         ):
             with self.subTest(part=part):
                 _, (code, _, error) = self.validate(*words, fit=fit)
                 self.assertEqual(code, 2)
                 self.assertEqual(error.count("\n"), 1)
                 self.assertIn(part, error)
+
+    def test_a_run_that_is_not_there_is_refused_before_the_fit(self):
+        words = ("validate", self.campaign, "--show", "walk", "--out")
+        with mock.patch("brace_drake.cli.fit.fit_with_bar") as fit:
+            code, _, error = run_command(*words, self.folder / "late")
+        fit.assert_not_called()
+        self.assertEqual((code, error.count("\n")), (2, 1))
+        self.assertIn("no fit run walk", error)
+        self.assertFalse((self.folder / "late").exists())
 
 
 if __name__ == "__main__":

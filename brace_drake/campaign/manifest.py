@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 
 import yaml
 
@@ -16,8 +17,9 @@ from brace_drake.campaign.columns import (
     Channel,
     device_channels,
 )
-from brace_drake.campaign.findings import quoted
+from brace_drake.campaign.findings import quoted, warning
 from brace_drake.campaign.manifest_runs import (
+    MANIFEST,
     RunEntry,
     manifest_error,
     parse_runs,
@@ -26,6 +28,17 @@ from brace_drake.campaign.manifest_runs import (
 from brace_drake.campaign.recording import Problem
 
 FORMAT = "brace-campaign/1"
+_KEYS = (
+    "format",
+    "device",
+    "rate_hz",
+    "subject",
+    "runs",
+    "nominal",
+    "control",
+    "stages",
+    "settled_s",
+)
 
 _NOMINAL_KEYS = {
     LEG_BENCH: ("mass_kg", "viscous_N_s_m"),
@@ -87,7 +100,7 @@ def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
                 f"must hold a mapping of keys, found {quoted(content)}"
             )
         ]
-    problems: list[Problem] = []
+    problems = _check_keys(content)
     device = _parse_head(content, problems)
     rate_hz = content.get("rate_hz")
     if not _is_positive(rate_hz):
@@ -106,6 +119,18 @@ def parse_manifest(data: bytes) -> tuple[Manifest | None, list[Problem]]:
         settled_s=_parse_settled(content, problems),
     )
     return manifest, problems
+
+
+def _check_keys(content: dict) -> list[Problem]:
+    """A hint for each key that looks like one that is not there."""
+    absent = [key for key in _KEYS if key not in content]
+    problems = []
+    for key in content:
+        close = get_close_matches(str(key).lower(), absent, n=1, cutoff=0.75)
+        if key not in _KEYS and close:
+            message = f"no key {quoted(key)}, did you mean {close[0]}?"
+            problems.append(warning(MANIFEST, message))
+    return problems
 
 
 def _describe_yaml_error(e: yaml.YAMLError) -> str:

@@ -26,7 +26,7 @@ class Problem:
     def __str__(self) -> str:
         place = self.file
         if self.row is not None:
-            place += f", row {self.row}"
+            place += f", row {self.row} (line {self.row + 1})"
         if self.column is not None:
             place += f", column {self.column}"
         return f"{self.severity}: {place}: {self.message}"

@@ -21,6 +21,19 @@ DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
 _OTHER_UNITS = "%.9g"
 
 
+def check_new_folder(path: Path) -> None:
+    """Checks that a campaign could appear there.
+
+    Raises:
+        OutputError: Something is there already, and is not empty.
+    """
+    try:
+        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+            raise OutputError(f"{path}: exists and is not empty, not replaced")
+    except OSError as e:
+        raise OutputError(f"{path}: cannot be written: {e.strerror}") from e
+
+
 def WriteCampaign(campaign: Campaign, path: str | Path) -> None:
     """Writes campaign.yaml and one CSV file per run.
 
@@ -35,13 +48,12 @@ def WriteCampaign(campaign: Campaign, path: str | Path) -> None:
             lie outside it, or the place cannot be written.
     """
     path = Path(path).absolute()
+    check_new_folder(path)
     outside = [run.file for run in campaign.runs if leaves_folder(run.file)]
     if outside:
         raise OutputError(f"{path}: {outside[0]!r} leaves the folder")
     draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}")
     try:
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise OutputError(f"{path}: exists and is not empty, not replaced")
         draft.mkdir(parents=True)
         _WriteFiles(campaign, draft)
         os.replace(draft, path)

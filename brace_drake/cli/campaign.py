@@ -40,7 +40,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         epilog=_EPILOG,
     )
     AddDevice(parser)
-    parser.add_argument("--plan", metavar="FILE", help="default: the standard")
+    parser.add_argument(
+        "--plan", metavar="FILE", help="runs to record (default: the standard)"
+    )
     AddRecording(parser)
 
 

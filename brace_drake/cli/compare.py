@@ -51,7 +51,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--controllers",
         metavar="A,B",
-        help="of idc, pic, mraic, npic, vpic, pid (default: all)",
+        help="some of idc, pic, mraic, npic, vpic, pid (default: all)",
     )
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="folder for the table"

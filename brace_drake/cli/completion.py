@@ -27,7 +27,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         description="Prints a script that completes commands in the shell.",
         epilog=_EPILOG,
     )
-    parser.add_argument("shell", choices=shtab.SUPPORTED_SHELLS)
+    parser.add_argument(
+        "shell", choices=shtab.SUPPORTED_SHELLS, help="shell that is in use"
+    )
 
 
 def Run(args: argparse.Namespace) -> int:

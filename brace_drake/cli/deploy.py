@@ -52,14 +52,22 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     what.add_argument(
         "--controller",
         metavar="TAG",
-        help="of the bench pic; of a brace any: idc, pic, mraic, npic, vpic or"
-        " pid (default: the scenario's own)",
+        help="controller: of the bench pic; of a brace any of idc, pic, mraic,"
+        " npic, vpic and pid (default: the scenario's own)",
     )
     what.add_argument("--policy", metavar="FILE", help="*.npz of a training")
-    AddMotion(parser, help="default: push; of a policy, that of its training")
+    AddMotion(
+        parser,
+        help="reference (*.csv), or a motion of the library (default: push; of"
+        " a policy, that of its training)",
+    )
     AddRing(parser)
-    parser.add_argument("--dry-run", action="store_true", help="never arm")
-    parser.add_argument("--out", metavar="DIR", help="for log and timing")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="end before the device is armed"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder for log and timing"
+    )
     AddCountdown(parser)
 
 

@@ -8,6 +8,7 @@ import glob
 import importlib.metadata
 import os
 import platform
+import re
 import shutil
 import sys
 import tempfile
@@ -29,6 +30,17 @@ only optional things are.
 """
 _OK, _OPTIONAL, _MISSING = "ok", "optional", "missing"
 _LEAST_MEMORY, _LEAST_DISK = 4.0, 2.0
+# What each extra is for.
+_EXTRAS = {
+    "lab": "files of a lab [lab]",
+    "mcap": "MCAP files [mcap]",
+    "train": "training [train]",
+    "onnx": "networks as ONNX [onnx]",
+    "cluster": "work on several machines [cluster]",
+    "notebooks": "notebooks run by tests [notebooks]",
+    "docs": "building the documentation [docs]",
+    "dev": "developers alone [dev]",
+}
 _PYTHONS = (3, 11), (3, 13)
 
 
@@ -74,6 +86,7 @@ def Run(args: argparse.Namespace) -> int:
 def examine_machine() -> list[Finding]:
     """All findings, in the order of what a newcomer meets."""
     return [
+        Finding("brace_drake", _OK, importlib.metadata.version("brace_drake")),
         _python(),
         *_packages(importlib.metadata.requires("brace_drake") or []),
         _program("dot", "its own layout of drawings; ours needs none"),
@@ -115,6 +128,8 @@ def _package(wanted: Requirement) -> Finding:
     needed = wanted.marker is None or wanted.marker.evaluate({"extra": ""})
     status = _MISSING if needed else _OPTIONAL
     hint = f"pip install '{wanted.name}{wanted.specifier}'"
+    if not needed:
+        hint += f", for {_EXTRAS.get(_extra(wanted), 'an extra')}"
     try:
         found = importlib.metadata.version(wanted.name)
     except importlib.metadata.PackageNotFoundError:
@@ -122,6 +137,12 @@ def _package(wanted: Requirement) -> Finding:
     if wanted.specifier.contains(found, prereleases=True):
         return Finding(wanted.name, _OK, found)
     return Finding(wanted.name, status, f"{found} is another; {hint}")
+
+
+def _extra(wanted: Requirement) -> str:
+    """The first extra that asks for a package."""
+    found = re.search(r'extra == "([^"]+)"', str(wanted.marker))
+    return found.group(1) if found else ""
 
 
 def _program(name: str, what_for: str) -> Finding:

@@ -8,7 +8,11 @@ import signal
 import sys
 import threading
 
-from brace_drake.cli.options import AddCommand
+from brace_drake.cli.options import (
+    AddCommand,
+    not_negative,
+    positive_real,
+)
 from brace_drake.errors import BraceError, LinkError
 
 _EPILOG = """\
@@ -49,47 +53,65 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--scenario",
         metavar="FILE",
-        help="of the bench, or of a brace in task space with linear pads"
+        help="file of the bench, or of a brace in task space with linear pads"
         " (default: nominal bench)",
     )
     parser.add_argument(
-        "--limits", metavar="FILE", help="of the device (default: package's)"
+        "--limits", metavar="FILE", help="the device's own (default: package's)"
     )
     parser.add_argument(
         "--effect",
         action="append",
         default=[],
         metavar="NAME[:P=V,...]",
-        help="of the library, at its first start; twice at most; of a brace"
-        " alike on every stage, but none that changes the bench's numbers",
+        help="effect of the library, at its first start; twice at most; on a"
+        " brace alike on every stage, but none that changes the bench's"
+        " numbers",
     )
     parser.add_argument(
         "--subject",
         metavar="N=V,...",
         default="",
-        help="of the bench, such as torso_mass_kg=35",
+        help="subject on the bench, such as torso_mass_kg=35",
     )
-    parser.add_argument("--serial", default="emulated-1", metavar="TEXT")
-    parser.add_argument("--seed", type=int, default=0, metavar="S")
+    parser.add_argument(
+        "--serial",
+        default="emulated-1",
+        metavar="TEXT",
+        help="serial number that it tells (default: emulated-1)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=not_negative,
+        default=0,
+        metavar="S",
+        help="start of its instruments' noise (default: 0)",
+    )
     parser.add_argument(
         "--free", action="store_true", help="begin without the torso"
     )
     parser.add_argument(
         "--host-paced",
-        type=float,
+        type=positive_real,
         nargs="?",
         const=1.0,
         default=0.0,
         metavar="S",
-        help="device time waits up to S (1) for each answer of an armed host",
+        help="device time waits up to S (default: 1) for each answer of an"
+        " armed host, for a computer too busy to keep real time",
     )
-    parser.add_argument("--duration", type=float, metavar="S")
+    parser.add_argument(
+        "--duration",
+        type=positive_real,
+        metavar="S",
+        help="seconds until it ends by itself (default: it serves on)",
+    )
     parser.add_argument(
         "--fault",
         action="append",
         default=[],
         metavar="LINE",
-        help="as on standard input, from the start",
+        help="line as on standard input, from the start",
     )
 
 

@@ -28,7 +28,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         epilog=_EPILOG,
     )
     AddCampaign(parser)
-    parser.add_argument("--out", required=True, metavar="FILE", help="*.mcap")
+    parser.add_argument(
+        "--out", required=True, metavar="FILE", help="file to make, *.mcap"
+    )
 
 
 def Run(args: argparse.Namespace) -> int:

@@ -30,6 +30,8 @@ Prints the parameters with standard errors; with --out writes fit.json.
 """
 # Evaluations that a fit usually takes; for the estimate of the time left.
 _USUAL = 8
+# Floors of mean square beyond which the subject alone explains no recording.
+_FAR = 2.0
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -48,7 +50,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--solver",
         choices=("snopt", "ipopt", "nlopt"),
         default="snopt",
-        help="default: snopt",
+        help="solver of the MathematicalProgram (default: snopt)",
     )
     AddScenario(parser)
     AddJobs(parser)
@@ -113,4 +115,9 @@ def format_fit(found: dict) -> str:
         f" {correlation[i, j]:.2f} ({names[i]}, {names[j]}),"
         f" {found['solver']}: {found['evaluations']} evaluations"
     )
+    if found["mean_square"] > _FAR:
+        lines.append(
+            "far above 1: the twin lacks something, and its parameters follow"
+            " what it lacks; run brace-drake diagnose"
+        )
     return "\n".join(lines)

@@ -42,7 +42,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "map", metavar="MAP", help="*.yaml, see the example; or *.mcap"
     )
-    parser.add_argument("--out", required=True, metavar="DIR")
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="campaign folder to make"
+    )
 
 
 def Run(args: argparse.Namespace) -> int:

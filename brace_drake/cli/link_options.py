@@ -6,7 +6,12 @@ import argparse
 from collections.abc import Sequence
 
 from brace_drake.campaign.columns import BENCH, BRACE
-from brace_drake.cli.options import AddScenario, names_file
+from brace_drake.cli.options import (
+    AddScenario,
+    names_file,
+    not_negative,
+    positive,
+)
 from brace_drake.errors import CampaignError, ScenarioError
 from brace_drake.hardware.messages import BAUD
 
@@ -14,10 +19,17 @@ from brace_drake.hardware.messages import BAUD
 def AddDevice(parser: argparse.ArgumentParser) -> None:
     """Adds --port, --baud, --clear, --limits and --scenario."""
     parser.add_argument(
-        "--port", required=True, metavar="P", help="such as /dev/ttyACM0"
+        "--port",
+        required=True,
+        metavar="P",
+        help="serial port, such as /dev/ttyACM0",
     )
     parser.add_argument(
-        "--baud", type=int, default=BAUD, metavar="N", help="bits a second"
+        "--baud",
+        type=positive,
+        default=BAUD,
+        metavar="N",
+        help=f"speed of the port, bits a second (default: {BAUD})",
     )
     parser.add_argument(
         "--clear",
@@ -30,7 +42,8 @@ def AddDevice(parser: argparse.ArgumentParser) -> None:
         help="limits to agree on (default: diagrams/limits.yaml)",
     )
     AddScenario(
-        parser, "of the device, bench or brace (default: the nominal bench)"
+        parser,
+        "file of the device, bench or brace (default: the nominal bench)",
     )
 
 
@@ -38,9 +51,9 @@ def AddRing(parser: argparse.ArgumentParser) -> None:
     """Adds --ring."""
     parser.add_argument(
         "--ring",
-        type=int,
+        type=positive,
         metavar="N",
-        help="of a brace, that motions of the library move; the others are"
+        help="ring of a brace that motions of the library move; the others are"
         " held (default: 2)",
     )
 
@@ -48,16 +61,28 @@ def AddRing(parser: argparse.ArgumentParser) -> None:
 def AddCountdown(parser: argparse.ArgumentParser) -> None:
     """Adds --countdown."""
     parser.add_argument(
-        "--countdown", type=int, default=3, metavar="S", help="default: 3"
+        "--countdown",
+        type=not_negative,
+        default=3,
+        metavar="S",
+        help="seconds until it moves (default: 3)",
     )
 
 
 def AddRecording(parser: argparse.ArgumentParser) -> None:
     """Adds --out, --subject, --ring and --countdown."""
     parser.add_argument(
-        "--out", required=True, metavar="DIR", help="campaign's folder"
+        "--out",
+        required=True,
+        metavar="DIR",
+        help="folder of the campaign, made or gone on with",
     )
-    parser.add_argument("--subject", default="", metavar="TEXT")
+    parser.add_argument(
+        "--subject",
+        default="",
+        metavar="TEXT",
+        help="who or what is in the brace, free text",
+    )
     AddRing(parser)
     AddCountdown(parser)
 

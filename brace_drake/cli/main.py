@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
-import importlib
-import importlib.metadata
 import os
 import sys
+from typing import TYPE_CHECKING
 
 # Two threads of ours and BLAS's own would fight over the cores; this must be
 # set before numpy is imported.
@@ -15,6 +13,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from brace_drake.errors import BraceError
 from brace_drake.output import ReleaseFolders
+
+if TYPE_CHECKING:
+    import argparse
 
 _COMMANDS = (
     "check",
@@ -96,7 +97,13 @@ def _PrintNoMore() -> None:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser with all subcommands."""
-    parser = argparse.ArgumentParser(
+    # All that takes time to import comes where Ctrl-C is caught.
+    import argparse
+    import importlib.metadata
+
+    from brace_drake.cli.options import OneLineParser
+
+    parser = OneLineParser(
         prog="brace-drake",
         description="Digital twin of a robotic scoliosis brace that says why"
         " it differs from the real one. Research software, not a medical"

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NoReturn
 
 from tqdm import tqdm
 
@@ -39,6 +41,14 @@ def AddCommand(
     return parser
 
 
+class OneLineParser(argparse.ArgumentParser):
+    """Says what is wrong with the arguments in one line, without the usage."""
+
+    def error(self, message: str) -> NoReturn:
+        text = " ".join(message.split())
+        self.exit(2, f"brace-drake: {text}; see {self.prog} --help\n")
+
+
 def AddCampaign(
     parser: argparse.ArgumentParser, name: str = "campaign", **options
 ) -> None:
@@ -68,15 +78,15 @@ def AddJobs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--cluster",
         metavar="ADDRESS",
-        help="of a Dask scheduler whose workers do the work, as in"
+        help="Dask scheduler whose workers do the work, as in"
         " tcp://host:8786; same results",
     )
     parser.add_argument(
         "--seed",
-        type=int,
+        type=not_negative,
         default=0,
         metavar="S",
-        help="of all random draws (default: 0)",
+        help="start of all random draws (default: 0)",
     )
 
 
@@ -87,7 +97,7 @@ def open_workers_option(args: argparse.Namespace) -> Workers:
 
 def AddScenario(
     parser: argparse.ArgumentParser,
-    help_text: str = "of the nominal bench (default: the one of the package)",
+    help_text: str = "file of the nominal bench (default: the package's)",
 ) -> None:
     """Adds --scenario."""
     parser.add_argument("--scenario", metavar="FILE", help=help_text)
@@ -193,7 +203,7 @@ def AddNoiseSeed(parser: argparse.ArgumentParser) -> None:
         "--noise-seed",
         type=not_negative,
         metavar="N",
-        help="of the instruments' noise (default: exact readings)",
+        help="seed of the instruments' noise (default: exact readings)",
     )
 
 
@@ -210,15 +220,32 @@ def check_training_extra() -> None:
 
 def positive(text: str) -> int:
     """A whole number of at least 1."""
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError("must be at least 1")
-    return value
+    return _whole(text, 1)
 
 
 def not_negative(text: str) -> int:
     """A whole number of at least 0."""
-    value = int(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError("must not be negative")
+    return _whole(text, 0)
+
+
+def _whole(text: str, least: int) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = least - 1
+    if value < least:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a whole number of at least {least}"
+        )
+    return value
+
+
+def positive_real(text: str) -> float:
+    """A finite number above 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
     return value

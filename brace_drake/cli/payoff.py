@@ -43,13 +43,14 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add(
         "--causes",
         metavar="A,B",
-        help="default: coulomb_friction,command_delay,relaxation",
+        help="effects to hide and repair (default:"
+        " coulomb_friction,command_delay,relaxation)",
     )
     add(
         "--severity",
         choices=("small", "medium", "large"),
         default="large",
-        help="default: large",
+        help="size of these effects (default: large)",
     )
     add(
         "--episodes",
@@ -71,7 +72,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         type=positive,
         default=3,
         metavar="N",
-        help="of each controller on each machine (default: 3)",
+        help="pushes of each controller on each machine (default: 3)",
     )
     AddJobs(parser)
 

@@ -58,7 +58,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--axes",
         default="+x+y+z",
         metavar="A",
-        help="of the scan to front, left, up (default: +x+y+z; write --axes=A)",
+        help="axes of the scan to front, left, up (default: +x+y+z; write"
+        " --axes=A)",
     )
     parser.add_argument(
         "--resolution",
@@ -70,7 +71,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--pad-resolution",
         type=float,
         metavar="M",
-        help="the same under pads, m (default: 0.005)",
+        help="largest facet under pads, m (default: 0.005)",
     )
     AddScenario(parser)
 

@@ -28,6 +28,9 @@ is left is its signature; two effects with parallel signatures could not be
 told apart. Nothing has to be recorded for that.
 """
 
+# Floors of gap below which a size has met its limit; from 0.8 to 1.25 are one.
+_SHORT = 0.8
+
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
     """Adds the subcommand `plan`."""
@@ -43,7 +46,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     source.add_argument(
         "--motions",
         metavar="A,B,C",
-        help="of the library (default: those of a common campaign)",
+        help="motions of the library (default: those of a common campaign)",
     )
     source.add_argument(
         "--references",
@@ -51,7 +54,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="folder of references (*.csv) or a campaign",
     )
     parser.add_argument(
-        "--effects", metavar="A,B,C", help="default: all of the library"
+        "--effects",
+        metavar="A,B,C",
+        help="effects to put in (default: all of the library)",
     )
     parser.add_argument("--out", metavar="DIR", help="folder for plan.json")
     AddScenario(parser)
@@ -127,7 +132,13 @@ def format_plan(plan: dict) -> str:
             f" {row['gap_floors']:5.2f} {seen}  {closest:{width}}"
             f" {cosine:5.2f}  {row['leading']}"
         )
-    lines.append("size: makes a gap of about one floor; least: can be seen")
+    lines.append(
+        "size: makes a gap of about one floor; least: can be seen; both in the"
+        " unit that ends the parameter's name"
+    )
+    short = [r["effect"] for r in rows if r["gap_floors"] < _SHORT]
+    if short:
+        lines.append(f"limited before one floor: {', '.join(short)}")
     lines += _pair_lines(plan)
     lines += [f"cannot be seen: {name}" for name in plan["unseen"]]
     lines += [f"the twin breaks down with {name}" for name in plan["broken"]]

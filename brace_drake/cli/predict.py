@@ -14,7 +14,8 @@ example:
       --subject contact_stiffness=1.2 --subject posture_stiffness=0.9
 
 Factors of the subject are on the scenario's numbers: contact_stiffness,
-contact_damping, preload, posture_stiffness, posture_damping, torso_mass.
+contact_damping, preload, posture_stiffness, posture_damping, torso_mass,
+displacement.
 """
 
 
@@ -34,14 +35,16 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--displacement-mm",
         type=float,
         metavar="Y",
-        help="of every ring along y (default: that of the training)",
+        help="displacement of every ring along y, mm (default: that of the"
+        " training)",
     )
     add(
         "--subject",
         action="append",
         default=[],
         metavar="NAME=FACTOR",
-        help="may be repeated",
+        help="factor on a number of the subject, NAME as listed below; may be"
+        " repeated",
     )
     add("--out", metavar="DIR", help="write prediction.json and course.csv")
     add("--onnx", metavar="FILE", help="also write the network as ONNX")
@@ -62,15 +65,19 @@ def Run(args: argparse.Namespace) -> int:
         bound = ", at the bound of its range" if found.at_bound[i] else ""
         print(
             f"{name}: K_d {found.stiffness[i]:.0f} +- {found.spread[i]:.0f}"
-            f" N/m ({found.lowest[i]:.0f} to {found.highest[i]:.0f}){bound},"
+            f" N/m (from {found.lowest[i]:.0f} to {found.highest[i]:.0f} over"
+            f" the motion){bound},"
             f" C_d {found.damping[i]:.1f} N s/m, M_d {found.mass[i]:g} kg;"
             f" error {1e3 * found.error[i]:.3f} mm, force up to"
             f" {found.force[i]:.2f} N"
         )
     if args.out is not None:
         _Write(Path(args.out), found, policy.task.sample_time)
+        print(f"prediction: {Path(args.out) / 'prediction.json'}")
+        print(f"course: {Path(args.out) / 'course.csv'}")
     if args.onnx is not None:
         ExportOnnx(policy, args.onnx)
+        print(f"network: {args.onnx}")
     return 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -59,8 +60,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--torso",
         metavar="FOLDER",
-        help="of personalize: what the hydroelastic rings of a brace meet"
-        " (default: half spaces)",
+        help="folder of `personalize`: what the hydroelastic rings of a brace"
+        " meet (default: half spaces)",
     )
     parser.add_argument(
         "--limits",
@@ -87,8 +88,10 @@ def Run(args: argparse.Namespace) -> int:
             f" {scenario.device!r}"
         )
     from brace_drake.campaign import Campaign, WriteCampaign
+    from brace_drake.campaign.write import check_new_folder
 
     out, ended = Path(args.out), []
+    check_new_folder(out)
     recorded, device, stages, live = record[scenario.device](
         scenario, args, lambda *end: ended.append(end)
     )
@@ -97,6 +100,7 @@ def Run(args: argparse.Namespace) -> int:
     WriteCampaign(
         Campaign(out, device, rate, subject, (recorded,), stages=stages), out
     )
+    _warn_of_errors(out)
     seconds = recorded.time_s[-1]
     print(f"campaign: {out}, {recorded.file}, {seconds:.3f} s")
     _print_stop(*ended[0])
@@ -106,6 +110,16 @@ def Run(args: argparse.Namespace) -> int:
         title = f"{subject}, {recorded.file}"
         PlayStates(args, scenario, states, title, _torso_mesh(args), live)
     return 0
+
+
+def _warn_of_errors(out: Path) -> None:
+    """Says why a campaign that has just been recorded is of no use."""
+    from brace_drake.campaign import CheckCampaign
+
+    for problem in CheckCampaign(out):
+        if problem.severity == "error":
+            print(f"brace-drake: not usable, {problem}", file=sys.stderr)
+            return
 
 
 def _print_stop(station, context) -> None:

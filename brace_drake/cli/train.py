@@ -46,7 +46,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add(
         "--reward",
         choices=("paper", "improved"),
-        help="as the paper writes it, or with a barrier below its force",
+        help="the paper's as written, or with a barrier below its force",
     )
     add(
         "--subjects",
@@ -57,11 +57,20 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add("--episodes", type=positive, metavar="N", help="budget (paper: 1000)")
     add("--envs", type=positive, metavar="N", help="side by side (default: 1)")
     add("--patience", type=not_negative, metavar="N", help="0: no early stop")
-    add("--seed", type=not_negative, metavar="S", help="default: 0")
+    add(
+        "--seed",
+        type=not_negative,
+        metavar="S",
+        help="start of all random draws (default: 0)",
+    )
 
 
 def Run(args: argparse.Namespace) -> int:
     """Trains or resumes; prints where and how well."""
+    if args.resume:
+        _refuse_changes(args)
+    else:
+        task, numbers = _make_records(args)
     check_training_extra()
     from tqdm import tqdm
 
@@ -76,10 +85,8 @@ def Run(args: argparse.Namespace) -> int:
             bar.update(done - bar.n)
 
         if args.resume:
-            _refuse_changes(args)
             result = ResumeTraining(folder, progress)
         else:
-            task, numbers = _make_records(args)
             result = StartTraining(folder, task, numbers, progress)
     why = "patience ran out" if result["stopped"] else "budget used"
     print(

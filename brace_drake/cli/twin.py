@@ -12,7 +12,12 @@ from brace_drake.cli.link_options import (
     load_device_motion,
     load_device_options,
 )
-from brace_drake.cli.options import AddCommand, AddMotion
+from brace_drake.cli.options import (
+    AddCommand,
+    AddMotion,
+    not_negative,
+    positive_real,
+)
 from brace_drake.errors import StoppedError
 
 _EPILOG = """\
@@ -41,19 +46,46 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         epilog=_EPILOG,
     )
     AddDevice(parser)
-    AddMotion(parser, default="reversal", help="default: reversal")
+    AddMotion(
+        parser,
+        default="reversal",
+        help="reference (*.csv), or a motion of the library (default:"
+        " reversal)",
+    )
     AddRing(parser)
     parser.add_argument(
-        "--band", type=float, default=3.0, metavar="X", help="noise floors (3)"
+        "--band",
+        type=positive_real,
+        default=3.0,
+        metavar="X",
+        help="noise floors that a channel may be away without an alarm"
+        " (default: 3)",
     )
     parser.add_argument(
-        "--memory", type=float, default=20.0, metavar="S", help="of k and c"
+        "--memory",
+        type=positive_real,
+        default=20.0,
+        metavar="S",
+        help="seconds over which the contact's stiffness and damping are"
+        " estimated (default: 20)",
     )
-    parser.add_argument("--stop-at-alarm", action="store_true")
     parser.add_argument(
-        "--host", default="127.0.0.1", metavar="A", help="of the page"
+        "--stop-at-alarm", action="store_true", help="end the motion with it"
     )
-    parser.add_argument("--web-port", type=int, default=0, metavar="N")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        metavar="A",
+        help="address that the page is served at (default: 127.0.0.1, this"
+        " machine alone)",
+    )
+    parser.add_argument(
+        "--web-port",
+        type=not_negative,
+        default=0,
+        metavar="N",
+        help="port of the page (default: a free one)",
+    )
     AddCountdown(parser)
 
 

@@ -65,7 +65,11 @@ def Run(args: argparse.Namespace) -> int:
     """Fits where needed, draws, and prints the errors."""
     from brace_drake.campaign import LoadCampaign
     from brace_drake.experiments import validation_figures as figures
-    from brace_drake.experiments.validate import describe, validate_twin
+    from brace_drake.experiments.validate import (
+        choose_run,
+        describe,
+        validate_twin,
+    )
     from brace_drake.resources import example_campaign_path
 
     path = args.campaign or example_campaign_path()
@@ -74,9 +78,11 @@ def Run(args: argparse.Namespace) -> int:
             "name a campaign: the recorded example comes with the source alone"
         )
     campaign = LoadCampaign(path)
+    choose_run(campaign, args.show)
     scenario = load_scenario_option(args.scenario)
+    given = _load_fit(args.fit) if args.fit else None
     out = HoldFolder(Path(args.out))
-    found = _load_fit(args.fit) if args.fit else _fit(campaign, scenario, args)
+    found = given or _fit(campaign, scenario, args)
     shown = validate_twin(campaign, found, scenario, args.show)
     WriteBytes(out / "replay.png", figures.draw_replay(shown.fit))
     regression = figures.draw_regression(shown.regression, shown.fit.run.file)
@@ -112,8 +118,14 @@ def _load_fit(path: str) -> dict:
 
     try:
         found = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise CampaignError(f"{path}: cannot be read: {error}") from error
+    except OSError as error:
+        raise CampaignError(
+            f"{path}: cannot be read: {error.strerror}"
+        ) from error
+    except ValueError:
+        found = None
     if not isinstance(found, dict) or found.get("format") != FORMAT:
-        raise CampaignError(f"{path}: no fit, its format is not {FORMAT!r}")
+        raise CampaignError(
+            f"{path}: is not a fit.json of `brace-drake fit --out`"
+        )
     return found

@@ -44,10 +44,33 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     _add_score(parts)
 
 
+def _add_part(
+    parts, name: str, run, what: str, arguments: str
+) -> argparse.ArgumentParser:
+    return AddCommand(
+        parts,
+        name,
+        run,
+        help=what,
+        description=f"{what.capitalize()}.",
+        epilog=f"example:\n  brace-drake withheld {name} {arguments}\n",
+    )
+
+
 def _add_make(parts: argparse._SubParsersAction) -> None:
-    parser = parts.add_parser("make", help="make sealed cases")
+    parser = _add_part(
+        parts,
+        "make",
+        RunMake,
+        "make sealed cases",
+        "--cases 40 --out cases --vault secret/vault.json",
+    )
     parser.add_argument(
-        "--cases", type=positive, required=True, metavar="N", help="how many"
+        "--cases",
+        type=positive,
+        required=True,
+        metavar="N",
+        help="how many to make",
     )
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="folder for the cases"
@@ -62,37 +85,49 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
         "--seed",
         type=not_negative,
         metavar="S",
-        help="for repeatable cases, which are then not blind (default:"
+        help="makes repeatable cases, which are then not blind (default:"
         " entropy of the operating system)",
     )
-    parser.set_defaults(run=RunMake)
 
 
 def _add_answer(parts: argparse._SubParsersAction) -> None:
-    parser = parts.add_parser("answer", help="diagnose all cases")
+    parser = _add_part(
+        parts, "answer", RunAnswer, "diagnose all cases", "cases --out answers"
+    )
     parser.add_argument("cases", metavar="DIR", help="folder of the cases")
     parser.add_argument(
-        "--out", required=True, metavar="ANSWERS", help="for the diagnoses"
+        "--out",
+        required=True,
+        metavar="ANSWERS",
+        help="folder for the diagnoses",
     )
     AddJobCount(parser, "cases at a time (default: all cores)")
-    parser.set_defaults(run=RunAnswer)
 
 
 def _add_score(parts: argparse._SubParsersAction) -> None:
-    parser = parts.add_parser("score", help="open the vault and compare")
+    parser = _add_part(
+        parts,
+        "score",
+        RunScore,
+        "open the vault and compare the answers with the truth",
+        "cases --vault secret/vault.json --answers answers",
+    )
     parser.add_argument(
         "cases",
         nargs="+",
         metavar="DIR",
         help="folder of the cases; several are scored together",
     )
-    for name, metavar in (("--vault", "FILE"), ("--answers", "ANSWERS")):
+    for name, metavar, what in (
+        ("--vault", "FILE", "vault"),
+        ("--answers", "ANSWERS", "folder of the answers"),
+    ):
         parser.add_argument(
             name,
             nargs="+",
             required=True,
             metavar=metavar,
-            help="of each folder of cases",
+            help=f"{what} of each folder of cases, in the same order",
         )
     parser.add_argument(
         "--detectable",
@@ -107,7 +142,6 @@ def _add_score(parts: argparse._SubParsersAction) -> None:
         metavar="DIR",
         help="folder for score.json, score.txt and reliability.svg",
     )
-    parser.set_defaults(run=RunScore)
 
 
 def RunMake(args: argparse.Namespace) -> int:

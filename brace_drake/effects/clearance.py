@@ -13,7 +13,7 @@ def _law(t, dt, pad, d, p, x):
 CARD = Effect(
     name="clearance",
     block="contact",
-    title="a gap between pad and torso",
+    title="clearance between pad and torso",
     equation="N = k (d - s) + c d' where d > s, else 0; at both pads or one",
     source="Johnson, Contact Mechanics, section 11; a brace that sits loose",
     parameters=(
@@ -28,7 +28,12 @@ CARD = Effect(
             choices=(0.0, 1.0, 2.0),
         ),
         EffectParameter(
-            "clearance_m", "m", 0.0, 0.02, (5e-4, 2e-3), "width s of the gap"
+            "clearance_m",
+            "m",
+            0.0,
+            0.02,
+            (5e-4, 2e-3),
+            "width s of the clearance",
         ),
     ),
     laws={"compression": _law},

@@ -102,8 +102,6 @@ def find_effect(key: str) -> Effect:
     for card in cards.values():
         if key in (card.key, card.name):
             return card
-    close = difflib.get_close_matches(key, cards, n=1, cutoff=0.0)
-    raise EffectError(
-        f"no effect {key!r}; did you mean {close[0]!r}? There are"
-        f" {', '.join(cards)}"
-    )
+    close = difflib.get_close_matches(key, cards, n=1)
+    hint = f", did you mean {close[0]}? There" if close else "; there"
+    raise EffectError(f"no effect {key!r}{hint} are {', '.join(cards)}")

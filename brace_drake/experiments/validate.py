@@ -113,15 +113,10 @@ def validate_twin(
     Raises:
         CampaignError: Not of the bench, no such run, or a fit of another.
     """
-    if campaign.device != BENCH:
-        raise CampaignError(
-            f"{campaign.path}: validated is {BENCH!r}, this is a"
-            f" {campaign.device!r}"
-        )
+    run = choose_run(campaign, run_name)
     twin = BenchTwin(scenario or BenchScenario())
     fitted = _fitted_values(twin, campaign, found)
     start = start_values(twin, contact_starts(twin, campaign))
-    run = _choose(campaign, "fit", run_name)
     held_back = [r for r in campaign.split("validation") if r.contact]
     replays = [_replay(twin, r, start, fitted) for r in (run, *held_back[:1])]
     return Validation(
@@ -198,13 +193,23 @@ def errors(replayed: ReplayedRun) -> dict[str, float]:
     }
 
 
-def _choose(campaign: Campaign, split: str, name: str | None) -> Run:
-    runs = [r for r in campaign.split(split) if r.contact]
+def choose_run(campaign: Campaign, name: str | None) -> Run:
+    """The fit run to show; None: the first in contact.
+
+    Raises:
+        CampaignError: Not of the bench, or no such run.
+    """
+    if campaign.device != BENCH:
+        raise CampaignError(
+            f"{campaign.path}: validated is {BENCH!r}, this is a"
+            f" {campaign.device!r}"
+        )
+    runs = [r for r in campaign.split("fit") if r.contact]
     chosen = [r for r in runs if name in (None, r.name, r.file)]
     if not chosen:
         names = ", ".join(r.name for r in runs) or "none"
         raise CampaignError(
-            f"{campaign.path}: no {split} run {name or ''} in contact; there"
+            f"{campaign.path}: no fit run {name or ''} in contact; there"
             f" are: {names}"
         )
     return chosen[0]

@@ -65,10 +65,10 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
                 "probability": d.verdict.probability,
                 "sentence": verdict_sentence(
                     d.campaign.name,
-                    effects,
+                    winner.effects if winner else (),
                     d.verdict.gap,
                     closed,
-                    _values_text(d, winner),
+                    effect_parameters(winner, d.table) if winner else (),
                 ),
             },
             "where": where,
@@ -170,13 +170,6 @@ def _subject(table: EstimateTable) -> dict:
         "condition_number": table.condition_number,
         "correlation": table.correlation[:n, :n].tolist(),
     }
-
-
-def _values_text(d: Diagnosis, winner) -> str:
-    if winner is None:
-        return ""
-    rows = effect_parameters(winner, d.table)
-    return ", ".join(f"{r['name']} {r['value']:.4g}" for r in rows)
 
 
 def _warnings(d: Diagnosis) -> list[str]:

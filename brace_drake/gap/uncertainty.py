@@ -108,8 +108,9 @@ def _estimates(evaluator, fit, error):
             unit,
             value,
             sigma,
-            value - _Z95 * sigma,
-            value + _Z95 * sigma,
+            # Beyond its limits the parameter has no meaning.
+            max(low, value - _Z95 * sigma),
+            min(high, value + _Z95 * sigma),
             bool(value - low < margin or high - value < margin),
             nominal,
         )

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import islice
+
+from brace_drake.effects.card import Effect
+from brace_drake.effects.choice_words import choice_words
 from brace_drake.effects.registry import find_effect
+from brace_drake.report.words import parameter_text
 
 # Deepest cause first: what lies upstream explains what follows.
 _MOTIONS = {
@@ -17,12 +23,20 @@ _MOTIONS = {
 
 def verdict_sentence(
     name: str,
-    effects: list[str],
+    effects: Sequence[Effect],
     gap: bool,
     closed: float | None,
-    values: str,
+    values: Sequence[dict],
 ) -> str:
-    """One sentence that says what was found."""
+    """One sentence that says what was found.
+
+    Args:
+        name: Of the campaign.
+        effects: Cards of the verdict's effects.
+        gap: Whether there is a gap.
+        closed: Share of it that the effects close on validation runs.
+        values: Rows of `effect_parameters`, one effect's after the other's.
+    """
     if not gap:
         return (
             f"No gap: with the subject's parameters fitted, the twin"
@@ -33,13 +47,37 @@ def verdict_sentence(
             f"There is a gap in {name}, and no effect in the library explains"
             " it."
         )
-    titles = " and ".join(find_effect(e).title for e in effects)
-    text = f"The gap in {name} is {titles} ({values})"
+    left, causes = iter(values), []
+    for effect in effects:
+        size = 1 if effect.spread else len(effect.parameters)
+        own = [_value_text(row) for row in islice(left, size)]
+        causes.append(f"{effect.title} ({', '.join(own)})")
+    text = f"The gap in {name} is explained by {' and '.join(causes)}"
     if closed is not None:
-        text += (
-            f"; adding it closes {100 * closed:.1f} % of the gap on fresh runs"
-        )
+        them = "it" if len(causes) == 1 else "them"
+        text += f"; adding {them} closes {_share_text(closed)} of the gap on"
+        text += " the validation runs"
     return text + "."
+
+
+def _value_text(row: dict) -> str:
+    """A fitted parameter as a reader has it: clearance 2.033 mm."""
+    name, unit, value = row["name"], row["unit"], row["value"]
+    words = choice_words(name, value)
+    if words is not None:
+        return words
+    if unit == "m":
+        value, shown = 1e3 * value, "mm"
+    else:
+        shown = "" if unit == "1" else unit
+    return f"{parameter_text(name, unit)} {value:.4g} {shown}".strip()
+
+
+def _share_text(share: float) -> str:
+    """A share as a percentage; more than all is noise."""
+    if share >= 1.0:
+        return "100 %"
+    return "more than 99.9 %" if share > 0.9995 else f"{100 * share:.1f} %"
 
 
 def next_experiment(

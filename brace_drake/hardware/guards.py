@@ -15,6 +15,24 @@ SPEED_TAU = 0.02
 LEGS = 6
 
 
+# What a trip's index counts, from 1; factor and unit that its values are shown
+# with.
+_SHOWN = {
+    Cause.WATCHDOG: ("", 1e3, "ms"),
+    Cause.LEG_STROKE: ("leg", 1e3, "mm"),
+    Cause.LEG_SPEED: ("leg", 1e3, "mm/s"),
+    Cause.PAD_FORCE: ("moving ring", 1.0, "N"),
+    Cause.TOTAL_FORCE: ("", 1.0, "N"),
+    Cause.RING_POSE: ("moving ring", 1.0, "m or rad"),
+    Cause.TRACKING: ("moving ring", 1.0, "m or rad"),
+    Cause.STALE_DATA: ("", 1e3, "ms"),
+    Cause.LOST_MESSAGES: ("", 1.0, "in a row"),
+    Cause.JUMP: ("leg or moving ring", 1.0, "m or N"),
+    Cause.DISAGREEMENT: ("", 1.0, "s"),
+    Cause.STUCK_LEG: ("leg", 1e3, "mm"),
+}
+
+
 class Trip(NamedTuple):
     """A limit passed: cause, leg or ring from 0, value, limit, SI units."""
 
@@ -27,10 +45,16 @@ class Trip(NamedTuple):
         words = self.cause.name.lower().replace("_", " ")
         if self.limit == 0.0:
             return words
-        return (
-            f"{words}: {self.value:.4g}, allowed {self.limit:.4g}"
-            f" (number {self.index + 1})"
-        )
+        part, factor, unit = _SHOWN.get(self.cause, ("", 1.0, ""))
+        value, limit = factor * self.value, factor * self.limit
+        if self.cause == Cause.STALE_DATA:
+            return (
+                f"{words}: the newest reading is {value:.0f} {unit} old, limit"
+                f" {limit:.0f} {unit} (`stale` of the limits): this computer"
+                " is too slow or too busy"
+            )
+        at = f" ({part} {self.index + 1})" if part else ""
+        return f"{words}: {value:.4g} {unit}, allowed {limit:.4g} {unit}{at}"
 
 
 def update_speed(

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.errors import LimitsError
+from brace_drake.errors import LimitsError, reason
 from brace_drake.hardware.limits import (
     BY_STAGE,
     DEFAULT,
@@ -41,7 +41,7 @@ def LoadLimits(
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        raise LimitsError(f"{path}: cannot be read: {error}") from error
+        raise LimitsError(f"{path}: cannot be read: {reason(error)}") from error
     except yaml.YAMLError as error:
         line = " ".join(str(error).split())
         raise LimitsError(f"{path}: not YAML: {line}") from error

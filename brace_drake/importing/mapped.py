@@ -12,7 +12,7 @@ import yaml
 
 from brace_drake.campaign.columns import DEVICES
 from brace_drake.campaign.recording import Campaign, Run
-from brace_drake.errors import CampaignError
+from brace_drake.errors import CampaignError, reason
 from brace_drake.importing.options import (
     check_options,
     check_rate,
@@ -90,8 +90,9 @@ def _LoadMap(path: Path) -> dict:
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        line = " ".join(str(error).split())
-        raise CampaignError(f"{path}: cannot be read: {line}") from error
+        raise CampaignError(
+            f"{path}: cannot be read: {reason(error)}"
+        ) from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise CampaignError(f"{path}: format must be {FORMAT!r}")
     _check_keys(path, "", content, _KEYS)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import CampaignError
+from brace_drake.errors import CampaignError, reason
 from brace_drake.importing.mcap_file import Columns, LoadMcapTable
 
 
@@ -43,7 +43,9 @@ def _LoadText(path: Path, options: dict) -> Columns:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise CampaignError(f"{path}: cannot be read: {error}") from error
+        raise CampaignError(
+            f"{path}: cannot be read: {reason(error)}"
+        ) from error
     lines = lines[options.get("skip_lines", 0) :]
     if len(lines) < 2:
         raise CampaignError(f"{path}: no rows below a header")

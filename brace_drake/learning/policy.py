@@ -88,9 +88,15 @@ def LoadPolicy(path: str | Path) -> Policy:
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)
+    except OSError as error:
+        raise PolicyError(
+            f"{path}: cannot be read: {error.strerror or error}"
+        ) from error
     # What zip files and their decoders raise on a broken one is not foreseen.
     except Exception as error:
-        raise PolicyError(f"{path}: cannot be read: {error}") from error
+        raise PolicyError(
+            f"{path}: is not a policy (*.npz of `brace-drake train`)"
+        ) from error
     found = arrays.get("format", np.array("none"))
     if found.ndim or found.tolist() != FORMAT:
         raise PolicyError(f"{path}: format {found}; allowed: {FORMAT}")

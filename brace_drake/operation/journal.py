@@ -66,6 +66,7 @@ class Journal:
                 holds it.
             CampaignError: It holds something else.
         """
+        self._is_new = not os.path.exists(folder)
         self.folder = HoldFolder(Path(folder))
         self.head = {
             "format": FORMAT,
@@ -87,8 +88,11 @@ class Journal:
             raise CampaignError(f"{folder}: holds CSV files, but no {MANIFEST}")
 
     def Close(self) -> None:
-        """Lets other processes record into the folder."""
+        """Lets other processes record; a new folder goes if it is empty."""
         ReleaseFolder(self.folder)
+        if self._is_new:
+            with contextlib.suppress(OSError):
+                self.folder.rmdir()
 
     def _Continue(self, path: Path) -> None:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from textwrap import wrap
 
 import numpy as np
 
@@ -24,6 +25,8 @@ from brace_drake.report.words import channel_text, percent
 
 # Channels and panels beyond these would not be read.
 _MOST_CHANNELS, _MOST_PHASES = 14, 6
+# Characters that the titles of all panels have room for.
+_TITLE = 84
 
 
 def draw_attribution(rows: Sequence[dict]) -> str | None:
@@ -93,14 +96,15 @@ def draw_cube(rows: Sequence[dict]) -> str | None:
             at = phases.index(phase), channels.index(channel)
             grids[(*at, bands[band_text(r)])] += _share(r)
     with figure_style():
-        height = 1.15 + 0.235 * len(channels)
+        height = 1.45 + 0.235 * len(channels)
         figure = make_figure(WIDTH, height)
         panels = figure.subplots(1, len(phases), sharey=True, squeeze=False)[0]
         top = grids.max()
         for axes, grid, phase in zip(panels, grids, phases, strict=True):
             axes.imshow(grid, cmap="Oranges", vmin=0, vmax=top, aspect="auto")
             total = percent(float(grid.sum()))
-            axes.set_title(plain(f"{phase or '—'}, {total}"))
+            words = wrap(phase, _TITLE // len(phases)) or ["—"]
+            axes.set_title("\n".join(map(plain, [*words, total])))
             _write_shares(axes, grid, top)
             names = [b.removesuffix(" Hz").replace(" to ", "–") for b in bands]
             axes.set_xticks(range(len(bands)), names, rotation=35, fontsize=7.5)

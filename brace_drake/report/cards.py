@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import all_effects
 from brace_drake.report.access import names, rows, text
 from brace_drake.report.tables import parts_of
@@ -53,9 +54,19 @@ def make_card(name: str, role: str, verdict: dict) -> dict:
         "source": effect.source,
         "signature": effect.signature,
         "experiment": effect.experiment,
-        "parameters": [(p.name, p.meaning) for p in effect.parameters],
+        "parameters": _parameters(effect),
         "impostors": [
             {"name": other, "tell": tell, "rival": other in rivals}
             for other, tell in effect.impostors.items()
         ],
     }
+
+
+def _parameters(effect: Effect) -> list[tuple[str, str]]:
+    """Names and meanings; of many that are drawn alike their deviation."""
+    if effect.spread is None:
+        return [(p.name, p.meaning) for p in effect.parameters]
+    first, last = effect.parameters[0], effect.parameters[-1]
+    count = len(effect.parameters)
+    meaning = f"standard deviation of {count}, {first.name} to {last.name}"
+    return [(effect.spread[0], meaning)]

@@ -44,7 +44,7 @@ def draw_blocks(blocks: Sequence[dict]) -> str | None:
             _draw_bar(axes, i, value, 0.56, color)
             note = times(value)
             if acquitted and note != NOTHING:
-                note += "  acquitted"
+                note += "  within its threshold"
             # Behind the bar and the threshold, whichever reaches further.
             _draw_note(axes, i, max(_placed(value), _placed(limit)), note)
             if _shown(limit):

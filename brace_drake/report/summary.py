@@ -102,12 +102,8 @@ def _number(value: object) -> float | str:
 
 
 def _shown(row: dict) -> dict:
-    interval = [to_number(row[k]) for k in ("closed_lower95", "closed_upper95")]
-    closed = ""
-    if row["closed_lower95"] != "":
-        closed = "{1} to {2} %".format(
-            *percent_interval(row["closed"], *interval)
-        )
+    ends = (row["closed_lower95"], row["closed_upper95"])
+    _, interval = percent_interval(row["closed"], *ends)
     return {
         "campaign": row["campaign"],
         "link": quote(row["report"]),
@@ -121,7 +117,7 @@ def _shown(row: dict) -> dict:
         "after": times(row["gap_after"]),
         "closed": percent(row["closed"]),
         "width": bar_width(row["closed"]),
-        "interval": closed,
+        "interval": interval,
         "error": text(row, "error"),
     }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from brace_drake.effects.choice_words import choice_words
 from brace_drake.report.access import bar_width, names, part, rows, text
 from brace_drake.report.words import (
     NOTHING,
@@ -13,6 +14,7 @@ from brace_drake.report.words import (
     fixed,
     parameter_text,
     percent,
+    percent_interval,
     scale_of,
     significant,
     times,
@@ -20,12 +22,17 @@ from brace_drake.report.words import (
     to_text,
 )
 
+# Floors up to which a gap before is the floor itself.
+_AT_FLOOR = 1.1
+
 
 def parameter_row(parameter: dict) -> dict:
     """Value, error and interval of a parameter to the digits they deserve."""
     keys = ("value", "standard_error", "lower95", "upper95", "nominal")
     found = {key: to_number(parameter.get(key)) for key in keys}
-    unit = text(parameter, "unit")
+    unit, words = text(parameter, "unit"), None
+    if math.isfinite(found["value"]):
+        words = choice_words(text(parameter, "name"), found["value"])
     factor, shown = scale_of(unit, [found["value"], found["nominal"]])
     found = {key: value * factor for key, value in found.items()}
     error = found["standard_error"]
@@ -35,11 +42,12 @@ def parameter_row(parameter: dict) -> dict:
     low = fixed(found["lower95"], decimals)
     high = fixed(found["upper95"], decimals)
     known = NOTHING not in (low, high)
+    name = parameter_text(text(parameter, "name"), unit) or NOTHING
     return {
-        "name": parameter_text(text(parameter, "name"), unit) or NOTHING,
+        "name": name if words is None else "",
         "column": text(parameter, "name"),
         "unit": shown,
-        "value": fixed(found["value"], decimals),
+        "value": words or fixed(found["value"], decimals),
         "error": significant(found["standard_error"], 2, padded=True),
         "interval": f"{low} to {high}" if known else NOTHING,
         "nominal": significant(found["nominal"], 4),
@@ -103,12 +111,13 @@ def block_row(block: dict) -> dict:
 
 def attribution_row(row: dict) -> dict:
     """One block's share of the closed-loop gap."""
-    low, high = (percent(row.get(k)) for k in ("lower95", "upper95"))
-    known = NOTHING not in (low, high)
+    share, interval = percent_interval(
+        *(row.get(k) for k in ("share", "lower95", "upper95"))
+    )
     return {
         "block": text(row, "block") or NOTHING,
-        "share": percent(row.get("share")),
-        "interval": f"{low} to {high}" if known else NOTHING,
+        "share": share,
+        "interval": interval or NOTHING,
         "alone": percent(row.get("alone")),
         "others": names(row, "or"),
     }
@@ -152,6 +161,9 @@ def error_row(label: str, unit: str, row: dict, column: str = "") -> dict:
     known = found[2] if found[2] > 0.0 else least
     decimals = decimals_for(known * factor, math.nan)
     before, after, floor = (fixed(v * factor, decimals) for v in found)
+    # Of a channel that was at its floor there is nothing to close.
+    is_open = not found[0] <= _AT_FLOOR * found[2]
+    closed = row.get("closed") if is_open else None
     return {
         "label": label,
         "column": column,
@@ -159,8 +171,8 @@ def error_row(label: str, unit: str, row: dict, column: str = "") -> dict:
         "before": before,
         "after": after,
         "floor": floor,
-        "closed": percent(row.get("closed")),
-        "width": bar_width(row.get("closed")),
+        "closed": percent(closed),
+        "width": bar_width(closed),
     }
 
 

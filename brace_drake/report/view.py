@@ -32,6 +32,7 @@ from brace_drake.report.tables import (
     gap_row,
     is_searched,
     parameter_row,
+    parts_of,
     receipt_rows,
     shrink_rows,
     therapist_rows,
@@ -51,6 +52,8 @@ from brace_drake.report.words import (
 # More runs than these would not be read, and the file would grow.
 _MOST_TRACES = 4
 _MOST_PLANES = 1
+# Least share of the gap that any verdict asks of an effect that explains it.
+_NEAR = 0.75
 
 
 def make_view(diagnosis: dict, traces: Sequence[RunTrace]) -> dict:
@@ -81,6 +84,8 @@ def _make_head(diagnosis: dict, verdict: dict) -> dict:
         "campaign": text(diagnosis, "campaign") or "unnamed campaign",
         "device": text(diagnosis, "device") or NOTHING,
         "subject": text(diagnosis, "subject_name") or NOTHING,
+        "version": text(part(diagnosis, "receipt", "versions"), "brace_drake")
+        or NOTHING,
         "kind": kind,
         "badge": badge,
         "sentence": text(verdict, "sentence") or "No verdict was reached.",
@@ -136,7 +141,7 @@ def _where_lead(blocks: list[dict]) -> str:
     acquitted = len(blocks) - len(guilty)
     lead = f"Not explained by noise: {', '.join(parts)}."
     if acquitted:
-        lead += f" {acquitted} of {len(blocks)} blocks acquitted."
+        lead += f" {acquitted} of {len(blocks)} blocks within their threshold."
     return lead
 
 
@@ -193,10 +198,7 @@ def _closed(shrink: dict) -> tuple[str, str]:
     interval = [to_number(v) for v in items(shrink, "closed_interval")]
     if len(interval) != 2 or not all(map(math.isfinite, interval)):
         return percent(shrink.get("closed")), ""
-    closed, low, high = percent_interval(shrink.get("closed"), *interval)
-    if closed == NOTHING:
-        return NOTHING, f"{low} to {high} %"
-    return f"{closed} %", f"{low} to {high} %"
+    return percent_interval(shrink.get("closed"), *interval)
 
 
 def _make_subject(subject: dict) -> dict:
@@ -216,6 +218,17 @@ def _make_subject(subject: dict) -> dict:
 
 def _make_notes(diagnosis: dict, verdict: dict) -> dict:
     causes = rows(diagnosis, "causes")
+    chosen = set(names(verdict, "effects"))
+    # What the verdict holds already is part of a fit that has converged.
+    unconverged = [
+        c
+        for c in causes
+        if c.get("converged") is False
+        and is_searched(c)
+        and not set(parts_of(text(c, "effect"))) <= chosen
+    ]
+    far = [c for c in unconverged if to_number(c.get("explained")) < _NEAR]
+    near = [c for c in unconverged if c not in far]
     experiment = part(diagnosis, "next_experiment")
     return {
         "warnings": names(diagnosis, "warnings"),
@@ -223,11 +236,8 @@ def _make_notes(diagnosis: dict, verdict: dict) -> dict:
         "unidentifiable": [
             text(c, "effect") for c in causes if c.get("identifiable") is False
         ],
-        "unconverged": [
-            text(c, "effect")
-            for c in causes
-            if c.get("converged") is False and is_searched(c)
-        ],
+        "unconverged": [text(c, "effect") for c in near],
+        "left_early": [text(c, "effect") for c in far],
         "why": text(experiment, "why"),
         "motion": text(experiment, "motion"),
     }

@@ -95,11 +95,21 @@ def percent(value: object) -> str:
     return text if text == NOTHING else f"{text} %"
 
 
-def percent_interval(middle: object, low: object, high: object) -> list[str]:
+def percent_interval(
+    middle: object, low: object, high: object
+) -> tuple[str, str]:
     """A share and its interval as percentages, with digits that match."""
     shares = [100.0 * to_number(v) for v in (middle, low, high)]
-    decimals = 1 if shares[2] - shares[1] < 5.0 else 0
-    return [fixed(v, decimals) for v in shares]
+    width = shares[2] - shares[1]
+    if not math.isfinite(width):
+        return percent(middle), ""
+    decimals = 0 if width >= 5.0 else 1 if width >= 0.5 else 2
+    share, *ends = (fixed(v, decimals) for v in shares)
+    if ends[0] == ends[1]:
+        interval = f"within 0.01 % of {ends[0]} %"
+    else:
+        interval = f"{ends[0]} to {ends[1]} %"
+    return (share if share == NOTHING else f"{share} %"), interval
 
 
 def times(value: object) -> str:
@@ -133,7 +143,7 @@ def scale_of(unit: str, values: Sequence[float]) -> tuple[float, str]:
 
 def unit_text(unit: str) -> str:
     """A unit as printed: m_s2 becomes m/s²."""
-    known = {"m_s": "m/s", "m_s2": "m/s²", "m/s2": "m/s²", "um": "µm"}
+    known = {"1": "", "m_s": "m/s", "m_s2": "m/s²", "m/s2": "m/s²", "um": "µm"}
     return known.get(unit, unit)
 
 

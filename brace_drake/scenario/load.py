@@ -10,7 +10,7 @@ import numpy as np
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
-from brace_drake.errors import OutputError, ScenarioError
+from brace_drake.errors import OutputError, ScenarioError, reason
 from brace_drake.output import WriteText
 from brace_drake.scenario.bench import DEVICE, BenchScenario
 from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
@@ -47,6 +47,9 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
     path = Path(path)
     text = _read(path)
     data = _parse(text, str(path))
+    if "format" in data:
+        kind = " ".join(repr(data["format"]).split())
+        raise ScenarioError(f"{path}: this is {kind:.60}, not a scenario")
     device = data.get("device", DEVICE)
     if not isinstance(device, str) or device not in SCHEMAS:
         fail(str(path), "device", device, f"one of {', '.join(SCHEMAS)}")
@@ -88,7 +91,9 @@ def _read(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(f"{path}: cannot be read: {error}") from error
+        raise ScenarioError(
+            f"{path}: cannot be read: {reason(error)}"
+        ) from error
 
 
 def _parse(text: str, source: str) -> dict:
@@ -127,7 +132,9 @@ def _check_map(schema: type, data, source: str, at: str) -> None:
     for key, value in data.items():
         path = f"{at}.{key}" if at else str(key)
         if key not in hints:
-            fail(source, path, value, f"no such key{suggest(key, hints)}")
+            path = path if path.isprintable() else repr(path)
+            hint = suggest(key, hints)
+            raise ScenarioError(f"{source}: {path}: no such key{hint}")
         _check_value(hints[key], value, source, path)
 
 

@@ -96,8 +96,10 @@ def LoadScan(
 def _read(path: Path) -> trimesh.Trimesh:
     if path.suffix.lower() not in FORMATS:
         words = ", ".join(FORMATS)
+        found = f"ends in {path.suffix!r}" if path.suffix else "has no ending"
         raise TorsoError(
-            f"{path}: a scan ends in {path.suffix!r}; allowed: {words}"
+            f"{path}: {'is a folder' if path.is_dir() else found}; allowed: a"
+            f" scan, {words}, or measures, *.yaml"
         )
     try:
         mesh = trimesh.load(

@@ -234,10 +234,10 @@ def MakeMotion(name: str) -> SafeMotion:
         CampaignError: No such motion; the message offers the closest.
     """
     if name not in _LIBRARY:
-        close = difflib.get_close_matches(name, MOTIONS, n=1, cutoff=0.0)
+        close = difflib.get_close_matches(name, MOTIONS, n=1)
+        hint = f", did you mean {close[0]}? There" if close else "; there"
         raise CampaignError(
-            f"no motion {name!r}; did you mean {close[0]}? There are"
-            f" {', '.join(MOTIONS)}"
+            f"no motion {name!r}{hint} are {', '.join(MOTIONS)}"
         )
     meaning, contact, kind, duration, calc = _LIBRARY[name]
     time = np.arange(round(duration * RATE_HZ)) / RATE_HZ

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.campaign.columns import BRACE, device_channels
 from brace_drake.campaign.manifest_runs import MANIFEST
 from brace_drake.campaign.read import LoadCampaign
 from brace_drake.campaign.recording import Run
+from brace_drake.campaign.samples import check_range
 from brace_drake.campaign.table import parse_table
 from brace_drake.campaign.write import format_table
 from brace_drake.errors import CampaignError
@@ -17,6 +19,8 @@ from brace_drake.twin.reference import COLUMNS, reference_columns
 
 # Deviation of a step from the mean one, relative.
 _EVEN = 1e-3
+# How far y' may be from the slope of y: of the largest y', and m/s.
+_SPEED_SHARE, _SPEED = 0.1, 5e-4
 # Files with this at the start of their names are run without the torso.
 _FREE = "free"
 # An optional column says it instead: 1 with the torso, 0 without.
@@ -57,6 +61,8 @@ def LoadReference(path: str | Path, rings: tuple[int, ...] = (2,)) -> Run:
         raise CampaignError(f"{path}: no column {missing[0]}")
     channels = {name: np.asarray(columns[name], float) for name in needed}
     _check_time(path, channels["time_s"])
+    for i in moved:
+        _check_motion(path, channels["time_s"], channels, reference_columns(i))
     contact = not path.name.startswith(_FREE)
     if _CONTACT in columns:
         contact = bool(np.any(columns[_CONTACT] == 1))
@@ -76,6 +82,35 @@ def _check_time(path: Path, time: np.ndarray) -> None:
         raise CampaignError(f"{path}: time_s does not increase strictly")
     if np.abs(steps / steps.mean() - 1.0).max() > _EVEN:
         raise CampaignError(f"{path}: time_s is not evenly sampled")
+
+
+def _check_motion(
+    path: Path,
+    time: np.ndarray,
+    channels: dict[str, np.ndarray],
+    names: tuple[str, str, str],
+) -> None:
+    """Each column within what a brace can do, and y' the derivative of y."""
+    known = device_channels(BRACE)
+    for name in names:
+        for problem in check_range(channels[name], known[name], str(path)):
+            raise CampaignError(str(problem).removeprefix("error: "))
+    y, speed = channels[names[0]], channels[names[1]]
+    mean = np.diff(y) / np.diff(time)
+    # Between two samples y' passes through the mean speed, even at a corner.
+    low, high = (
+        np.minimum(speed[:-1], speed[1:]),
+        np.maximum(speed[:-1], speed[1:]),
+    )
+    away = np.maximum(low - mean, mean - high)
+    allowed = _SPEED_SHARE * np.abs(speed).max() + _SPEED
+    if away.max() > allowed:
+        k = int(np.argmax(away > allowed))
+        raise CampaignError(
+            f"{path}: row {k + 2} (line {k + 3}), {names[1]} is"
+            f" {speed[k + 1]:g}, but {names[0]} moves at {mean[k]:.4g} m/s"
+            " there; allowed: its derivative"
+        )
 
 
 def LoadReferences(folder: str | Path) -> tuple[Run, ...]:
