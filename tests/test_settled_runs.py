@@ -72,7 +72,7 @@ class TestTwin(unittest.TestCase):
         prepared = Prepared()
         prepared.motion, prepared.run = motion, run
         prepared.floor = type("Floor", (), {"rms": np.ones(19)})
-        residual = controller.residual(prepared, log, self.subject)
+        residual = controller.residual(prepared, log)(self.subject)
         self.assertLess(np.abs(residual).max(), 0.05)
 
 

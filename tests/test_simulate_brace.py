@@ -160,6 +160,8 @@ class TestCommand(unittest.TestCase):
         k = scenario.contact.ring2.stiffness
         self.assertLess(force, -1.0)
         self.assertAlmostEqual(force / (2.0 * k * off), 1.0, delta=0.1)
+        words = ("--motion", motion, "--out", self.folder / "other")
+        words = (*words, "--torso", torso)
         bench = scenario_path("bench.scenario.yaml")
         code, _, error = run_command("simulate", bench, *words)
         self.assertEqual(code, 2)
