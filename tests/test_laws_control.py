@@ -87,8 +87,9 @@ class TestTick(unittest.TestCase):
         lengths = np.linalg.norm(d, axis=1)
         readings = np.array([*lengths, 0.0, force, 0.0, *np.zeros(3)])
         u, memory = np.empty(6), bench_tick.make_memory(numbers.rest)
-        good = bench_tick.control_tick(
-            readings, np.array(desired), numbers.controller_law, memory, u
+        controller = bench_tick.make_controller(numbers.controller_law, memory)
+        good = bench_tick.advance_tick(
+            readings, np.array(desired), controller, u
         )
         self.assertTrue(good)
         return u, d / lengths[:, None]

@@ -46,12 +46,11 @@ class TestPlant(unittest.TestCase):
         plant = BenchPlant(SCENARIO, seed=None)
         numbers = pack_bench(SCENARIO)
         memory = bench_tick.make_memory(numbers.rest)
+        controller = bench_tick.make_controller(numbers.controller_law, memory)
         plant.u[:], u = 0.0, np.zeros(6)
         for row, desired in zip(log, motion.desired, strict=True):
             readings = plant.advance(u)
-            bench_tick.control_tick(
-                readings, desired, numbers.controller_law, memory, u
-            )
+            bench_tick.advance_tick(readings, desired, controller, u)
             np.testing.assert_array_equal(readings, row[6:18])
             np.testing.assert_array_equal(u, row[:6])
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, polish, refine
@@ -15,6 +13,7 @@ from brace_drake.gap.screen import race
 from brace_drake.gap.second_effect import SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import (
+    closed_amplitude,
     has_gap,
     is_exact,
     is_near_floor,
@@ -85,10 +84,10 @@ def _refine_flexible(evaluator, nominal, flexible) -> list[CandidateFit]:
     With so much freedom less is no sign of them, and the end of their search
     is dear; a race leaves it far from there.
     """
-    before = np.sqrt(1.0 + max(0.0, nominal.excess / evaluator.count)) - 1.0
-    half = ((1.0 + _HALF * before) ** 2 - 1.0) * evaluator.count
-    good = [f for f in flexible if f.excess < half]
-    rest = [f for f in flexible if f.excess >= half]
+    good, rest = [], []
+    for fit in flexible:
+        closed = closed_amplitude(evaluator, nominal, fit)
+        (good if closed >= _HALF else rest).append(fit)
     return [*refine(evaluator, good, nominal.excess), *rest]
 
 

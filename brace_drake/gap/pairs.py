@@ -30,7 +30,7 @@ def search_pairs(
         most: Pairs that are run.
         say: Progress.
         bar: Pairs that promise to leave more are not run.
-        enough: As `most` and `useful` of `search_best`.
+        enough: As `most` of `search_best`.
     """
     pairs = []
     for promise, first, second in foresee_pairs(ground, singles)[:most]:
@@ -40,7 +40,7 @@ def search_pairs(
         if runner is not None:
             runner.promise = promise
             pairs.append(runner)
-    search_best(ground, pairs, say, 1, enough, enough)
+    search_best(ground, pairs, say, 1, enough, must_explain=True)
     return pairs
 
 

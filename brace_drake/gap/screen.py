@@ -93,7 +93,7 @@ def race(
     places: int = _PLACES,
     bar: float = np.inf,
     most: float = np.inf,
-    useful: float = np.inf,
+    must_explain: bool = False,
 ) -> list[Runner]:
     """Runs the leader's effects with each of the cards, at each start.
 
@@ -103,7 +103,7 @@ def race(
         say: Progress.
         places: So many are searched whatever they promise.
         bar: Who promises to leave more is not searched.
-        most, useful: See `search_best`.
+        most, must_explain: See `search_best`.
 
     Returns:
         Runners, those searched with a Jacobian; none is searched where the
@@ -119,7 +119,7 @@ def race(
     for runner in sorted(runners, key=lambda r: r.promise):
         best.setdefault(runner.card.key, runner)
     good = [r for r in best.values() if r.promise <= bar]
-    search_best(ground, good, say, places, most, useful)
+    search_best(ground, good, say, places, most, must_explain)
     return runners
 
 
@@ -129,7 +129,7 @@ def search_best(
     say=lambda what, share: None,
     places: int = _PLACES,
     most: float = np.inf,
-    useful: float = np.inf,
+    must_explain: bool = False,
 ) -> None:
     """Searches the runners that promise most, best first.
 
@@ -140,8 +140,8 @@ def search_best(
         places: So many are searched whatever they promise.
         most: Who promises to leave more and has strayed behind the leader is
             not led back.
-        useful: Who will not come below is given up; where there is such a
-            limit, who promises next to no gain is not searched either.
+        must_explain: Whether who will not come below that is of no use: he is
+            given up, and who promises next to no gain is not searched.
     """
     least, trust = np.inf, _COARSE * ground.evaluator.count
     there = ground.there
@@ -153,10 +153,10 @@ def search_best(
             places = min(places, _PLACES_AT_FLOOR)
         if place >= places and (far_behind or no_gain):
             break
-        if no_gain and np.isfinite(useful):
+        if no_gain and must_explain:
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
-        if _search(ground, runner, least, trust, most, useful):
+        if _search(ground, runner, least, trust, most, must_explain):
             least = max(0.0, min(least, runner.fit().excess))
 
 
@@ -166,7 +166,7 @@ def _search(
     least: float,
     trust: float,
     most: float,
-    useful: float,
+    must_explain: bool,
 ) -> bool:
     """Rounds of steps while they bring much; False if its twin breaks down.
 
@@ -184,14 +184,14 @@ def _search(
         # The first round may have begun far behind the leader.
         is_first = done == 1
         hoped = left * (_GOOD_ROUND if is_first else rate) ** (_ROUNDS - done)
-        if hoped > useful:
+        if must_explain and hoped > most:
             break
         if not is_first and hoped > _FACTOR * (least + trust):
             break
         before = left
     could_lead = runner.promise < _FACTOR * (least + trust)
     is_broken = trust < left and runner.promise < _BROKEN * left
-    has_strayed = left > ground.there and np.isfinite(useful)
+    has_strayed = must_explain and left > ground.there
     if could_lead and is_broken and not (is_lost or has_strayed):
         # Far from the leader his sensitivities may lead nowhere.
         return step(ground, runner, _STEPS, own=True)

@@ -233,6 +233,7 @@ class SecondEffects:
         if flexible:
             # With so much freedom they have to promise much.
             bar = min(bar, _HALF * leader.excess)
-        most = self._most
-        found = race(beside, others, say, bar=bar, most=most, useful=most)
+        found = race(
+            beside, others, say, bar=bar, most=self._most, must_explain=True
+        )
         self._keep(found, leader.excess, bar)

@@ -61,12 +61,3 @@ def advance_tick(readings, desired, controller, commands):
         X_v, impedance, places, commands,
     )  # fmt: skip
     return result == brace_control.GOOD
-
-
-@njit(cache=True)
-def control_tick(readings, desired, law, memory, commands):
-    """One tick as `advance_tick`, with law (102,) and memory (62,) as they
-    are.
-    """
-    controller = make_controller(law, memory)
-    return advance_tick(readings, desired, controller, commands)
