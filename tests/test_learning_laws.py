@@ -78,7 +78,7 @@ class TestBarrier(unittest.TestCase):
     def test_it_is_free_below_its_share_and_costs_its_weight_at_the_limit(self):
         limit = np.full(4, 4.0)
         cost = barrier(np.array([3.2, -4.0, 3.6, 4.8]), limit, 0.8)
-        np.testing.assert_allclose(cost, [0, -1, -0.25, -4], atol=1e-12)
+        np.testing.assert_allclose(cost, [0, -1, -0.25, -3], atol=1e-12)
 
     def test_the_improved_reward_wants_tracking_and_calm(self):
         best = calc_reward(REST, np.zeros(1), improved())
@@ -88,7 +88,7 @@ class TestBarrier(unittest.TestCase):
         )
         self.assertAlmostEqual(late["position"], 4 + 2 / math.e, places=12)
         nervous = calc_reward(REST, np.array([0.5]), improved())
-        self.assertEqual(nervous["smoothness"], -0.25)
+        self.assertEqual(nervous["smoothness"], -1.25)
 
 
 class TestLimits(unittest.TestCase):

@@ -110,13 +110,14 @@ def _python() -> Finding:
 
 def _packages(requirements: list[str]) -> Iterator[Finding]:
     """What the package requires, extras after what is always needed."""
-    seen: set[str] = set()
-    for line in requirements:
-        wanted = Requirement(line)
-        if wanted.name in seen or wanted.name == "brace_drake":
-            continue
-        seen.add(wanted.name)
-        yield _package(wanted)
+    found: dict[str, Requirement] = {}
+    # Developers ask for all that other extras ask for.
+    for wanted in sorted(
+        map(Requirement, requirements), key=lambda w: _extra(w) == "dev"
+    ):
+        found.setdefault(wanted.name, wanted)
+    found.pop("brace_drake", None)
+    yield from map(_package, found.values())
     if platform.system() == "Linux":
         there = ctypes.util.find_library("glib-2.0") is not None
         hint = "there" if there else "apt-get install libglib2.0-0"
@@ -128,14 +129,16 @@ def _package(wanted: Requirement) -> Finding:
     needed = wanted.marker is None or wanted.marker.evaluate({"extra": ""})
     status = _MISSING if needed else _OPTIONAL
     hint = f"pip install '{wanted.name}{wanted.specifier}'"
+    use = ""
     if not needed:
-        hint += f", for {_EXTRAS.get(_extra(wanted), 'an extra')}"
+        use = f", for {_EXTRAS.get(_extra(wanted), 'an extra')}"
+        hint += use
     try:
         found = importlib.metadata.version(wanted.name)
     except importlib.metadata.PackageNotFoundError:
         return Finding(wanted.name, status, hint)
     if wanted.specifier.contains(found, prereleases=True):
-        return Finding(wanted.name, _OK, found)
+        return Finding(wanted.name, _OK, found + use)
     return Finding(wanted.name, status, f"{found} is another; {hint}")
 
 

@@ -106,12 +106,20 @@ def _nearest_block(d: Diagnosis) -> list[str]:
 
 
 def _accused(ladder: list[dict]) -> list[str]:
-    """The block with the largest share, where one is accused at all."""
-    accused = [r for r in ladder if not r["acquitted"]]
-    known = [r for r in accused if r["block"] != "controller"]
+    """The block with the largest share of what is above its threshold.
+
+    Where all are within theirs, as of a gap of about the noise, the one that
+    is nearest to it.
+    """
+    known = [r for r in ladder if r["block"] != "controller"]
     if not known:
         return []
-    return [max(known, key=lambda r: r["share"])["block"]]
+    return [max(known, key=_suspicion)["block"]]
+
+
+def _suspicion(row: dict) -> tuple[float, float]:
+    near = (row["normalised_rms"] - 1.0) / (row["threshold"] - 1.0)
+    return row["share"], near
 
 
 def _where(d: Diagnosis) -> dict:

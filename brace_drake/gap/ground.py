@@ -27,16 +27,28 @@ class Ground:
     Args:
         evaluator: Over the fit runs.
         leader: The nominal fit, or one whose effects stay in.
+        with_prior: Whether what the leader's parameters cost counts too. Where
+            dozens of them cover what another effect does, that is where it
+            shows.
 
     Raises:
         BraceError: The twin breaks down there at the coarse plant step.
     """
 
-    def __init__(self, evaluator: Evaluator, leader: CandidateFit):
+    def __init__(
+        self,
+        evaluator: Evaluator,
+        leader: CandidateFit,
+        with_prior: bool = False,
+    ):
         self.evaluator, self.leader = evaluator, leader
-        self.rows = evaluator.ends[-1]
+        self.rows, self._with_prior = evaluator.ends[-1], with_prior
+        if with_prior:
+            self.rows += leader.num_prior
         self.sensitivities = leader.solution.jacobian[: self.rows]
         problem = CandidateProblem(evaluator, leader.effects, leader.values)
+        if leader.spread is not None:
+            problem.spread = leader.spread / problem.spread_scale
         z = leader.solution.z
         self._room = problem.lower - z, problem.upper - z
         (residual,) = problem.batch([z], coarse=True)
@@ -63,7 +75,7 @@ class Ground:
     @property
     def is_exact(self) -> bool:
         """Whether the leader leaves nothing for another effect to explain."""
-        return is_exact(self.evaluator, self.leader)
+        return not self._with_prior and is_exact(self.evaluator, self.leader)
 
     def foresee(
         self,
@@ -118,7 +130,8 @@ class Ground:
             columns = problem.columns(z, n, residual)
             out = np.zeros((len(residual), len(z)))
             out[: self.rows, :n] = self.sensitivities
-            out[self.rows :] = problem.prior_jacobian()
+            prior = problem.prior_jacobian()
+            out[len(out) - len(prior) :] = prior
             out[:, n:] = columns
             return out
 

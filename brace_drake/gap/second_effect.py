@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
@@ -113,10 +114,48 @@ class SecondEffects:
         # On the way a better single one may have shown.
         singles = [f for f in plausible(self._all()) if len(f.effects) == 1]
         leader = next(iter(singles), self._nominal)
-        half = closed_amplitude(self._evaluator, self._nominal, leader) >= _HALF
-        if half and not self._is_done():
+        if self._is_half(leader) and not self._is_done():
             self._try_all_beside(leader, say)
+        strayed = self._strayed()
+        if strayed and not (self.is_cut or self._is_settled()):
+            self._try_to_lead_back(strayed[0], say)
         return self._best_of_each()
+
+    def _is_half(self, fit: CandidateFit) -> bool:
+        """Whether a fit closes about half of the gap."""
+        return closed_amplitude(self._evaluator, self._nominal, fit) >= _HALF
+
+    def _strayed(self) -> list[CandidateFit]:
+        """Single effects that close about half by what is no draw, best first.
+
+        Dozens of parameters go astray to cover what another effect does.
+        """
+        singles = [f for f in refined(self._all()) if len(f.effects) == 1]
+        return [f for f in singles if not f.is_scattered and self._is_half(f)]
+
+    def _try_to_lead_back(self, leader: CandidateFit, say: Say) -> None:
+        """Second effects beside one whose parameters went astray.
+
+        The right one makes them a draw again: what they cost counts too.
+        """
+        try:
+            beside = Ground(self._evaluator, leader, with_prior=True)
+        except BraceError:
+            return
+        cards = self._others(leader, flexible=False)
+        runners = race(beside, cards, say, places=0, bar=-np.inf)
+        best = {}
+        for runner in sorted(runners, key=lambda r: r.promise):
+            best.setdefault(runner.card.key, runner)
+        tried = list(best.values())[:_SEARCHED]
+        say(f"beside {leader.name}", 0.5)
+        tried = [r for r in tried if step(beside, r, _STEPS)]
+        tried.sort(key=lambda r: r.residual @ r.residual)
+        for runner in tried[:1]:
+            left = runner.residual @ runner.residual - beside.noise
+            usual = leader.num_prior
+            if left - usual < _HALF * (beside.there - usual):
+                self._found.append(try_refine(self._evaluator, runner.fit()))
 
     def _best_of_each(self) -> list[CandidateFit]:
         """Fits found, of the same effects the best one."""
@@ -222,13 +261,7 @@ class SecondEffects:
         Two effects need not look like the sum of their small selves.
         """
         leader = beside.leader
-        cards = effects_for(self._evaluator.twin.device).values()
-        others = [
-            c
-            for c in cards
-            if c.is_flexible == flexible
-            and not any(c.is_alike(e) for e in leader.effects)
-        ]
+        others = self._others(leader, flexible)
         bar = self._bar()
         if flexible:
             # With so much freedom they have to promise much.
@@ -237,3 +270,12 @@ class SecondEffects:
             beside, others, say, bar=bar, most=self._most, must_explain=True
         )
         self._keep(found, leader.excess, bar)
+
+    def _others(self, leader: CandidateFit, flexible: bool) -> list[Effect]:
+        """Cards that are no other form of what the leader has."""
+        return [
+            c
+            for c in effects_for(self._evaluator.twin.device).values()
+            if c.is_flexible == flexible
+            and not any(c.is_alike(e) for e in leader.effects)
+        ]
