@@ -189,6 +189,9 @@ def _cut(run, end):
     return replace(run, channels={k: v[keep] for k, v in run.channels.items()})
 
 
+PIC = Contestant("pic", "pic")
+
+
 class TestPackagedPolicy(unittest.TestCase):
     def test_it_tracks_within_the_papers_table_1_and_below_4_N(self):
         policy = LoadPolicy(policy_path())
@@ -201,6 +204,19 @@ class TestPackagedPolicy(unittest.TestCase):
             )
         self.assertLess(score.start_rate, 0.6e-3)
         self.assertFalse(score.violates)
+
+    def test_it_gives_way_to_a_stiff_wearer_whom_pic_presses_too_hard(self):
+        policy = LoadPolicy(policy_path())
+        arena = Arena(policy.task)
+        stiff = replace(
+            NOMINAL, factors={**NOMINAL.factors, "posture_stiffness": 1.45}
+        )
+        scores = [
+            score_rollout(arena, arena.run(who, stiff))
+            for who in (Contestant("rlpic", policy=policy), PIC)
+        ]
+        self.assertEqual([s.violates for s in scores], [False, True])
+        self.assertLess(scores[0].peak_force, 4.0)
 
 
 class TestSearch(unittest.TestCase):

@@ -162,7 +162,7 @@ def _on_unseen_need(evaluation: Evaluation, name: str) -> str:
         )
     ]  # fmt: skip
     better = all(
-        np.mean(count(name)) < np.mean(count(who))
+        np.mean(count(name)) <= np.mean(count(who))
         and np.mean(middle(name)) < np.mean(middle(who))
         for who in ("pic", "constant")
     )
@@ -173,9 +173,9 @@ def _on_unseen_need(evaluation: Evaluation, name: str) -> str:
         and 1e3 * np.median([s.y_rms for s in row]) <= np.mean(middle(name))
     ]
     verdict = (
-        "It is better than both in both."
+        "It tracks better than both and violates no more."
         if better
-        else "It is not better than both in both."
+        else "It does not track better than both while violating no more."
     )
     if dominated:
         verdict += (

@@ -13,6 +13,11 @@ from scipy.optimize import lsq_linear
 # of few columns only while they take this share of the cost.
 _KEPT_PROMISE = 0.7
 _FEW, _FAST = 12, 0.5
+# Of many columns combinations are hardly told of, and steps along them go too
+# far: where a step does not keep its promise, these shares of the diagonal of
+# J'J are added and the best step is taken (Marquardt, SIAM J. Appl. Math. 11,
+# 1963).
+_DAMPED = (1e-4, 1e-3, 1e-2)
 
 
 class Batch(Protocol):
@@ -82,13 +87,30 @@ def bounded_step(
     radius: np.ndarray,
 ) -> np.ndarray:
     """Least-squares step inside the limits and a box of given radius."""
+    limits = lower, upper, radius
+    return _damped_steps(jacobian, residual, z, *limits, (0.0,))[0]
+
+
+def _damped_steps(
+    jacobian, residual, z, lower, upper, radius, shares
+) -> list[np.ndarray]:
+    """Steps with shares of the diagonal of J'J added."""
     # The normal equations by QR keep the small problem exact and cheap.
     r = np.linalg.qr(np.column_stack([jacobian, residual]), mode="r")
     triangle, target = r[:-1, :-1], -r[:-1, -1]
     low = np.maximum(lower - z, -radius)
     high = np.minimum(upper - z, radius)
     high = np.maximum(high, low + 1e-15)
-    return lsq_linear(triangle, target, (low, high), method="bvls").x
+    size, steps = np.linalg.norm(triangle, axis=0), []
+    for share in shares:
+        matrix, right = triangle, target
+        if share > 0.0:
+            matrix = np.vstack([triangle, np.diag(np.sqrt(share) * size)])
+            right = np.append(target, np.zeros(len(z)))
+        steps.append(
+            lsq_linear(matrix, right, (low, high), method="bvls").x
+        )
+    return steps
 
 
 def solve_gauss_newton(
@@ -105,8 +127,8 @@ def solve_gauss_newton(
 ) -> LeastSquaresSolution:
     """Minimises the sum of squares of a simulated residual in a box.
 
-    Gauss-Newton; a step that does not help is halved up to three times. The
-    Jacobian is kept (the chord method) as long as steps bring what it has
+    Gauss-Newton; a step that does not help is halved up to three times, of
+    many parameters damped before. The Jacobian is kept (the chord method) as long as steps bring what it has
     promised; the search ends when a step with a new one brings nothing.
 
     Args:
@@ -138,13 +160,14 @@ def solve_gauss_newton(
         fresh = stale
         if stale:
             jacobian = differentiate(z, residual)
-        step = bounded_step(jacobian, residual, z, lower, upper, radius)
         cost = float(residual @ residual)
-        left = residual + jacobian @ step
-        promised = cost - float(left @ left)
-        accepted = _first_improvement(batch, z, step, cost, lower, upper)
-        decrease = 0.0
+        accepted = _improve(
+            batch, z, residual, jacobian, (lower, upper, radius)
+        )
+        decrease = promised = 0.0
         if accepted is not None:
+            left = residual + jacobian @ (accepted[0] - z)
+            promised = cost - float(left @ left)
             z, residual = accepted
             decrease = cost - float(residual @ residual)
         small = decrease < tolerance * max(cost, 1.0)
@@ -156,11 +179,32 @@ def solve_gauss_newton(
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
-def _first_improvement(batch, z, step, cost, lower, upper):
-    """The full step or the first of its halves that lowers the cost."""
-    for scale in (1.0, 0.5, 0.25, 0.125):
-        trial = np.clip(z + scale * step, lower, upper)
-        (residual,) = batch([trial])
-        if residual is not None and residual @ residual < cost:
-            return trial, residual
+def _improve(batch, z, residual, jacobian, limits):
+    """The full step, or a shorter one that lowers the cost, or None."""
+    cost = float(residual @ residual)
+    lower, upper, _ = limits
+    step = bounded_step(jacobian, residual, z, *limits)
+    if len(z) > _FEW:
+        left = residual + jacobian @ step
+        wanted = cost - _KEPT_PROMISE * (cost - float(left @ left))
+        found = _try_steps(batch, z, [step], lower, upper)
+        if not found or found[0][1] @ found[0][1] > wanted:
+            steps = _damped_steps(jacobian, residual, z, *limits, _DAMPED)
+            found += _try_steps(batch, z, steps, lower, upper)
+        best = min(found, key=lambda item: item[1] @ item[1], default=None)
+        if best is not None and best[1] @ best[1] < cost:
+            return best
+        step = 0.5 * step
+    for _ in range(4 if len(z) <= _FEW else 3):
+        found = _try_steps(batch, z, [step], lower, upper)
+        if found and found[0][1] @ found[0][1] < cost:
+            return found[0]
+        step = 0.5 * step
     return None
+
+
+def _try_steps(batch, z, steps, lower, upper):
+    """Points and residuals after steps, those that could be evaluated."""
+    points = [np.clip(z + step, lower, upper) for step in steps]
+    found = zip(points, batch(points), strict=True)
+    return [(p, r) for p, r in found if r is not None]

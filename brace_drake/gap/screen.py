@@ -202,9 +202,11 @@ def step(ground: Ground, runner: Runner, count: int, own: bool = False) -> bool:
     """Steps of a search; False where its twin breaks down.
 
     With sensitivities of the leader's parameters that are the leader's, or
-    `own` ones of where the search is.
+    `own` ones of where the search is, as an effect of dozens of parameters
+    always has: it goes far from the leader.
     """
     problem = runner.problem
+    own = own or runner.card.spread is not None
     differentiate = ground.differentiate(problem)
     if own:
         differentiate = partial(_differentiate, problem)

@@ -15,7 +15,14 @@ from brace_drake.gap.contenders import best_fits, refine, try_refine
 from brace_drake.gap.evaluation import is_dithered
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.pairs import search_pairs
-from brace_drake.gap.screen import Runner, make_runner, race, search_best, step
+from brace_drake.gap.screen import (
+    Runner,
+    line_up,
+    make_runner,
+    race,
+    search_best,
+    step,
+)
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.verdict import (
     closed_amplitude,
@@ -126,12 +133,21 @@ class SecondEffects:
         return closed_amplitude(self._evaluator, self._nominal, fit) >= _HALF
 
     def _strayed(self) -> list[CandidateFit]:
-        """Single effects that close about half by what is no draw, best first.
+        """Single effects of dozens of parameters that close about half, but
+        leave too much or are no draw; best first.
 
-        Dozens of parameters go astray to cover what another effect does.
+        They go astray to cover what another effect does.
         """
-        singles = [f for f in refined(self._all()) if len(f.effects) == 1]
-        return [f for f in singles if not f.is_scattered and self._is_half(f)]
+        found = [
+            f
+            for f in self._all()
+            if len(f.effects) == 1
+            and f.spread is not None
+            and f.solution.jacobian is not None
+            and self._is_half(f)
+            and not (f.refined and f.is_scattered)
+        ]
+        return sorted(found, key=lambda f: f.excess)
 
     def _try_to_lead_back(self, leader: CandidateFit, say: Say) -> None:
         """Second effects beside one whose parameters went astray.
@@ -142,14 +158,16 @@ class SecondEffects:
             beside = Ground(self._evaluator, leader, with_prior=True)
         except BraceError:
             return
-        cards = self._others(leader, flexible=False)
-        runners = race(beside, cards, say, places=0, bar=-np.inf)
+        runners = []
+        for card in self._others(leader, flexible=False):
+            say(f"cause {leader.name}+{card.key}", 0.5)
+            runners += line_up(beside, card)
         best = {}
         for runner in sorted(runners, key=lambda r: r.promise):
             best.setdefault(runner.card.key, runner)
-        tried = list(best.values())[:_SEARCHED]
-        say(f"beside {leader.name}", 0.5)
-        tried = [r for r in tried if step(beside, r, _STEPS)]
+        tried = [
+            r for r in list(best.values())[:_SEARCHED] if step(beside, r, _STEPS)
+        ]
         tried.sort(key=lambda r: r.residual @ r.residual)
         for runner in tried[:1]:
             left = runner.residual @ runner.residual - beside.noise

@@ -57,7 +57,7 @@ def improved() -> RewardNumbers:
         force_weight=np.array([0.0, 30, 0, 0, 0, 0]),
         position_scale=np.array([5000.0, 2500, 5000, 50, 50, 50]),
         velocity_scale=np.full(6, 1000.0),
-        barrier_share=0.85,
+        barrier_share=0.9,
         smoothness_weight=5.0,
     )
 
