@@ -8,6 +8,7 @@ import argparse
 import dataclasses
 import os
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -28,9 +29,10 @@ from brace_drake.gap.diagnose import diagnose
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.make import full_task
 from brace_drake.learning.subjects import EffectRange, SubjectRanges
-from brace_drake.learning.task import LearningTask
+from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.scenario.load import SaveScenario
 from brace_drake.simulate import SimulateBench
 from brace_drake.station import MakeBenchStation
 from brace_drake.twin.bench_twin import BenchTwin
@@ -97,25 +99,20 @@ def time_env(task):
     return env.task.max_steps / (time.process_time() - start)
 
 
+def hydroelastic_task(folder):
+    """The task on pads of hydroelastic contact; it runs on the diagram."""
+    task = LearningTask(backend="diagram")
+    scenario = load_task_scenario(task)
+    scenario.contact.ring2.model = "hydroelastic"
+    file = Path(folder) / "hydroelastic.scenario.yaml"
+    SaveScenario(scenario, file)
+    return dataclasses.replace(task, scenario=str(file), max_steps=60)
+
+
 def time_learning():
     """Prints the rows of learning: envs, a decision, an update."""
-    print(f"{'learning':44} {'steps / s':>10}")
-    effects = [EffectRange("coulomb_friction"), EffectRange("force_lag")]
-    for label, task in (
-        ("one stage", LearningTask()),
-        (
-            "one stage, two effects",
-            LearningTask(subjects=SubjectRanges(effects=effects)),
-        ),
-        ("three stages", full_task()),
-        ("one stage, Drake diagram", LearningTask(backend="diagram")),
-        (
-            "three stages, Drake diagram",
-            dataclasses.replace(full_task(), backend="diagram", max_steps=60),
-        ),
-    ):
-        speed = max(time_env(task) for _ in range(3))
-        print(f"{label:44} {speed:10.0f}")
+    with tempfile.TemporaryDirectory() as folder:
+        time_envs(folder)
     policy = random_policy(LearningTask(), hidden=256)
     observation = np.full(7, 1e-3)
     policy.act(observation)
@@ -132,6 +129,28 @@ def time_learning():
     learner.advance()
     speed = learner.numbers.horizon / (time.process_time() - start)
     print(f"{'training, updates included':44} {speed:10.0f}")
+
+
+def time_envs(folder):
+    """Prints the rows of the envs; `folder` is for their files."""
+    print(f"{'learning':44} {'steps / s':>10}")
+    effects = [EffectRange("coulomb_friction"), EffectRange("force_lag")]
+    for label, task in (
+        ("one stage", LearningTask()),
+        (
+            "one stage, two effects",
+            LearningTask(subjects=SubjectRanges(effects=effects)),
+        ),
+        ("three stages", full_task()),
+        ("one stage, Drake diagram", LearningTask(backend="diagram")),
+        ("one stage, hydroelastic, diagram", hydroelastic_task(folder)),
+        (
+            "three stages, Drake diagram",
+            dataclasses.replace(full_task(), backend="diagram", max_steps=60),
+        ),
+    ):
+        speed = max(time_env(task) for _ in range(3))
+        print(f"{label:44} {speed:10.0f}")
 
 
 def main():

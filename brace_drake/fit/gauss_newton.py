@@ -9,14 +9,15 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import lsq_linear
 
-# A Jacobian is kept while steps bring this share of what it promised, and one
-# of few columns only while they take this share of the cost.
+# A Jacobian is kept while steps bring this share of what it promised, and take
+# this share of the cost: less where its columns are many, and dear.
 _KEPT_PROMISE = 0.7
-_FEW, _FAST = 12, 0.5
+_FEW, _FAST, _FAST_OF_MANY = 12, 0.5, 0.2
 # Of many columns combinations are hardly told of, and steps along them go too
-# far: where a step does not keep its promise, these shares of the diagonal of
-# J'J are added and the best step is taken (Marquardt, SIAM J. Appl. Math. 11,
-# 1963).
+# far: where a step leaves more than this many times what it promised to leave,
+# these shares of the diagonal of J'J are added and the best step is taken
+# (Marquardt, SIAM J. Appl. Math. 11, 1963).
+_AS_PROMISED = 1.1
 _DAMPED = (1e-4, 1e-3, 1e-2)
 
 
@@ -107,9 +108,7 @@ def _damped_steps(
         if share > 0.0:
             matrix = np.vstack([triangle, np.diag(np.sqrt(share) * size)])
             right = np.append(target, np.zeros(len(z)))
-        steps.append(
-            lsq_linear(matrix, right, (low, high), method="bvls").x
-        )
+        steps.append(lsq_linear(matrix, right, (low, high), method="bvls").x)
     return steps
 
 
@@ -128,8 +127,9 @@ def solve_gauss_newton(
     """Minimises the sum of squares of a simulated residual in a box.
 
     Gauss-Newton; a step that does not help is halved up to three times, of
-    many parameters damped before. The Jacobian is kept (the chord method) as long as steps bring what it has
-    promised; the search ends when a step with a new one brings nothing.
+    many parameters damped before. The Jacobian is kept (the chord method) as
+    long as steps bring what it has promised; the search ends when a step with
+    a new one brings nothing.
 
     Args:
         batch: Residuals of many points at once.
@@ -161,32 +161,36 @@ def solve_gauss_newton(
         if stale:
             jacobian = differentiate(z, residual)
         cost = float(residual @ residual)
-        accepted = _improve(
-            batch, z, residual, jacobian, (lower, upper, radius)
-        )
-        decrease = promised = 0.0
+        step = bounded_step(jacobian, residual, z, lower, upper, radius)
+        left = residual + jacobian @ step
+        promised = cost - float(left @ left)
+        limits = lower, upper, radius
+        wanted = _AS_PROMISED * float(left @ left)
+        accepted = _improve(batch, z, step, residual, jacobian, limits, wanted)
+        decrease = 0.0
         if accepted is not None:
-            left = residual + jacobian @ (accepted[0] - z)
-            promised = cost - float(left @ left)
             z, residual = accepted
             decrease = cost - float(residual @ residual)
         small = decrease < tolerance * max(cost, 1.0)
         if small and fresh:
             converged = True
             break
-        slow = decrease < _FAST * cost and len(z) <= _FEW
+        fast = _FAST if len(z) <= _FEW else _FAST_OF_MANY
+        slow = decrease < fast * cost
         stale = small or slow or decrease < _KEPT_PROMISE * promised
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
-def _improve(batch, z, residual, jacobian, limits):
-    """The full step, or a shorter one that lowers the cost, or None."""
+def _improve(batch, z, step, residual, jacobian, limits, wanted):
+    """The full step, or a shorter one that lowers the cost, or None.
+
+    Of many parameters damped steps are tried where the full one leaves more
+    than is `wanted`.
+    """
     cost = float(residual @ residual)
     lower, upper, _ = limits
-    step = bounded_step(jacobian, residual, z, *limits)
+    tries = 4
     if len(z) > _FEW:
-        left = residual + jacobian @ step
-        wanted = cost - _KEPT_PROMISE * (cost - float(left @ left))
         found = _try_steps(batch, z, [step], lower, upper)
         if not found or found[0][1] @ found[0][1] > wanted:
             steps = _damped_steps(jacobian, residual, z, *limits, _DAMPED)
@@ -194,8 +198,8 @@ def _improve(batch, z, residual, jacobian, limits):
         best = min(found, key=lambda item: item[1] @ item[1], default=None)
         if best is not None and best[1] @ best[1] < cost:
             return best
-        step = 0.5 * step
-    for _ in range(4 if len(z) <= _FEW else 3):
+        step, tries = 0.5 * step, 3
+    for _ in range(tries):
         found = _try_steps(batch, z, [step], lower, upper)
         if found and found[0][1] @ found[0][1] < cost:
             return found[0]

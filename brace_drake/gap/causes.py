@@ -15,6 +15,7 @@ from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import (
     closed_amplitude,
     has_gap,
+    is_almost_near_floor,
     is_exact,
     is_near_floor,
     largest_excess,
@@ -70,7 +71,7 @@ def try_causes(
     if not is_near_floor(evaluator, fits, null.misfit_threshold):
         cards = [c for c in cards if c.is_flexible]
         more = race(ground, cards, _part(say, 0.55, 0.6), places=0)
-        flexible = _refine_flexible(evaluator, nominal, best_fits(more), most)
+        flexible = _refine_flexible(evaluator, nominal, best_fits(more))
         fits += flexible
     if not is_done():
         found = second.search(flexible, _part(say, 0.6, 0.78))
@@ -78,18 +79,18 @@ def try_causes(
     return fits, null, False
 
 
-def _refine_flexible(evaluator, nominal, flexible, most) -> list[CandidateFit]:
-    """Flexible fits, refined where they close about half of the gap.
+def _refine_flexible(evaluator, nominal, flexible) -> list[CandidateFit]:
+    """Flexible fits, refined where they are near the floor and close about
+    half of the gap.
 
     With so much freedom less is no sign of them, and the end of their search
-    is dear; a race leaves it far from there. Who then leaves more than `most`
-    may have another effect beside.
+    is dear. Who leaves more may have another effect beside.
     """
     good, rest = [], []
     for fit in flexible:
         closed = closed_amplitude(evaluator, nominal, fit)
-        is_good = closed >= _HALF and fit.excess <= most
-        (good if is_good else rest).append(fit)
+        is_near = is_almost_near_floor(evaluator, fit)
+        (good if closed >= _HALF and is_near else rest).append(fit)
     return [*refine(evaluator, good, nominal.excess), *rest]
 
 

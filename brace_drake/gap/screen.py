@@ -45,8 +45,8 @@ _COARSE = 0.01
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
 # A start that promises to leave this share of the gap is not tried again.
 _HOPELESS = 0.98
-# Relative decrease of the sum of squares that ends a round; where drives stick
-# less is chance.
+# Relative decrease of the sum of squares that ends a round. Where drives stick
+# less is chance; of dozens of parameters each step is dear.
 _END, _END_ROUGH = 1e-3, 1e-2
 # Beyond this many parameters the Jacobian is differenced once.
 _FEW = 8
@@ -206,11 +206,12 @@ def step(ground: Ground, runner: Runner, count: int, own: bool = False) -> bool:
     always has: it goes far from the leader.
     """
     problem = runner.problem
-    own = own or runner.card.spread is not None
+    always = runner.card.spread is not None
     differentiate = ground.differentiate(problem)
-    if own:
+    if own or always:
         differentiate = partial(_differentiate, problem)
-    keeps = problem.num_free > _FEW and not own
+    is_rough = problem.is_rough or problem.has_spread
+    keeps = problem.num_free > _FEW and (always or not own)
     kept = runner.jacobian if keeps else None
     try:
         solution = solve_gauss_newton(
@@ -223,7 +224,7 @@ def step(ground: Ground, runner: Runner, count: int, own: bool = False) -> bool:
             differentiate=differentiate,
             known=(runner.residual, kept),
             max_iterations=count,
-            tolerance=_END_ROUGH if problem.is_rough else _END,
+            tolerance=_END_ROUGH if is_rough else _END,
         )
     except (BraceError, ValueError, np.linalg.LinAlgError):
         return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -126,6 +127,8 @@ class SecondEffects:
         strayed = self._strayed()
         if strayed and not (self.is_cut or self._is_settled()):
             self._try_to_lead_back(strayed[0], say)
+        if strayed and not (self.is_cut or self._is_settled()):
+            self._keep_single(strayed[0])
         return self._best_of_each()
 
     def _is_half(self, fit: CandidateFit) -> bool:
@@ -150,9 +153,10 @@ class SecondEffects:
         return sorted(found, key=lambda f: f.excess)
 
     def _try_to_lead_back(self, leader: CandidateFit, say: Say) -> None:
-        """Second effects beside one whose parameters went astray.
+        """A second effect beside one whose parameters went astray.
 
-        The right one makes them a draw again: what they cost counts too.
+        The right one makes them a draw again: what they cost counts too. From
+        where they have gone no way leads back: both set out afresh.
         """
         try:
             beside = Ground(self._evaluator, leader, with_prior=True)
@@ -160,20 +164,28 @@ class SecondEffects:
             return
         runners = []
         for card in self._others(leader, flexible=False):
-            say(f"cause {leader.name}+{card.key}", 0.5)
+            say(f"cause {leader.name}+{card.key}", 0.3)
             runners += line_up(beside, card)
-        best = {}
-        for runner in sorted(runners, key=lambda r: r.promise):
-            best.setdefault(runner.card.key, runner)
-        tried = [
-            r for r in list(best.values())[:_SEARCHED] if step(beside, r, _STEPS)
-        ]
-        tried.sort(key=lambda r: r.residual @ r.residual)
-        for runner in tried[:1]:
-            left = runner.residual @ runner.residual - beside.noise
-            usual = leader.num_prior
-            if left - usual < _HALF * (beside.there - usual):
-                self._found.append(try_refine(self._evaluator, runner.fit()))
+        best = min(runners, key=lambda r: r.promise, default=None)
+        usual = leader.num_prior
+        bar = _HALF * (beside.there - usual)
+        if best is None or best.promise - usual > bar:
+            return
+        (first, _), second = best.problem.split(best.z)[1]
+        say(f"cause {leader.name}+{second[0].key}", 0.6)
+        afresh = replace(
+            best.fit(),
+            subject=np.array([p.nominal for p in self._evaluator.twin.subject]),
+            values=(first.off(), second[1]),
+            spread=None,
+        )
+        self._found.append(try_refine(self._evaluator, afresh))
+
+    def _keep_single(self, fit: CandidateFit) -> None:
+        """Leads the search of a single effect to its end, if that explains."""
+        most = largest_excess(self._evaluator, self._nominal, 1)
+        if not fit.refined and fit.excess <= most:
+            self._found.append(try_refine(self._evaluator, fit))
 
     def _best_of_each(self) -> list[CandidateFit]:
         """Fits found, of the same effects the best one."""

@@ -218,6 +218,11 @@ def is_near_floor(
     return best is not None and misfit(evaluator, best) <= limit
 
 
+def is_almost_near_floor(evaluator: Evaluator, fit: CandidateFit) -> bool:
+    """Whether a race leaves a fit where its end may be near the floor."""
+    return misfit(evaluator, fit) <= _UNFINISHED * _NEAR_FLOOR
+
+
 def simplest_of_fewest(
     evaluator: Evaluator, fits: Sequence[CandidateFit]
 ) -> CandidateFit:

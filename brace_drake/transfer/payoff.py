@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign import WriteCampaign
+from brace_drake.campaign import LoadCampaign, WriteCampaign
 from brace_drake.errors import BraceError
 from brace_drake.experiments.measures import rms
 from brace_drake.gap.diagnose import Diagnosis, diagnose
@@ -100,7 +100,7 @@ def repair_twin(
     rng = np.random.default_rng([seed, _RECORDED])
     campaign = record_campaign(case, make_motions(rng), folder.name, rng)
     WriteCampaign(campaign, folder / "campaign")
-    found = diagnose(campaign, workers, seed)
+    found = diagnose(LoadCampaign(folder / "campaign"), workers, seed)
     WriteJson(folder / "diagnosis.json", MakeDocument(found))
     if found.verdict.winner is None:
         return found.device.twin.scenario_of(found.nominal.subject), found
