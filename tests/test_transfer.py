@@ -197,6 +197,30 @@ class TestPayoff(unittest.TestCase):
         self.assertEqual(first[1].y_rms, first[2].y_rms)
         self.assertNotEqual(first[0].y_rms, first[1].y_rms)
 
+    def test_a_run_that_was_stopped_in_its_diagnosis_diagnoses_its_file(self):
+        case, seen = payoff.make_case("force_bias", "large", 0), []
+
+        def stop(campaign, *_):
+            seen.append(campaign)
+            raise KeyboardInterrupt
+
+        self.enterContext(mock.patch.object(payoff, "diagnose", stop))
+        with tempfile.TemporaryDirectory() as folder:
+            out = Path(folder) / "force_bias"
+            out.mkdir()
+            for _ in range(2):
+                with self.assertRaises(KeyboardInterrupt):
+                    payoff.repair_twin(case, out, 0, 1)
+            first, again = seen
+            # The receipt of a diagnosis is of files that are there.
+            self.assertTrue((first.path / "campaign.yaml").exists())
+            self.assertEqual(first.path, again.path)
+            for one, other in zip(first.runs, again.runs, strict=True):
+                np.testing.assert_array_equal(
+                    one.channels["leg1_length_m"],
+                    other.channels["leg1_length_m"],
+                )
+
     def test_the_table_says_how_much_better_it_is(self):
         rows = [
             _outcome(name, i, y + noise)

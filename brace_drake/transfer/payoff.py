@@ -97,10 +97,12 @@ def repair_twin(
 
     Without an effect in the verdict the twin is the fitted one.
     """
-    rng = np.random.default_rng([seed, _RECORDED])
-    campaign = record_campaign(case, make_motions(rng), folder.name, rng)
-    WriteCampaign(campaign, folder / "campaign")
-    found = diagnose(LoadCampaign(folder / "campaign"), workers, seed)
+    recorded = folder / "campaign"
+    if not recorded.exists():
+        rng = np.random.default_rng([seed, _RECORDED])
+        campaign = record_campaign(case, make_motions(rng), folder.name, rng)
+        WriteCampaign(campaign, recorded)
+    found = diagnose(LoadCampaign(recorded), workers, seed)
     WriteJson(folder / "diagnosis.json", MakeDocument(found))
     if found.verdict.winner is None:
         return found.device.twin.scenario_of(found.nominal.subject), found
