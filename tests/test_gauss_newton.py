@@ -3,6 +3,8 @@
 import unittest
 
 import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import ortho_group
 
 from brace_drake.fit.gauss_newton import solve_gauss_newton
 
@@ -56,6 +58,29 @@ class TestGaussNewton(unittest.TestCase):
         known = residual, jacobian
         kept = solve(batch, start, [0, 0], [9, 9], known=known)
         np.testing.assert_allclose(kept.z, full.z, atol=1e-5)
+
+    def test_a_curved_valley_of_many_parameters_is_followed_down(self):
+        # Along the last of these coordinates the residual says little, and
+        # the others bend with it: a full step lands far up the wall.
+        turn = ortho_group.rvs(14, random_state=0)
+
+        def residual(z):
+            *others, along = turn @ z
+            wall = np.array(others) - 0.1 * along**2 - 0.1 * np.arange(13)
+            floor = [0.01 * (along - 100), 0.01 * along**2]
+            return np.append(30.0 * wall, floor)
+
+        best = least_squares(residual, np.zeros(14), method="lm")
+        found = solve_gauss_newton(
+            lambda points, coarse=False: [residual(z) for z in points],
+            np.zeros(14),
+            np.full(14, -1e3),
+            np.full(14, 1e3),
+            np.full(14, 1e-4),
+            np.full(14, 1e3),
+            max_iterations=60,
+        )
+        self.assertLess(found.cost, 1.01 * 2.0 * best.cost)
 
     def test_a_point_that_fails_is_stepped_back_from(self):
         data = 2.0 * np.exp(-0.7 * T)

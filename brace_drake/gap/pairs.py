@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.gap.ground import Ground
-from brace_drake.gap.screen import Runner, make_runner, search_best
+from brace_drake.gap.runner import Runner, make_runner
+from brace_drake.gap.screen import search_best
 
 # A direction counts where it is not a copy of others, relative to the largest.
 _COPY = 1e-6

@@ -25,7 +25,7 @@ from brace_drake.effects.registry import effects_for
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ground import Ground
-from brace_drake.gap.screen import make_runner, step
+from brace_drake.gap.runner import make_runner, step
 from brace_drake.gap.shapley import UNEXPLAINED, coalitions, shapley_values
 from brace_drake.gap.whitened import in_time
 

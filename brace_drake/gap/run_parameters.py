@@ -15,7 +15,7 @@ from brace_drake.fit.gauss_newton import solve_gauss_newton
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
-from brace_drake.gap.screen import own_starts
+from brace_drake.gap.runner import own_starts
 
 _STEPS = 6
 

@@ -1,27 +1,14 @@
-"""A race of causes: one replay for all, a search for who promises most.
-
-Everything is simulated at the coarse plant step, with the sensitivities of
-the subject (and of the effects that are there already) kept from the fit that
-the race sets out from.
-"""
+"""A race of causes: one replay for all, a search for who promises most."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from brace_drake.effects.card import Effect
-from brace_drake.errors import BraceError
-from brace_drake.fit.gauss_newton import (
-    LeastSquaresSolution,
-    solve_gauss_newton,
-)
-from brace_drake.gap.candidates import CandidateFit, finish_fit
 from brace_drake.gap.ground import Ground
-from brace_drake.gap.problem import CandidateProblem
+from brace_drake.gap.runner import Runner, make_runner, step
 
 _STEPS = 5
 # Rounds of so many steps, as long as one leaves less than this share of what
@@ -45,45 +32,6 @@ _COARSE = 0.01
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
 # A start that promises to leave this share of the gap is not tried again.
 _HOPELESS = 0.98
-# Relative decrease of the sum of squares that ends a round. Where drives stick
-# less is chance; of dozens of parameters each step is dear.
-_END, _END_ROUGH = 1e-3, 1e-2
-# Beyond this many parameters the Jacobian is differenced once.
-_FEW = 8
-
-
-@dataclass
-class Runner:
-    """A cause in the race: where its search stands, and what it promises.
-
-    Attributes:
-        problem: Its parameters.
-        z: Where it stands.
-        residual: There, prior rows below.
-        jacobian: Of its last step.
-        promise: Sum of squares above noise that it is foreseen to leave.
-    """
-
-    problem: CandidateProblem
-    z: np.ndarray
-    residual: np.ndarray
-    jacobian: np.ndarray | None = None
-    promise: float = np.inf
-
-    @property
-    def card(self) -> Effect:
-        """The effect that it has beside the leader's."""
-        return self.problem.effects[-1]
-
-    def fit(self) -> CandidateFit:
-        """Where it stands as a fit; not yet searched, as it promises."""
-        solution = LeastSquaresSolution(
-            self.z, self.residual, self.jacobian, 0, False
-        )
-        fit = finish_fit(self.problem, solution, coarse=True)
-        if self.jacobian is not None:
-            return fit
-        return replace(fit, excess=float(self.promise))
 
 
 def race(
@@ -198,45 +146,6 @@ def _search(
     return True
 
 
-def step(ground: Ground, runner: Runner, count: int, own: bool = False) -> bool:
-    """Steps of a search; False where its twin breaks down.
-
-    With sensitivities of the leader's parameters that are the leader's, or
-    `own` ones of where the search is, as an effect of dozens of parameters
-    always has: it goes far from the leader.
-    """
-    problem = runner.problem
-    always = runner.card.spread is not None
-    differentiate = ground.differentiate(problem)
-    if own or always:
-        differentiate = partial(_differentiate, problem)
-    is_rough = problem.is_rough or problem.has_spread
-    keeps = problem.num_free > _FEW and (always or not own)
-    kept = runner.jacobian if keeps else None
-    try:
-        solution = solve_gauss_newton(
-            partial(problem.batch, coarse=True),
-            runner.z,
-            problem.lower,
-            problem.upper,
-            problem.steps,
-            problem.radius,
-            differentiate=differentiate,
-            known=(runner.residual, kept),
-            max_iterations=count,
-            tolerance=_END_ROUGH if is_rough else _END,
-        )
-    except (BraceError, ValueError, np.linalg.LinAlgError):
-        return False
-    runner.z, runner.residual = solution.z, solution.residual
-    runner.jacobian = solution.jacobian
-    return True
-
-
-def _differentiate(problem: CandidateProblem, z, residual):
-    return problem.columns(z, base=residual)
-
-
 def line_up(ground: Ground, card: Effect) -> list[Runner]:
     """The card beside the leader's effects, at each of its starts.
 
@@ -277,52 +186,3 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
                 break
             values = rescaled
     return found
-
-
-def make_runner(
-    ground: Ground,
-    effects: Sequence[Effect],
-    values: Sequence[np.ndarray],
-    subject: np.ndarray,
-    spread: float | None = None,
-    fresh: Effect | None = None,
-) -> Runner | None:
-    """A candidate where its search begins; None where its twin breaks down.
-
-    Args:
-        ground: Where the race sets out from.
-        effects: Of the candidate, the leader's first.
-        values: Parameters of each.
-        subject: Values of the subject's parameters.
-        spread: Of parameters that have a common one, where it is known.
-        fresh: An effect whose runs take the best of their own starts.
-    """
-    problem = CandidateProblem(ground.evaluator, effects, values)
-    if spread is not None:
-        problem.spread = spread / problem.spread_scale
-    z = problem.join(subject, values)
-    if fresh is not None:
-        z, residual = own_starts(problem, fresh, z)
-    else:
-        (residual,) = problem.batch([z], coarse=True)
-    return None if residual is None else Runner(problem, z, residual)
-
-
-def own_starts(problem: CandidateProblem, card: Effect, z: np.ndarray):
-    """Residual at z, every run at the best of its own starts."""
-    points = problem.run_starts(z, card)
-    found = problem.batch(points, coarse=True)
-    if len(points) == 1:
-        return z, found[0]
-    ends = problem.evaluator.ends
-    kept = [(p, r) for p, r in zip(points, found, strict=True) if r is not None]
-    if not kept:
-        return z, None
-    out, residual = z.copy(), kept[0][1].copy()
-    for run, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
-        costs = [r[begin:end] @ r[begin:end] for _, r in kept]
-        point, chosen = kept[int(np.argmin(costs))]
-        residual[begin:end] = chosen[begin:end]
-        mine = problem.places_in_run(card, run)
-        out[mine] = point[mine]
-    return out, residual

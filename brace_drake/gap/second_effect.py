@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,15 +14,10 @@ from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, refine, try_refine
 from brace_drake.gap.evaluation import is_dithered
 from brace_drake.gap.ground import Ground
+from brace_drake.gap.lead_back import lead_back, strays
 from brace_drake.gap.pairs import search_pairs
-from brace_drake.gap.screen import (
-    Runner,
-    line_up,
-    make_runner,
-    race,
-    search_best,
-    step,
-)
+from brace_drake.gap.runner import Runner, make_runner, step
+from brace_drake.gap.screen import race, search_best
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.verdict import (
     closed_amplitude,
@@ -124,9 +118,10 @@ class SecondEffects:
         leader = next(iter(singles), self._nominal)
         if self._is_half(leader) and not self._is_done():
             self._try_all_beside(leader, say)
-        strayed = self._strayed()
+        strayed = strays([f for f in self._all() if self._is_half(f)])
         if strayed and not (self.is_cut or self._is_settled()):
-            self._try_to_lead_back(strayed[0], say)
+            cards = self._others(strayed[0], flexible=False)
+            self._found += lead_back(self._evaluator, strayed[0], cards, say)
         if strayed and not (self.is_cut or self._is_settled()):
             self._keep_single(strayed[0])
         return self._best_of_each()
@@ -134,52 +129,6 @@ class SecondEffects:
     def _is_half(self, fit: CandidateFit) -> bool:
         """Whether a fit closes about half of the gap."""
         return closed_amplitude(self._evaluator, self._nominal, fit) >= _HALF
-
-    def _strayed(self) -> list[CandidateFit]:
-        """Single effects of dozens of parameters that close about half, but
-        leave too much or are no draw; best first.
-
-        They go astray to cover what another effect does.
-        """
-        found = [
-            f
-            for f in self._all()
-            if len(f.effects) == 1
-            and f.spread is not None
-            and f.solution.jacobian is not None
-            and self._is_half(f)
-            and not (f.refined and f.is_scattered)
-        ]
-        return sorted(found, key=lambda f: f.excess)
-
-    def _try_to_lead_back(self, leader: CandidateFit, say: Say) -> None:
-        """A second effect beside one whose parameters went astray.
-
-        The right one makes them a draw again: what they cost counts too. From
-        where they have gone no way leads back: both set out afresh.
-        """
-        try:
-            beside = Ground(self._evaluator, leader, with_prior=True)
-        except BraceError:
-            return
-        runners = []
-        for card in self._others(leader, flexible=False):
-            say(f"cause {leader.name}+{card.key}", 0.3)
-            runners += line_up(beside, card)
-        best = min(runners, key=lambda r: r.promise, default=None)
-        usual = leader.num_prior
-        bar = _HALF * (beside.there - usual)
-        if best is None or best.promise - usual > bar:
-            return
-        (first, _), second = best.problem.split(best.z)[1]
-        say(f"cause {leader.name}+{second[0].key}", 0.6)
-        afresh = replace(
-            best.fit(),
-            subject=np.array([p.nominal for p in self._evaluator.twin.subject]),
-            values=(first.off(), second[1]),
-            spread=None,
-        )
-        self._found.append(try_refine(self._evaluator, afresh))
 
     def _keep_single(self, fit: CandidateFit) -> None:
         """Leads the search of a single effect to its end, if that explains."""
