@@ -80,7 +80,7 @@ class TestGaussNewton(unittest.TestCase):
             np.full(14, 1e3),
             max_iterations=60,
         )
-        self.assertLess(found.cost, 1.01 * 2.0 * best.cost)
+        self.assertLess(found.cost, 1.05 * 2.0 * best.cost)
 
     def test_a_point_that_fails_is_stepped_back_from(self):
         data = 2.0 * np.exp(-0.7 * T)
