@@ -27,6 +27,7 @@ from brace_drake.gap.repair_shares import share_repairs
 from brace_drake.gap.run_parameters import has_run_parameters
 from brace_drake.gap.shrink import RunComparison
 from brace_drake.gap.shrink_part import shrink_part
+from brace_drake.gap.suspects import suspected_blocks
 from brace_drake.gap.uncertainty import EstimateTable
 from brace_drake.gap.verdict_text import next_experiment, verdict_sentence
 
@@ -49,7 +50,9 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
         list(dict.fromkeys(e.block for e in winner.effects)) if winner else []
     )
     if d.verdict.outside_library:
-        blocks = _nearest_block(d) or _accused(d.ladder)
+        blocks = _nearest_block(d) or suspected_blocks(
+            d.ladder, where["attribution"]
+        )
     return _plain(
         {
             "format": FORMAT,
@@ -80,7 +83,7 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
                     effects,
                     d.verdict.ambiguous_with,
                     d.verdict.outside_library,
-                    d.ladder,
+                    blocks,
                 ),
                 next_run,
             ),
@@ -103,23 +106,6 @@ def _nearest_block(d: Diagnosis) -> list[str]:
         for fit in singles[:1]
         if verdict.closed_amplitude(d.evaluator, d.nominal, fit) >= least
     ]
-
-
-def _accused(ladder: list[dict]) -> list[str]:
-    """The block with the largest share of what is above its threshold.
-
-    Where all are within theirs, as of a gap of about the noise, the one that
-    is nearest to it.
-    """
-    known = [r for r in ladder if r["block"] != "controller"]
-    if not known:
-        return []
-    return [max(known, key=_suspicion)["block"]]
-
-
-def _suspicion(row: dict) -> tuple[float, float]:
-    near = (row["normalised_rms"] - 1.0) / (row["threshold"] - 1.0)
-    return row["share"], near
 
 
 def _where(d: Diagnosis) -> dict:

@@ -81,7 +81,10 @@ def _share_text(share: float) -> str:
 
 
 def next_experiment(
-    effects: list[str], ambiguous: tuple[str, ...], outside: bool, ladder
+    effects: list[str],
+    ambiguous: tuple[str, ...],
+    outside: bool,
+    blocks: list[str],
 ) -> dict | None:
     """A motion that would settle what is open, None where nothing is."""
     if ambiguous:
@@ -90,13 +93,9 @@ def next_experiment(
             "why": "these data do not separate " + ", ".join(names),
             "motion": find_effect(effects[0]).experiment,
         }
-    if outside:
-        accused = [r for r in ladder if not r["acquitted"]]
-        if not accused:
-            return None
-        worst = max(accused, key=lambda r: r["share"])["block"]
+    if outside and blocks:
         return {
-            "why": f"the largest unexplained rest lies in {worst}",
-            "motion": _MOTIONS.get(worst, "repeat the runs at half speed"),
+            "why": f"the largest unexplained rest lies in {blocks[0]}",
+            "motion": _MOTIONS.get(blocks[0], "repeat the runs at half speed"),
         }
     return None

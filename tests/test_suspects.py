@@ -1,0 +1,48 @@
+"""Which block is named where no effect of the library explains a gap."""
+
+import unittest
+
+from brace_drake.gap.suspects import suspected_blocks
+
+
+def row(block, rms, share, threshold=1.2):
+    return {
+        "block": block,
+        "normalised_rms": rms,
+        "threshold": threshold,
+        "share": share,
+    }
+
+
+def alone(**shares):
+    return [{"block": b, "alone": share} for b, share in shares.items()]
+
+
+class TestSuspects(unittest.TestCase):
+    def test_the_largest_share_is_named_and_the_controller_never(self):
+        ladder = [row("controller", 9.0, 0.6), row("torso", 3.0, 0.3)]
+        ladder.append(row("contact", 2.0, 0.1))
+        self.assertEqual(suspected_blocks(ladder, []), ["torso"])
+        self.assertEqual(suspected_blocks(ladder[:1], []), [])
+
+    def test_of_blocks_within_their_thresholds_the_nearest_is_named(self):
+        ladder = [
+            row("actuation", 1.13, 0.0, 1.17),
+            row("mechanism", 1.15, 0.0, 1.30),
+        ]
+        self.assertEqual(suspected_blocks(ladder, []), ["actuation"])
+
+    def test_what_pulls_at_the_ring_is_told_from_what_drives_do(self):
+        ladder = [row("actuation", 24.0, 1.0), row("torso", 1.0, 0.0)]
+        for shares, block in (
+            (alone(actuation=0.89, mechanism=0.99), "mechanism"),
+            (alone(actuation=0.70, mechanism=0.75), "actuation"),
+            (alone(actuation=0.99, mechanism=0.97), "actuation"),
+            (alone(actuation=0.99), "actuation"),
+        ):
+            self.assertEqual(suspected_blocks(ladder, shares), [block])
+
+    def test_errors_of_the_ring_do_not_clear_another_block(self):
+        ladder = [row("torso", 5.0, 1.0)]
+        found = suspected_blocks(ladder, alone(actuation=0.2, mechanism=1.0))
+        self.assertEqual(found, ["torso"])
