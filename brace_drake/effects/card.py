@@ -84,6 +84,8 @@ class Effect:
             normal distribution: name and unit of its standard deviation,
             which is what is reported. None for all others.
         generalises: Names of effects that are special cases of this one.
+        at_rest: Whether it shows in the leg lengths at rest, whatever its
+            size: where these are as they should be there is nothing of it.
     """
 
     name: str
@@ -105,6 +107,7 @@ class Effect:
     form: str = ""
     run_parameters: tuple[EffectParameter, ...] = ()
     generalises: tuple[str, ...] = ()
+    at_rest: bool = False
 
     def __post_init__(self):
         if self.block not in BLOCKS:

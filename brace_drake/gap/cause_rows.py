@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from brace_drake.effects.card import Effect
+from brace_drake.effects.registry import effects_for
 from brace_drake.gap import verdict
 from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.gap.ladder import holds_at_rest
 from brace_drake.gap.uncertainty import EstimateTable, ParameterEstimate
 
 
@@ -34,7 +36,31 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                 "parameters": effect_parameters(fit, estimates),
             }
         )
-    return rows
+    return rows + [_absent_row(d, card) for card in _absent(d)]
+
+
+def _absent(d: Diagnosis) -> list[Effect]:
+    """Effects that were not tried as there is nothing of them at rest."""
+    if not (d.verdict.gap and holds_at_rest(d.ladder)):
+        return []
+    tried = {e.name for fit in d.fits for e in fit.effects}
+    cards = effects_for(d.evaluator.twin.device).values()
+    return [c for c in cards if c.at_rest and c.name not in tried]
+
+
+def _absent_row(d: Diagnosis, card: Effect) -> dict:
+    return {
+        "effect": card.name,
+        "block": card.block,
+        "title": card.title,
+        "excess": verdict.misfit(d.evaluator, d.nominal),
+        "explained": 0.0,
+        "searched": False,
+        "converged": False,
+        "identifiable": True,
+        "decision": "nothing of it in the leg lengths at rest",
+        "parameters": [],
+    }
 
 
 def _is_tied(d: Diagnosis, fit) -> bool:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
+from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, polish, refine
@@ -30,53 +33,90 @@ def try_causes(
     nominal: CandidateFit,
     seed: int,
     say: Callable[[str, float], None],
+    holds_at_rest: bool | None = None,
 ) -> tuple[list[CandidateFit], NullDistribution, bool]:
     """Fits of all causes, of pairs where no single one explains the gap.
 
     Effects of dozens of parameters are tried only where there is something
-    left that no simpler one explains.
+    left that no simpler one explains; those that show in the leg lengths at
+    rest first where these are off, and not at all where they hold.
 
     Args:
         evaluator: Over the fit runs.
         nominal: The nominal fit.
         seed: Of the surrogates.
         say: Progress.
+        holds_at_rest: Whether the leg lengths at rest are as they should be,
+            None where that is not known.
 
     Returns:
         Fits, the contenders among them refined; the null distribution; whether
         the search for second effects ended because it had cost too much.
     """
-    cards = list(effects_for(evaluator.twin.device).values())
+    cards = _candidates(evaluator.twin.device, holds_at_rest)
     simple = [c for c in cards if not c.is_flexible]
+    many = [c for c in cards if c.is_flexible]
     ground = Ground(evaluator, nominal)
     most = largest_excess(evaluator, nominal, 1)
-    runners = race(ground, simple, _part(say, 0.1, 0.4), most=most)
+    flexible: list[CandidateFit] = []
+    if holds_at_rest is False and not is_almost_near_floor(evaluator, nominal):
+        at_rest, many = _divide(many, lambda c: c.at_rest)
+        flexible = _race_flexible(ground, at_rest, _part(say, 0.1, 0.2))
+    runners = []
+    if any(is_almost_near_floor(evaluator, f) for f in flexible):
+        # The others are lined up, but need no search.
+        simple, others = _divide(simple, lambda c: c.at_rest)
+        runners = race(ground, others, say, places=0, bar=-np.inf)
+    runners += race(ground, simple, _part(say, 0.2, 0.4), most=most)
     say("contenders", 0.4)
     # Those that explain nothing are not compared to the last digit.
     fits = refine(evaluator, best_fits(runners), nominal.excess, rivals=most)
     fits = polish(ground, fits, most)
     null = draw_null(evaluator, nominal, fits, seed)
 
+    def is_near():
+        known = [*fits, *flexible]
+        return is_near_floor(evaluator, known, null.misfit_threshold)
+
     def is_done():
-        done = is_near_floor(evaluator, fits, null.misfit_threshold)
+        known = [*fits, *flexible]
         # In what surrogates leave too there is nothing for a second effect.
-        return done or not (fits and has_gap(evaluator, nominal, fits, null))
+        return is_near() or not (
+            known and has_gap(evaluator, nominal, known, null)
+        )
 
     if is_exact(evaluator, nominal):
-        return fits, null, False
-    second = SecondEffects(ground, fits, runners, null)
+        return [*fits, *flexible], null, False
+    second = SecondEffects(ground, cards, fits, runners, null)
     if not is_done() and second.try_pairs(_part(say, 0.45, 0.55)):
-        return [*fits, *second.search([], say)], null, False
-    flexible = []
-    if not is_near_floor(evaluator, fits, null.misfit_threshold):
-        cards = [c for c in cards if c.is_flexible]
-        more = race(ground, cards, _part(say, 0.55, 0.6), places=0)
-        flexible = _refine_flexible(evaluator, nominal, best_fits(more))
-        fits += flexible
+        return [*fits, *flexible, *second.search([], say)], null, False
+    if not is_near():
+        flexible += _race_flexible(ground, many, _part(say, 0.55, 0.6))
     if not is_done():
         found = second.search(flexible, _part(say, 0.6, 0.78))
-        return [*fits, *found], null, second.is_cut
-    return fits, null, False
+        return [*fits, *flexible, *found], null, second.is_cut
+    return [*fits, *flexible], null, False
+
+
+def _candidates(device: str, holds_at_rest: bool | None) -> list[Effect]:
+    """Cards to try; of dozens of parameters none that must show at rest and
+    does not.
+    """
+    return [
+        c
+        for c in effects_for(device).values()
+        if not (c.is_flexible and c.at_rest and holds_at_rest)
+    ]
+
+
+def _divide(cards, is_first) -> tuple[list[Effect], list[Effect]]:
+    first = [c for c in cards if is_first(c)]
+    return first, [c for c in cards if not is_first(c)]
+
+
+def _race_flexible(ground: Ground, cards, say) -> list[CandidateFit]:
+    fits = best_fits(race(ground, cards, say, places=0))
+    return _refine_flexible(ground.evaluator, ground.leader, fits)
 
 
 def _refine_flexible(evaluator, nominal, flexible) -> list[CandidateFit]:

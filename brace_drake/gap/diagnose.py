@@ -13,7 +13,7 @@ from brace_drake.gap.candidates import CandidateFit, fit_nominal
 from brace_drake.gap.causes import try_causes
 from brace_drake.gap.devices import Device, MakeDevice, check_room
 from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.ladder import climb
+from brace_drake.gap.ladder import climb, holds_at_rest
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
 from brace_drake.gap.run_parameters import adapt_to_runs, has_run_parameters
 from brace_drake.gap.shrink import RunComparison, compare_runs
@@ -81,13 +81,15 @@ def diagnose(
     evaluator = Evaluator(twin, fit_runs, jobs)
     say("fit of the subject", 0.05)
     nominal = fit_nominal(evaluator)
-    fits, null, is_cut = try_causes(evaluator, nominal, seed, say)
+    say("substitution of blocks", 0.08)
+    ladder = climb(evaluator, device.rungs, nominal, seed)
+    fits, null, is_cut = try_causes(
+        evaluator, nominal, seed, say, holds_at_rest(ladder)
+    )
     say("verdict", 0.8)
     verdict = decide(evaluator, nominal, fits, null)
     chosen = verdict.winner or nominal
     table = estimate_table(evaluator, chosen, seed)
-    say("substitution of blocks", 0.88)
-    ladder = climb(evaluator, device.rungs, nominal, seed)
     say("validation runs", 0.94)
     validation = Evaluator(
         twin,

@@ -116,6 +116,14 @@ def climb(
     return rows
 
 
+def holds_at_rest(ladder: Sequence[dict]) -> bool | None:
+    """Whether the leg lengths at rest are as they should be; None where the
+    device has no such lengths.
+    """
+    rows = [r for r in ladder if r["block"] == "mechanism"]
+    return all(r["acquitted"] for r in rows) if rows else None
+
+
 def _power(
     rung: Rung, evaluator: Evaluator, take: Sequence[np.ndarray], subject
 ) -> float:

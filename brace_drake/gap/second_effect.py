@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import effects_for
 from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, refine, try_refine
@@ -55,6 +54,7 @@ class SecondEffects:
 
     Args:
         ground: The nominal fit.
+        cards: Effects that may be one of a pair.
         fits: Of single effects of few parameters: beside dozens of them any
             other effect looks right, and their search from afar is dear.
         runners: Of the race that they are from.
@@ -64,11 +64,13 @@ class SecondEffects:
     def __init__(
         self,
         ground: Ground,
+        cards: Sequence[Effect],
         fits: Sequence[CandidateFit],
         runners: Sequence[Runner],
         null: NullDistribution,
     ):
         self._ground, self._runners, self._null = ground, runners, null
+        self._cards = cards
         self._evaluator, self._nominal = ground.evaluator, ground.leader
         self._singles, self._found = list(fits), []
         self._begun, self._spent = ground.evaluator.replays, 0
@@ -212,9 +214,8 @@ class SecondEffects:
         pairs = [f for f in refined(self._found) if len(f.effects) == 2]
         if not pairs:
             return
-        cards = effects_for(self._evaluator.twin.device).values()
         for (out, _), kept in itertools.permutations(pairs[0].uses):
-            for card in cards:
+            for card in self._cards:
                 if card.spread is None or card.is_alike(kept[0]):
                     continue
                 if out.name not in card.impostors:
@@ -254,7 +255,7 @@ class SecondEffects:
         """Cards that are no other form of what the leader has."""
         return [
             c
-            for c in effects_for(self._evaluator.twin.device).values()
+            for c in self._cards
             if c.is_flexible == flexible
             and not any(c.is_alike(e) for e in leader.effects)
         ]
