@@ -130,9 +130,12 @@ def fit_effects(
         return correct_step(problem, finish_fit(problem, solution))
     if spread is not None:
         problem.spread = spread / problem.spread_scale
+    # Of dozens of parameters a Jacobian is dear, and a race has left one.
+    is_fit = isinstance(start, CandidateFit)
+    jacobian = start.solution.jacobian if is_fit else None
     known = None
     for _ in range(_SPREAD_ROUNDS):
-        solution = search(problem, z, known)
+        solution = search(problem, z, known, jacobian)
         z = solution.z
         # The spread that they show; then search again from here.
         change = np.log(shown_spread(problem, solution) / problem.spread)
@@ -149,17 +152,27 @@ def search(
     problem: CandidateProblem,
     z: np.ndarray,
     known: tuple[np.ndarray, np.ndarray] | None = None,
+    jacobian: np.ndarray | None = None,
 ) -> LeastSquaresSolution:
     """Gauss-Newton from z to the end: first at the coarse plant step, from
     there at the twin's own, with the sensitivities of the coarse one.
+
+    Args:
+        problem: Of the candidate.
+        z: Where it begins.
+        known: Residual at the twin's own step and Jacobian, where the coarse
+            part was done before.
+        jacobian: For the coarse part to begin with.
     """
     limits = problem.lower, problem.upper, problem.steps, problem.radius
     if known is None:
         rough = problem.is_rough
+        batch = partial(problem.batch, coarse=True)
         near = solve_gauss_newton(
-            partial(problem.batch, coarse=True),
+            batch,
             z,
             *limits,
+            known=(batch([z])[0], jacobian),
             differentiate=lambda z, r: problem.columns(z, base=r),
             max_iterations=_ROUGH_STEPS if rough else _FAR_STEPS,
             tolerance=_NEAR_ROUGH if rough else _NEAR,

@@ -25,8 +25,9 @@ _PLACES, _FACTOR = 5, 2.0
 _PLACES_AT_FLOOR = 3
 # Beyond these places a promise counts from this share of the gap on.
 _SHARE = 0.1
-# About as near as a coarse search comes, in squares of the floor.
-_COARSE = 0.01
+# About as near as a coarse search comes, in squares of the floor; over dozens
+# of parameters the last of it is left to the end of the search.
+_COARSE, _COARSE_OF_MANY = 0.01, 0.5
 # A start is tried again at another strength, this often, where it is more than
 # that many times too strong or too weak.
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
@@ -121,13 +122,16 @@ def _search(
     Who would not come near the best at the rate of the last round gives up.
     """
     before, is_hopeless = np.inf, runner.promise > most
+    enough = trust
+    if runner.card.spread is not None:
+        enough = _COARSE_OF_MANY * ground.evaluator.count
     for done in range(1, _ROUNDS + 1):
         if not step(ground, runner, _STEPS):
             return False
         left = runner.fit().excess
         rate = left / before
         is_lost = is_hopeless and left > ground.there
-        if left < trust or rate > _WORTH_A_ROUND or is_lost:
+        if left < enough or rate > _WORTH_A_ROUND or is_lost:
             break
         # The first round may have begun far behind the leader.
         is_first = done == 1
@@ -138,7 +142,7 @@ def _search(
             break
         before = left
     could_lead = runner.promise < _FACTOR * (least + trust)
-    is_broken = trust < left and runner.promise < _BROKEN * left
+    is_broken = enough < left and runner.promise < _BROKEN * left
     has_strayed = must_explain and left > ground.there
     if could_lead and is_broken and not (is_lost or has_strayed):
         # Far from the leader his sensitivities may lead nowhere.
