@@ -88,28 +88,27 @@ def bounded_step(
     radius: np.ndarray,
 ) -> np.ndarray:
     """Least-squares step inside the limits and a box of given radius."""
-    limits = lower, upper, radius
-    return _damped_steps(jacobian, residual, z, *limits, (0.0,))[0]
+    triangle = _triangle(jacobian, residual)
+    return _step_within(triangle, z, (lower, upper, radius))
 
 
-def _damped_steps(
-    jacobian, residual, z, lower, upper, radius, shares
-) -> list[np.ndarray]:
-    """Steps with shares of the diagonal of J'J added."""
-    # The normal equations by QR keep the small problem exact and cheap.
-    r = np.linalg.qr(np.column_stack([jacobian, residual]), mode="r")
-    triangle, target = r[:-1, :-1], -r[:-1, -1]
+def _triangle(jacobian, residual) -> np.ndarray:
+    """The normal equations by QR, which keeps the small problem exact."""
+    return np.linalg.qr(np.column_stack([jacobian, residual]), mode="r")
+
+
+def _step_within(triangle, z, limits, share: float = 0.0) -> np.ndarray:
+    """The step, a share of the diagonal of J'J added."""
+    lower, upper, radius = limits
+    matrix, right = triangle[:-1, :-1], -triangle[:-1, -1]
     low = np.maximum(lower - z, -radius)
     high = np.minimum(upper - z, radius)
     high = np.maximum(high, low + 1e-15)
-    size, steps = np.linalg.norm(triangle, axis=0), []
-    for share in shares:
-        matrix, right = triangle, target
-        if share > 0.0:
-            matrix = np.vstack([triangle, np.diag(np.sqrt(share) * size)])
-            right = np.append(target, np.zeros(len(z)))
-        steps.append(lsq_linear(matrix, right, (low, high), method="bvls").x)
-    return steps
+    if share > 0.0:
+        size = np.linalg.norm(matrix, axis=0)
+        matrix = np.vstack([matrix, np.diag(np.sqrt(share) * size)])
+        right = np.append(right, np.zeros(len(z)))
+    return lsq_linear(matrix, right, (low, high), method="bvls").x
 
 
 def solve_gauss_newton(
@@ -161,12 +160,13 @@ def solve_gauss_newton(
         if stale:
             jacobian = differentiate(z, residual)
         cost = float(residual @ residual)
-        step = bounded_step(jacobian, residual, z, lower, upper, radius)
+        limits = lower, upper, radius
+        triangle = _triangle(jacobian, residual)
+        step = _step_within(triangle, z, limits)
         left = residual + jacobian @ step
         promised = cost - float(left @ left)
-        limits = lower, upper, radius
         wanted = _AS_PROMISED * float(left @ left)
-        accepted = _improve(batch, z, step, residual, jacobian, limits, wanted)
+        accepted = _improve(batch, z, step, cost, triangle, limits, wanted)
         decrease = 0.0
         if accepted is not None:
             z, residual = accepted
@@ -181,19 +181,18 @@ def solve_gauss_newton(
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
-def _improve(batch, z, step, residual, jacobian, limits, wanted):
+def _improve(batch, z, step, cost, triangle, limits, wanted):
     """The full step, or a shorter one that lowers the cost, or None.
 
     Of many parameters damped steps are tried where the full one leaves more
     than is `wanted`.
     """
-    cost = float(residual @ residual)
     lower, upper, _ = limits
     tries = 4
     if len(z) > _FEW:
         found = _try_steps(batch, z, [step], lower, upper)
         if not found or found[0][1] @ found[0][1] > wanted:
-            steps = _damped_steps(jacobian, residual, z, *limits, _DAMPED)
+            steps = [_step_within(triangle, z, limits, s) for s in _DAMPED]
             found += _try_steps(batch, z, steps, lower, upper)
         best = min(found, key=lambda item: item[1] @ item[1], default=None)
         if best is not None and best[1] @ best[1] < cost:

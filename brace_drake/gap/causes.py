@@ -66,7 +66,8 @@ def try_causes(
     if any(is_almost_near_floor(evaluator, f) for f in flexible):
         # The others are lined up, but need no search.
         simple, others = _divide(simple, lambda c: c.at_rest)
-        runners = race(ground, others, say, places=0, bar=-np.inf)
+        part = _part(say, 0.2, 0.3)
+        runners = race(ground, others, part, places=0, bar=-np.inf)
     runners += race(ground, simple, _part(say, 0.2, 0.4), most=most)
     say("contenders", 0.4)
     # Those that explain nothing are not compared to the last digit.
