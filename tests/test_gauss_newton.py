@@ -82,6 +82,20 @@ class TestGaussNewton(unittest.TestCase):
         )
         self.assertLess(found.cost, 1.05 * 2.0 * best.cost)
 
+    def test_noise_in_a_jacobian_hardly_slows_the_search(self):
+        # Its second row is noise: each step is a fifth of what it should be.
+        found = solve(
+            lambda points, coarse=False: [
+                np.array([z[0] - 5.0, 0.0]) for z in points
+            ],
+            [0.0],
+            [-9],
+            [9],
+            differentiate=lambda z, residual: np.array([[1.0], [2.0]]),
+        )
+        self.assertLess(found.iterations, 20)
+        self.assertAlmostEqual(found.z[0], 5.0, places=5)
+
     def test_a_point_that_fails_is_stepped_back_from(self):
         data = 2.0 * np.exp(-0.7 * T)
         plain = batch_of(data)

@@ -19,6 +19,9 @@ _FEW, _FAST, _FAST_OF_MANY = 12, 0.5, 0.2
 # (Marquardt, SIAM J. Appl. Math. 11, 1963).
 _AS_PROMISED = 1.1
 _DAMPED = (1e-4, 1e-3, 1e-2)
+# Noise in a Jacobian, as of drives that stick, makes steps too short: one of
+# few parameters that brings so many times its promise is tried so much longer.
+_EXCEEDED, _LONGER = 1.3, (2.0, 4.0)
 
 
 class Batch(Protocol):
@@ -126,9 +129,10 @@ def solve_gauss_newton(
     """Minimises the sum of squares of a simulated residual in a box.
 
     Gauss-Newton; a step that does not help is halved up to three times, of
-    many parameters damped before. The Jacobian is kept (the chord method) as
-    long as steps bring what it has promised; the search ends when a step with
-    a new one brings nothing.
+    many parameters damped before; of few parameters one that brings more than
+    it promised is lengthened. The Jacobian is kept (the chord method) as long
+    as steps bring what it has promised; the search ends when a step with a new
+    one brings nothing.
 
     Args:
         batch: Residuals of many points at once.
@@ -167,6 +171,11 @@ def solve_gauss_newton(
         promised = cost - float(left @ left)
         wanted = _AS_PROMISED * float(left @ left)
         accepted = _improve(batch, z, step, cost, triangle, limits, wanted)
+        if accepted is not None and len(z) <= _FEW:
+            if cost - _cost_of(accepted) > _EXCEEDED * promised:
+                longer = [factor * step for factor in _LONGER]
+                found = _try_steps(batch, z, longer, lower, upper)
+                accepted = min([accepted, *found], key=_cost_of)
         decrease = 0.0
         if accepted is not None:
             z, residual = accepted
@@ -191,19 +200,24 @@ def _improve(batch, z, step, cost, triangle, limits, wanted):
     tries = 4
     if len(z) > _FEW:
         found = _try_steps(batch, z, [step], lower, upper)
-        if not found or found[0][1] @ found[0][1] > wanted:
+        if not found or _cost_of(found[0]) > wanted:
             steps = [_step_within(triangle, z, limits, s) for s in _DAMPED]
             found += _try_steps(batch, z, steps, lower, upper)
-        best = min(found, key=lambda item: item[1] @ item[1], default=None)
-        if best is not None and best[1] @ best[1] < cost:
+        best = min(found, key=_cost_of, default=None)
+        if best is not None and _cost_of(best) < cost:
             return best
         step, tries = 0.5 * step, 3
     for _ in range(tries):
         found = _try_steps(batch, z, [step], lower, upper)
-        if found and found[0][1] @ found[0][1] < cost:
+        if found and _cost_of(found[0]) < cost:
             return found[0]
         step = 0.5 * step
     return None
+
+
+def _cost_of(point_and_residual) -> float:
+    residual = point_and_residual[1]
+    return float(residual @ residual)
 
 
 def _try_steps(batch, z, steps, lower, upper):
