@@ -186,12 +186,32 @@ class TestAllEffects(unittest.TestCase):
 
 class TestLaws(unittest.TestCase):
     def test_sliding_friction_is_the_coulomb_force_against_the_motion(self):
-        law = find_effect("coulomb_friction").laws["drive"]
-        f, x, p = np.zeros(1), np.zeros(6), np.array([1.5])
-        for _ in range(2000):
-            f[0] = 0.0
-            law(0.0, 2e-4, f, f, np.array([-0.01]), f, f, p, x)
-        self.assertAlmostEqual(f[0], 1.5, places=6)
+        for key in ("coulomb_friction", "coulomb_friction (without creep)"):
+            law = find_effect(key).laws["drive"]
+            f, x, p = np.zeros(1), np.zeros(6), np.array([1.5])
+            for _ in range(2000):
+                f[0] = 0.0
+                law(0.0, 2e-4, f, f, np.array([-0.01]), f, f, p, x)
+            self.assertAlmostEqual(f[0], 1.5, places=6)
+
+    def test_without_creep_a_trembling_drive_stays_below_its_friction(self):
+        # Dupont et al. 2002: a load of half the friction, and a tremble.
+        def creep(key):
+            law = find_effect(key).laws["drive"]
+            dt, mass, x, p = 1e-4, 1.0, np.zeros(6), np.array([2.0])
+            v, place, places = 0.0, 0.0, []
+            for step in range(20_000):
+                load = 1.0 + 0.2 * np.sin(2.0 * np.pi * 20.0 * step * dt)
+                f = np.zeros(1)
+                law(step * dt, dt, f, f, np.array([v]), f, f, p, x)
+                v += dt * (load + f[0]) / mass
+                place += dt * v
+                places.append(place)
+            # Over the last second, in deflections at which it slides.
+            return (places[-1] - places[-10_001]) / 5e-6
+
+        self.assertGreater(creep("coulomb_friction"), 1.0)
+        self.assertLess(abs(creep("coulomb_friction (without creep)")), 1e-3)
 
     def test_a_delayed_command_arrives_after_its_dead_time(self):
         law = find_effect("command_delay").laws["drive"]
