@@ -7,12 +7,13 @@ import numpy as np
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.gap.probability import sure_of_effects
-from brace_drake.gap.verdict import decide, largest_rest
+from brace_drake.gap.verdict import decide, is_near_floor, largest_rest
 
 COUNT = 1000
 NULL = SimpleNamespace(misfit_threshold=0.1, gain_threshold=0.03)
 EVALUATOR = SimpleNamespace(
-    count=COUNT, twin=SimpleNamespace(instruments_known=True)
+    count=COUNT,
+    twin=SimpleNamespace(instruments_known=True, carried=(), has_loop=True),
 )
 
 
@@ -27,6 +28,7 @@ def fit(rest, *names, refined=True, scattered=True):
         name="+".join(names),
         excess=rest * COUNT,
         refined=refined,
+        uses=tuple((card, np.zeros(9)) for card in cards),
         freedom=sum(len(card.parameters) for card in cards),
         subject=np.zeros(6),
         is_scattered=scattered,
@@ -88,6 +90,15 @@ class TestVerdict(unittest.TestCase):
         one = largest_rest(EVALUATOR, gap, 1)
         self.assertAlmostEqual(one, 2.8**2 - 1.0)
         self.assertEqual(largest_rest(EVALUATOR, gap, 2), 1.0)
+
+    def test_where_drives_stick_a_bit_more_counts_as_the_floor(self):
+        def is_near(rest, name):
+            return is_near_floor(EVALUATOR, [fit(rest, name)], 0.1)
+
+        self.assertTrue(is_near(0.09, "force_bias"))
+        self.assertFalse(is_near(0.3, "force_bias"))
+        self.assertTrue(is_near(0.3, "coulomb_friction"))
+        self.assertFalse(is_near(0.6, "coulomb_friction"))
 
     def test_probability_falls_with_rivals_and_with_what_is_left(self):
         of_contrast = [sure_of_effects(c, 0.0, 1) for c in (1.0, 3.0, 30.0)]

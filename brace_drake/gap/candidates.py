@@ -24,8 +24,10 @@ _STEPS, _FAR_STEPS = 10, 30
 # plant step, and at the twin's own.
 _NEAR, _END = 1e-3, 1e-5
 # Where drives stick the sum of squares is rough: what a search gains by less
-# at a time, or in later steps, is chance.
+# at a time, or in later steps, is chance. Over dozens of parameters the last
+# of it is dear, and little beside what any twin is exact to.
 _NEAR_ROUGH, _ROUGH_STEPS = 1e-2, 8
+_MANY, _NEAR_OF_MANY, _END_OF_MANY = 12, 1e-2, 1e-3
 # A change of the common spread by less is none, in logarithms.
 _SAME_SPREAD = 0.05
 _SPREAD_ROUNDS = 3
@@ -165,8 +167,10 @@ def search(
         jacobian: For the coarse part to begin with.
     """
     limits = problem.lower, problem.upper, problem.steps, problem.radius
+    is_dear = problem.num_free > _MANY
     if known is None:
         rough = problem.is_rough
+        tolerance = _NEAR_OF_MANY if is_dear else _NEAR
         batch = partial(problem.batch, coarse=True)
         near = solve_gauss_newton(
             batch,
@@ -175,7 +179,7 @@ def search(
             known=(batch([z])[0], jacobian),
             differentiate=lambda z, r: problem.columns(z, base=r),
             max_iterations=_ROUGH_STEPS if rough else _FAR_STEPS,
-            tolerance=_NEAR_ROUGH if rough else _NEAR,
+            tolerance=_NEAR_ROUGH if rough else tolerance,
         )
         z = near.z
         known = problem.batch([z])[0], near.jacobian
@@ -186,7 +190,7 @@ def search(
         differentiate=lambda z, residual: known[1],
         known=known,
         max_iterations=_STEPS,
-        tolerance=_END,
+        tolerance=_END_OF_MANY if is_dear else _END,
     )
 
 

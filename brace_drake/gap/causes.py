@@ -68,7 +68,9 @@ def try_causes(
         simple, others = _divide(simple, lambda c: c.at_rest)
         part = _part(say, 0.2, 0.3)
         runners = race(ground, others, part, places=0, bar=-np.inf)
-    runners += race(ground, simple, _part(say, 0.2, 0.4), most=most)
+    least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
+    part = _part(say, 0.2, 0.4)
+    runners += race(ground, simple, part, most=most, least=least)
     say("contenders", 0.4)
     # Those that explain nothing are not compared to the last digit.
     fits = refine(evaluator, best_fits(runners), nominal.excess, rivals=most)

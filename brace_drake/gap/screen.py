@@ -14,8 +14,11 @@ _STEPS = 5
 # Rounds of so many steps, as long as one leaves less than this share of what
 # the one before has left.
 _ROUNDS, _WORTH_A_ROUND = 4, 0.7
-# What a round leaves of what the one before has left, where it goes well.
-_GOOD_ROUND = 0.5
+# What a round leaves of what the one before has left, where it goes well; and
+# the first one, which may have begun far behind the leader, at the very best.
+_GOOD_ROUND, _BEST_ROUND = 0.5, 0.1
+# A round that leaves what was promised, so near, has come to its end.
+_AS_PROMISED = 0.02
 # Of what a search leaves, a promise of less than this share was not kept.
 _BROKEN = 0.5
 # Who is searched: this many, and all that promise to leave at most this many
@@ -31,8 +34,9 @@ _COARSE, _COARSE_OF_MANY = 0.01, 0.5
 # A start is tried again at another strength, this often, where it is more than
 # that many times too strong or too weak.
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
-# A start that promises to leave this share of the gap is not tried again.
-_HOPELESS = 0.98
+# A start that promises to leave this share of the gap is not tried again; and
+# beyond so many places not searched.
+_HOPELESS, _HOPELESS_PLACES = 0.98, 2
 
 
 def race(
@@ -43,6 +47,7 @@ def race(
     bar: float = np.inf,
     most: float = np.inf,
     must_explain: bool = False,
+    least: float = np.inf,
 ) -> list[Runner]:
     """Runs the leader's effects with each of the cards, at each start.
 
@@ -52,7 +57,7 @@ def race(
         say: Progress.
         places: So many are searched whatever they promise.
         bar: Who promises to leave more is not searched.
-        most, must_explain: See `search_best`.
+        most, must_explain, least: See `search_best`.
 
     Returns:
         Runners, those searched with a Jacobian; none is searched where the
@@ -68,7 +73,7 @@ def race(
     for runner in sorted(runners, key=lambda r: r.promise):
         best.setdefault(runner.card.key, runner)
     good = [r for r in best.values() if r.promise <= bar]
-    search_best(ground, good, say, places, most, must_explain)
+    search_best(ground, good, say, places, most, must_explain, least)
     return runners
 
 
@@ -79,6 +84,7 @@ def search_best(
     places: int = _PLACES,
     most: float = np.inf,
     must_explain: bool = False,
+    least: float = np.inf,
 ) -> None:
     """Searches the runners that promise most, best first.
 
@@ -91,8 +97,9 @@ def search_best(
             not led back.
         must_explain: Whether who will not come below that is of no use: he is
             given up, and who promises next to no gain is not searched.
+        least: Excess that another one has left before.
     """
-    least, trust = np.inf, _COARSE * ground.evaluator.count
+    trust = _COARSE * ground.evaluator.count
     there = ground.there
     for place, runner in enumerate(runners):
         fit = runner.fit()
@@ -103,6 +110,8 @@ def search_best(
         if place >= places and (far_behind or no_gain):
             break
         if no_gain and must_explain:
+            break
+        if place >= _HOPELESS_PLACES and fit.excess > _HOPELESS * there:
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
         if _search(ground, runner, least, trust, most, must_explain):
@@ -121,8 +130,8 @@ def _search(
 
     Who would not come near the best at the rate of the last round gives up.
     """
-    before, is_hopeless = np.inf, runner.promise > most
-    enough = trust
+    before, promise = np.inf, runner.promise
+    is_hopeless, enough = promise > most, trust
     if runner.card.spread is not None:
         enough = _COARSE_OF_MANY * ground.evaluator.count
     for done in range(1, _ROUNDS + 1):
@@ -133,16 +142,19 @@ def _search(
         is_lost = is_hopeless and left > ground.there
         if left < enough or rate > _WORTH_A_ROUND or is_lost:
             break
-        # The first round may have begun far behind the leader.
-        is_first = done == 1
-        hoped = left * (_GOOD_ROUND if is_first else rate) ** (_ROUNDS - done)
+        is_first, rounds = done == 1, _ROUNDS - done
+        if is_first and np.isclose(left, promise, rtol=_AS_PROMISED):
+            break
+        hoped = left * (_GOOD_ROUND if is_first else rate) ** rounds
         if must_explain and hoped > most:
             break
-        if not is_first and hoped > _FACTOR * (least + trust):
+        if is_first:
+            hoped = left * _BEST_ROUND**rounds
+        if hoped > _FACTOR * (least + trust):
             break
         before = left
-    could_lead = runner.promise < _FACTOR * (least + trust)
-    is_broken = enough < left and runner.promise < _BROKEN * left
+    could_lead = promise < _FACTOR * (least + trust)
+    is_broken = enough < left and promise < _BROKEN * left
     has_strayed = must_explain and left > ground.there
     if could_lead and is_broken and not (is_lost or has_strayed):
         # Far from the leader his sensitivities may lead nowhere.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.evaluation import Evaluator, is_dithered
 from brace_drake.gap.probability import (
     sure_of_effects,
     sure_of_no_gap,
@@ -25,6 +25,9 @@ MAJOR_REAL = 0.75
 # Mean square above the floor's, in floors, up to which a repaired twin counts
 # as good: what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
+# Where drives stick replays come to no floor: up to here what is left is no
+# sign of another effect.
+_NEAR_FLOOR_ROUGH = 0.5
 # A race leaves this many times what the end of a search will leave, or less.
 _UNFINISHED = 2.0
 # What the coarse plant step of a race may put in, as a share of the gap.
@@ -213,9 +216,16 @@ def is_near_floor(
     fits: Sequence[CandidateFit],
     limit: float,
 ) -> bool:
-    """Whether the best of fits leaves at most so many floors, mean square."""
+    """Whether the best of fits leaves at most so many floors, mean square.
+
+    Or a bit more, where it cannot follow a recording as near as that.
+    """
     best = next(iter(plausible(fits)), None)
-    return best is not None and misfit(evaluator, best) <= limit
+    if best is None:
+        return False
+    if is_dithered(evaluator.twin, best.uses):
+        limit = max(limit, _NEAR_FLOOR_ROUGH)
+    return misfit(evaluator, best) <= limit
 
 
 def is_almost_near_floor(evaluator: Evaluator, fit: CandidateFit) -> bool:
