@@ -118,6 +118,7 @@ CARD = Effect(
 WITHOUT_CREEP = replace(
     CARD,
     form="without creep",
+    title="dry friction in the legs that holds without creep",
     equation="f = u - b l' - s_0 z - s_1 z', z' = l' - a s_0 |l'| z / F_c"
     " (elasto-plastic bristles: a = 0, nothing slips, up to 0.7 of the"
     " deflection of sliding; otherwise as the other form)",
