@@ -16,16 +16,13 @@ from brace_drake.gap.screen import race
 from brace_drake.gap.second_effect import SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import (
-    closed_amplitude,
+    closes_half,
     has_gap,
     is_almost_near_floor,
     is_exact,
     is_near_floor,
     largest_excess,
 )
-
-# A flexible effect has to close about this share of the gap's amplitude.
-_HALF = 0.5
 
 
 def try_causes(
@@ -131,9 +128,9 @@ def _refine_flexible(evaluator, nominal, flexible) -> list[CandidateFit]:
     """
     good, rest = [], []
     for fit in flexible:
-        closed = closed_amplitude(evaluator, nominal, fit)
         is_near = is_almost_near_floor(evaluator, fit)
-        (good if closed >= _HALF and is_near else rest).append(fit)
+        is_good = is_near and closes_half(evaluator, nominal, fit)
+        (good if is_good else rest).append(fit)
     return [*refine(evaluator, good, nominal.excess), *rest]
 
 

@@ -19,7 +19,7 @@ from brace_drake.gap.runner import Runner, make_runner, step
 from brace_drake.gap.screen import race, search_best
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.verdict import (
-    closed_amplitude,
+    closes_half,
     explains,
     is_near_floor,
     largest_excess,
@@ -27,8 +27,7 @@ from brace_drake.gap.verdict import (
     refined,
 )
 
-# Beside one that explains most, two have to leave half as much; and a second
-# one is looked for beside one that explains about half the gap.
+# Beside one that explains most, two have to leave half as much.
 _HALF = 0.5
 # Mean square, in floors, up to which nothing is left that would be worth the
 # search over second effects of dozens of parameters.
@@ -130,7 +129,7 @@ class SecondEffects:
 
     def _is_half(self, fit: CandidateFit) -> bool:
         """Whether a fit closes about half of the gap."""
-        return closed_amplitude(self._evaluator, self._nominal, fit) >= _HALF
+        return closes_half(self._evaluator, self._nominal, fit)
 
     def _keep_single(self, fit: CandidateFit) -> None:
         """Leads the search of a single effect to its end, if that explains."""

@@ -25,6 +25,9 @@ MAJOR_REAL = 0.75
 # Mean square above the floor's, in floors, up to which a repaired twin counts
 # as good: what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
+# About half of the gap's amplitude: what a flexible effect has to close, and an
+# effect beside which a second one is looked for.
+_HALF = 0.5
 # Where drives stick replays come to no floor: up to here what is left is no
 # sign of another effect.
 _NEAR_FLOOR_ROUGH = 0.5
@@ -79,6 +82,13 @@ def closed_amplitude(
     before = np.sqrt(1.0 + max(0.0, misfit(evaluator, nominal))) - 1.0
     after = np.sqrt(1.0 + max(0.0, misfit(evaluator, fit))) - 1.0
     return float(1.0 - after / before) if before > 0.0 else 0.0
+
+
+def closes_half(
+    evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit
+) -> bool:
+    """Whether a fit takes away about half of the gap's amplitude."""
+    return closed_amplitude(evaluator, nominal, fit) >= _HALF
 
 
 def has_gap(
