@@ -575,9 +575,9 @@ class OpenTest(unittest.TestCase):
         self.assertEqual(notes["unconverged"], ["hardening", "force_bias"])
         self.assertEqual(notes["left_early"], ["coulomb_friction"])
 
-    def test_the_probability_is_said_not_to_be_calibrated(self):
+    def test_what_the_probability_was_calibrated_on_is_said(self):
         text = "".join(parse(render_page(make_diagnosis(), [])).text)
-        self.assertIn("not calibrated", text)
+        self.assertIn("calibrated on simulated blind cases", text)
 
     def test_parameters_that_are_drawn_alike_are_one_line_of_a_card(self):
         card = make_card("anchor_error", "runner-up", {})

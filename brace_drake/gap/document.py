@@ -208,7 +208,8 @@ def _receipt(d: Diagnosis) -> dict:
         "gain_threshold": d.null.gain_threshold,
         "integration_error": d.null.numerical,
         "smallest_explained_share": verdict.smallest_share(d.evaluator),
-        "probability_is": "from how much more the best rival leaves",
+        "probability_is": "from what the best rival and the winner leave,"
+        " calibrated on 45 withheld cases of a stand-in",
         "versions": {p: importlib.metadata.version(p) for p in packages},
     }
 
