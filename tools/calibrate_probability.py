@@ -5,8 +5,10 @@
 
 Prints offset and slope of the log-odds of being right over those stated, with
 standard errors, and log and Brier scores before and after: on the same cases,
-and on cases that took no part. Where the answers were given with offset a and slope
-b in `gap/probability.py`, and c and d are printed, c + d a and d b replace them.
+and on cases that took no part.
+
+Where the answers were given with offset a and slope b in
+`gap/probability.py`, and c and d are printed: c + d a and d b replace them.
 """
 
 import argparse
