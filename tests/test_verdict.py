@@ -47,7 +47,7 @@ class TestVerdict(unittest.TestCase):
         found = verdict(50.0, fit(0.01, "force_bias"), fit(20.0, "ring_mass"))
         self.assertEqual(found.winner.identifiers, ("force_bias",))
         self.assertEqual(found.ambiguous_with, ())
-        self.assertGreater(found.probability, 0.8)
+        self.assertGreater(found.probability, 0.85)
 
     def test_what_leaves_as_little_is_tied(self):
         found = verdict(50.0, fit(0.01, "force_gain"), fit(0.012, "ring_mass"))
@@ -77,7 +77,7 @@ class TestVerdict(unittest.TestCase):
         same = fit(0.011, "ring_mass", "force_bias")
         found = verdict(50.0, fit(20.0, "force_bias"), one, same)
         self.assertEqual(found.ambiguous_with, ())
-        self.assertGreater(found.probability, 0.8)
+        self.assertGreater(found.probability, 0.85)
 
     def test_a_rest_within_noise_takes_nothing_of_the_probability(self):
         small = verdict(0.3, fit(0.08, "force_bias"), fit(0.28, "ring_mass"))

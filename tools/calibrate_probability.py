@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.withheld.calibration import fit_calibration
+from brace_drake.withheld.score import proper_scores
 
 
 def read(paths: list[Path]) -> tuple[np.ndarray, np.ndarray]:
@@ -32,8 +33,7 @@ def read(paths: list[Path]) -> tuple[np.ndarray, np.ndarray]:
 
 def say(what: str, p: np.ndarray, right: np.ndarray) -> None:
     """Mean probability and scores of a set."""
-    log = -np.where(right, np.log(p), np.log1p(-p)).mean()
-    brier = np.mean((p - right) ** 2)
+    log, brier = proper_scores(p, right)
     print(
         f"{what:22} {len(p):3d} answers, told {p.mean():.3f},"
         f" right {right.mean():.3f}, log score {log:.3f}, Brier {brier:.3f}"

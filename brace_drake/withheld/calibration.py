@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.special import expit, logit
 
 # Standard deviations of the prior of the offset, and of the slope about 1:
 # with few cases the statement stays as it is.
@@ -30,7 +31,7 @@ class Calibration:
 
     def apply(self, stated: np.ndarray) -> np.ndarray:
         """Calibrated probabilities of stated ones."""
-        return _logistic(self.offset + self.slope * log_odds(stated))
+        return expit(self.offset + self.slope * log_odds(stated))
 
 
 def fit_calibration(stated: np.ndarray, right: np.ndarray) -> Calibration:
@@ -55,11 +56,11 @@ def fit_calibration(stated: np.ndarray, right: np.ndarray) -> Calibration:
         )
 
     def slope(theta):
-        error = _logistic(design @ theta) - y
+        error = expit(design @ theta) - y
         return design.T @ error + precision * (theta - middle)
 
     best = minimize(cost, middle, jac=slope, method="BFGS").x
-    p = _logistic(design @ best)
+    p = expit(design @ best)
     curvature = (design.T * (p * (1.0 - p))) @ design + np.diag(precision)
     return Calibration(
         float(best[0]), float(best[1]), np.linalg.inv(curvature), len(x)
@@ -68,9 +69,4 @@ def fit_calibration(stated: np.ndarray, right: np.ndarray) -> Calibration:
 
 def log_odds(probability: np.ndarray) -> np.ndarray:
     """Logarithm of p / (1 - p), p held off 0 and 1."""
-    p = np.clip(np.asarray(probability, float), _SUREST, 1.0 - _SUREST)
-    return np.log(p / (1.0 - p))
-
-
-def _logistic(x: np.ndarray) -> np.ndarray:
-    return 1.0 / (1.0 + np.exp(-x))
+    return logit(np.clip(probability, _SUREST, 1.0 - _SUREST))

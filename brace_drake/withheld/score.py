@@ -113,13 +113,19 @@ def probability_scores(judged: list[Judged]) -> dict:
     right = np.array([j.right for j in told], dtype=float)
     if not told:
         return {"log_score": None, "brier_score": None, "reliability": []}
-    sure = np.clip(p, _SUREST, 1.0 - _SUREST)
-    log = -np.where(right > 0, np.log(sure), np.log1p(-sure))
+    log, brier = proper_scores(p, right)
     return {
-        "log_score": float(log.mean()),
-        "brier_score": float(np.mean((p - right) ** 2)),
+        "log_score": log,
+        "brier_score": brier,
         "reliability": reliability(p, right),
     }
+
+
+def proper_scores(p: np.ndarray, right: np.ndarray) -> tuple[float, float]:
+    """Log score and Brier score of probabilities, less is better."""
+    sure = np.clip(p, _SUREST, 1.0 - _SUREST)
+    log = -np.where(right > 0, np.log(sure), np.log1p(-sure))
+    return float(log.mean()), float(np.mean((p - right) ** 2))
 
 
 def reliability(p: np.ndarray, right: np.ndarray) -> list[dict]:
