@@ -129,6 +129,7 @@ class TestTick(unittest.TestCase):
             numbers.p_RT,
             memory,
             estimate,
+            (np.empty((3, 3)), np.empty((6, 6)), np.empty(6), np.empty(6)),
         )
         self.assertTrue(good)
         np.testing.assert_allclose(

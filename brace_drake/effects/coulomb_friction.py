@@ -3,9 +3,8 @@
 import math
 from dataclasses import replace
 
-from numba import njit
-
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
 
 # Before sliding: bristles give way by a few micrometres and are well damped;
@@ -19,7 +18,7 @@ _MAX_DAMPING = 600.0  # N s/m
 _STUCK = 0.7
 
 
-@njit(cache=True)
+@compiled_law
 def slip_share(speed, z, sliding, stuck):
     """Share a of the bristles' deflection that slips, 0 to 1.
 
@@ -46,7 +45,7 @@ def slip_share(speed, z, sliding, stuck):
     return 0.5 + 0.5 * math.sin(math.pi * (part - middle) / (1.0 - stuck))
 
 
-@njit(cache=True)
+@compiled_law
 def bristle_force(dt, speed, level, k, x, stuck=0.0):
     """Friction force of leg k, N; its bristles' deflection x[k] is advanced.
 

@@ -9,6 +9,7 @@ import numpy as np
 from numba import boolean, float64, int64, njit, types
 
 from brace_drake.laws import bench_tick, hooked_forces
+from brace_drake.laws.compiled import MAKER, compiled_maker, copy_values
 from brace_drake.laws.hooks import (
     PLUG_POINTS,
     matrix,
@@ -22,7 +23,7 @@ from brace_drake.laws.rigid_body import step_free_body_at
 NUM_LOGGED = 19
 
 
-@njit(cache=True)
+@compiled_maker
 def _write_row(row, u, readings, with_torso, virtual):
     for k in range(6):
         row[k] = u[k]
@@ -51,9 +52,8 @@ def _write_row(row, u, readings, with_torso, virtual):
         boolean[:, ::1],
         matrix,
     ),
-    cache=True,
     nogil=True,
-    error_model="numpy",
+    **MAKER,
 )
 def rollout_bench(
     dt,
@@ -135,11 +135,11 @@ def rollout_bench(
                 f_T,
             )  # fmt: skip
             if sub == 0:
-                ideal[0:6] = lengths
-                ideal[6:9] = f_T
+                copy_values(lengths, ideal[0:6])
+                copy_values(f_T, ideal[6:9])
                 for i in range(3):
                     ideal[9 + i] = p_WT[i] - rest[i]
-                readings[:] = ideal
+                copy_values(ideal, readings)
                 hooked_forces.read_hooked(
                     t, period, u, resolution,
                     noise[tick] if noise.shape[0] > 0 else no_noise,

@@ -1,9 +1,9 @@
 """The bench's tick: PIC along y of a brace of one stage."""
 
 import numpy as np
-from numba import njit
 
 from brace_drake.laws import brace_control
+from brace_drake.laws.compiled import compiled_law, compiled_maker
 
 # Memory of the pose estimator (20), filtered force (6), X_v, X_v', X_v'' (18),
 # impedance in use (18); where y_v is among them.
@@ -11,7 +11,7 @@ NUM_MEMORY = 62
 Y_VIRTUAL = 27
 
 
-@njit(cache=True)
+@compiled_maker
 def make_memory(rest):
     """A controller's memory (62,) before its first tick, ring at rest (3,)."""
     memory = np.zeros(NUM_MEMORY)
@@ -19,7 +19,7 @@ def make_memory(rest):
     return memory
 
 
-@njit(cache=True)
+@compiled_maker
 def make_controller(law, memory):
     """What `advance_tick` takes, made once for many ticks.
 
@@ -40,7 +40,7 @@ def make_controller(law, memory):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def advance_tick(readings, desired, controller, commands):
     """`brace_control.advance_brace_pic` with a reference along y alone.
 

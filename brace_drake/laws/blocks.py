@@ -7,9 +7,9 @@ handing functions to compiled code costs more than the laws themselves).
 """
 
 import numpy as np
-from numba import njit
 
 from brace_drake.laws import contact, legs, posture
+from brace_drake.laws.compiled import compiled_law, compiled_maker
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.laws.reading import read_instrument
 from brace_drake.laws.rotation import (
@@ -17,10 +17,8 @@ from brace_drake.laws.rotation import (
     quaternion_to_rotation_vector,
 )
 
-_compile = {"cache": True, "error_model": "numpy"}
 
-
-@njit(**_compile)
+@compiled_maker
 def calc_ring_kinematics(q_WR, p_WR, V_WR, p_WB, p_RT, lengths, rates, J):
     """Writes leg lengths, rates and Jacobian of a ring (see `legs`)."""
     R_WR = np.empty((3, 3))
@@ -29,14 +27,14 @@ def calc_ring_kinematics(q_WR, p_WR, V_WR, p_WB, p_RT, lengths, rates, J):
     legs.calc_leg_rates(J, V_WR[0:3], V_WR[3:6], rates)
 
 
-@njit(**_compile)
+@compiled_law
 def calc_leg_forces(u, viscous, rates, f):
     """Writes the force of each leg, f = u - viscous l', N, all (n,)."""
     for k in range(f.shape[0]):
         f[k] = u[k] - viscous[k] * rates[k]
 
 
-@njit(**_compile)
+@compiled_law
 def calc_pad_at(pad, bodies, R_WR, R_WT, law, o):
     """`calc_pad` where the rotation matrices (3, 3) are at hand."""
     contact.calc_compression(
@@ -55,7 +53,7 @@ def calc_pad_at(pad, bodies, R_WR, R_WT, law, o):
     o[15] = o[1]
 
 
-@njit(**_compile)
+@compiled_maker
 def calc_pad(pad, bodies, law, o):
     """Writes the geometry of one pad and d, d' of its contact.
 
@@ -73,13 +71,13 @@ def calc_pad(pad, bodies, law, o):
     calc_pad_at(pad, bodies, R_WR, R_WT, law, o)
 
 
-@njit(**_compile)
+@compiled_law
 def calc_pad_normal_force(law, o):
     """Writes N = k d + c d', not yet cut at zero, from d, d' in o (17,)."""
     o[16] = contact.normal_force(o[14], o[15], law[0], law[1])
 
 
-@njit(**_compile)
+@compiled_law
 def add_pad_force(pad, law, o, F_R_W, F_T_W, f_T_W):
     """Adds the forces of one pad, none where it is off or would pull.
 
@@ -94,7 +92,7 @@ def add_pad_force(pad, law, o, F_R_W, F_T_W, f_T_W):
         )
 
 
-@njit(**_compile)
+@compiled_law
 def add_pads_at(bodies, R_WR, R_WT, law, pads, F_R_W, F_T_W, f_T_W):
     """`add_nominal_pads` where the rotation matrices (3, 3) are at hand."""
     f_T_W[:] = 0.0
@@ -104,7 +102,7 @@ def add_pads_at(bodies, R_WR, R_WT, law, pads, F_R_W, F_T_W, f_T_W):
         add_pad_force(pad, law, pads[pad], F_R_W, F_T_W, f_T_W)
 
 
-@njit(**_compile)
+@compiled_maker
 def add_nominal_pads(bodies, law, pads, F_R_W, F_T_W, f_T_W):
     """Both pads without effects; f_T_W (3,) is overwritten."""
     R_WR, R_WT = np.empty((3, 3)), np.empty((3, 3))
@@ -113,7 +111,7 @@ def add_nominal_pads(bodies, law, pads, F_R_W, F_T_W, f_T_W):
     add_pads_at(bodies, R_WR, R_WT, law, pads, F_R_W, F_T_W, f_T_W)
 
 
-@njit(**_compile)
+@compiled_law
 def calc_displacement(q, p, rest, pose):
     """Writes displacement from rest (3), m, and rotation vector (3), rad."""
     for i in range(3):
@@ -121,7 +119,7 @@ def calc_displacement(q, p, rest, pose):
     quaternion_to_rotation_vector(q, pose[3:6])
 
 
-@njit(**_compile)
+@compiled_law
 def add_posture(bodies, rest, law, pose, F_T_W):
     """Adds the posture's bushing force to F_T_W (6,), torque first.
 
@@ -132,7 +130,7 @@ def add_posture(bodies, rest, law, pose, F_T_W):
     posture.add_posture_force(pose[0:3], pose[3:6], bodies[20:26], law, F_T_W)
 
 
-@njit(**_compile)
+@compiled_law
 def read_instruments(resolution, noise, out):
     """Turns ideal values into readings, in place.
 
@@ -154,7 +152,7 @@ def read_instruments(resolution, noise, out):
         out[i] += noise[i]
 
 
-@njit(**_compile)
+@compiled_law
 def add_hooked_pads(
     t,
     dt,

@@ -8,9 +8,9 @@ is remembered are stacks of such rows.
 """
 
 import numpy as np
-from numba import njit
 
 from brace_drake.laws import pid, pose_estimate, stages, task_impedance
+from brace_drake.laws.compiled import compiled_law, compiled_maker
 from brace_drake.laws.mraic import (
     NUM_MRAIC_LAW,
     NUM_MRAIC_MEMORY,
@@ -19,8 +19,6 @@ from brace_drake.laws.mraic import (
 from brace_drake.laws.npic import NUM_NPIC_LAW, NUM_NPIC_MEMORY, advance_npic
 from brace_drake.laws.rotation import quaternion_to_matrix
 from brace_drake.laws.vpic import NUM_VPIC_LAW, NUM_VPIC_MEMORY, advance_vpic
-
-_compile = {"cache": True, "error_model": "numpy"}
 
 # Kinds of controllers.
 IDC, PIC, MRAIC, NPIC, VPIC, PID = range(6)
@@ -54,7 +52,7 @@ NUM_OWN_MEMORY = (
 GOOD, NO_POSE, SINGULAR, BAD_STIFFNESS = range(4)
 
 
-@njit(**_compile)
+@compiled_maker
 def take_work(n):
     """Places to work in for a tick of n rings, made in one piece.
 
@@ -76,7 +74,7 @@ def take_work(n):
     return poses, state, F, (R, p_WB, lengths, J, J_L, scratch, estimate)
 
 
-@njit(**_compile)
+@compiled_maker
 def take_geometry(law, n):
     """Rows of the law as they are used: estimator, lower, upper anchors.
 
@@ -89,7 +87,7 @@ def take_geometry(law, n):
     return estimator, lower, upper
 
 
-@njit(**_compile)
+@compiled_law
 def estimate_rings(lengths, geometry, pose, poses, state, work):
     """Poses of all rings, from the lowest up, and their filtered rates.
 
@@ -107,7 +105,7 @@ def estimate_rings(lengths, geometry, pose, poses, state, work):
     """
     n = pose.shape[0]
     estimator, lower, upper = geometry
-    R, p_WB, _, _, _, _, estimate = work
+    R, p_WB, at_pose, J, _, scratch, estimate = work
     for i in range(n):
         anchors = lower[0]
         if i > 0:
@@ -115,8 +113,9 @@ def estimate_rings(lengths, geometry, pose, poses, state, work):
             stages.place_lower_anchors(poses[i - 1], R[i], lower[i], p_WB[i])
             anchors = p_WB[i]
         own = lengths[6 * i : 6 * i + 6]
+        place = R[i], J[i], at_pose[0:6], scratch[0]
         if not pose_estimate.estimate_pose(
-            own, estimator[i], anchors, upper[i], pose[i], estimate
+            own, estimator[i], anchors, upper[i], pose[i], estimate, place
         ):
             return False
         for c in range(6):
@@ -129,7 +128,7 @@ def estimate_rings(lengths, geometry, pose, poses, state, work):
     return True
 
 
-@njit(**_compile)
+@compiled_law
 def filter_force(force, gain, filtered):
     """Low pass of the rings' forces (3n,) into rows with torques (6n,)."""
     for i in range(force.shape[0]):
@@ -137,7 +136,7 @@ def filter_force(force, gain, filtered):
         filtered[k] += gain * (force[i] - filtered[k])
 
 
-@njit(**_compile)
+@compiled_law
 def send_to_legs(F, poses, geometry, limit, work, command):
     """Leg commands f = J^-T F at the estimated poses, each leg limited.
 
@@ -157,7 +156,7 @@ def send_to_legs(F, poses, geometry, limit, work, command):
     return GOOD
 
 
-@njit(**_compile)
+@compiled_law
 def follow_virtual(
     X_v, filtered, law, geometry, poses, state, F, work, command
 ):
@@ -173,7 +172,7 @@ def follow_virtual(
     return send_to_legs(F, poses, geometry, law[LIMIT], work, command)
 
 
-@njit(**_compile)
+@compiled_law
 def advance_virtual(
     kind, desired, state, force, stiffness, law, memory, virtual, impedance
 ):
@@ -204,7 +203,7 @@ def advance_virtual(
     return True
 
 
-@njit(**_compile)
+@compiled_law
 def is_saturated(command, limit):
     """Whether a leg is at its limit."""
     for k in range(command.shape[0]):
@@ -213,7 +212,7 @@ def is_saturated(command, limit):
     return False
 
 
-@njit(**_compile)
+@compiled_law
 def advance_brace_pic(
     lengths,
     force,
@@ -253,7 +252,7 @@ def advance_brace_pic(
     )
 
 
-@njit(**_compile)
+@compiled_maker
 def advance_brace(
     kind,
     lengths,

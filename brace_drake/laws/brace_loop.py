@@ -14,6 +14,12 @@ import numpy as np
 from numba import boolean, float64, int64, njit, types
 
 from brace_drake.laws import blocks, brace_control, cubic, hooked_forces
+from brace_drake.laws.compiled import (
+    MAKER,
+    compiled_law,
+    compiled_maker,
+    copy_values,
+)
 from brace_drake.laws.hooks import (
     PLUG_POINTS,
     matrix,
@@ -25,8 +31,6 @@ from brace_drake.laws.kernels import add_brace_legs, calc_brace
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.laws.rotation import quaternion_to_rotation_vector
 
-_compile = {"cache": True, "error_model": "numpy"}
-
 # What a call comes back with, beside what a tick does.
 LOST = 4
 
@@ -34,7 +38,7 @@ LOST = 4
 _FAR = 1e3
 
 
-@njit(**_compile)
+@compiled_law
 def read_task_state(inputs, rest, state):
     """Writes X, X' (2, 6n), force first, of the rings' true state.
 
@@ -57,7 +61,7 @@ def read_task_state(inputs, rest, state):
         )
 
 
-@njit(**_compile)
+@compiled_law
 def step_bodies(inputs, n, forces, mass, dt):
     """Moves n rings and the torso by one plant step under `forces`.
 
@@ -82,7 +86,7 @@ def step_bodies(inputs, n, forces, mass, dt):
         )
 
 
-@njit(**_compile)
+@compiled_law
 def is_lost(inputs, n):
     """Whether a body is no longer near where it belongs, or not a number."""
     total = 0.0
@@ -91,7 +95,7 @@ def is_lost(inputs, n):
     return not (math.isfinite(total) and total < _FAR)
 
 
-@njit(**_compile)
+@compiled_maker
 def perform_tick(kind, t, times, reference, stiffness, u, law, held, memory):
     """A control tick at t on the readings at hand; see the loops below."""
     pose, virtual, impedance, readings = held
@@ -120,7 +124,7 @@ _shared = (
 )
 
 
-@njit(int64(*_shared), cache=True, nogil=True, error_model="numpy")
+@njit(int64(*_shared), nogil=True, **MAKER)
 def advance_brace_loop(
     counts,
     times,
@@ -172,13 +176,13 @@ def advance_brace_loop(
                 add_brace_legs(inputs, n, out)
             else:
                 calc_brace(inputs, n, True, True, out)
-            F[:] = out[0 : 6 * n + 6]
+            copy_values(out[0 : 6 * n + 6], F)
             step_bodies(inputs, n, F, mass, dt)
         tick = last + k + 1 if ticks > 0 else last
         if is_lost(inputs, n):
             return LOST
         calc_brace(inputs, n, True, False, out)
-        readings[:] = out[6 * n + 6 : 15 * n + 9]
+        copy_values(out[6 * n + 6 : 15 * n + 9], readings)
         row = noise[tick] if noise.shape[0] > 0 else no_noise
         blocks.read_instruments(resolution, row, readings)
         result = perform_tick(
@@ -198,9 +202,8 @@ def advance_brace_loop(
         *[vectors] * len(PLUG_POINTS),
         boolean[:, ::1],
     ),
-    cache=True,
     nogil=True,
-    error_model="numpy",
+    **MAKER,
 )
 def advance_hooked_loop(
     counts,
@@ -262,8 +265,8 @@ def advance_hooked_loop(
                 posture, active, drive, torso, ring, parameters, drive_memory,
                 torso_memory, ring_memory, f, place, F_R, F_T,
             )  # fmt: skip
-            F[0:6] = F_R
-            F[6:12] = F_T
+            copy_values(F_R, F[0:6])
+            copy_values(F_T, F[6:12])
             step_bodies(inputs, 1, F, mass, dt)
         tick = last + k + 1 if ticks > 0 else last
         t = tick * period
@@ -278,8 +281,8 @@ def advance_hooked_loop(
             (contact_memory[0].copy(), contact_memory[1].copy()),
             R_WR, R_WT, lengths, rates, J, pads, F_R, F_T, f_T,
         )  # fmt: skip
-        out[18:21] = f_T
-        readings[:] = out[12:24]
+        copy_values(f_T, out[18:21])
+        copy_values(out[12:24], readings)
         row = noise[tick] if noise.shape[0] > 0 else no_noise
         hooked_forces.read_hooked(
             t, period, u, resolution, row, active, sensing, parameters,

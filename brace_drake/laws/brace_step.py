@@ -13,6 +13,12 @@ import numpy as np
 from numba import boolean, float64, int64, njit, types
 
 from brace_drake.laws import blocks, stages
+from brace_drake.laws.compiled import (
+    MAKER,
+    compiled_law,
+    compiled_maker,
+    copy_values,
+)
 from brace_drake.laws.hooks import (
     MAX_EFFECTS,
     PLUG_POINTS,
@@ -23,8 +29,6 @@ from brace_drake.laws.hooks import (
 )
 from brace_drake.laws.rigid_body import step_free_body_at
 from brace_drake.laws.rotation import quaternion_to_matrix
-
-_compile = {"cache": True, "error_model": "numpy"}
 
 # Rest of the torso, viscous, posture, resolution.
 _LAWS = types.UniTuple(vector, 4)
@@ -48,24 +52,24 @@ _ARGUMENTS = (
 )
 
 
-@njit(**_compile)
+@compiled_maker
 def _own(memory, i, n):
     """The part of stage i of n of a memory that all stages share out."""
     size = memory.shape[0] // n
     return memory[i * size : (i + 1) * size]
 
 
-@njit(**_compile)
+@compiled_maker
 def _press_pads(
     t, dt, i, n, bodies, R, R_WT, law, pair, pads, active, compression,
     contact, parameters, compression_memory, contact_memory, F, F_T, f_T,
 ):  # fmt: skip
     """Adds the forces of ring i's pads; `pair` (26,) is a place to work in."""
     at = 7 * (n + 1)
-    pair[0:7] = bodies[7 * i : 7 * i + 7]
-    pair[7:14] = bodies[7 * n : 7 * n + 7]
-    pair[14:20] = bodies[at + 6 * i : at + 6 * i + 6]
-    pair[20:26] = bodies[at + 6 * n : at + 6 * n + 6]
+    copy_values(bodies[7 * i : 7 * i + 7], pair[0:7])
+    copy_values(bodies[7 * n : 7 * n + 7], pair[7:14])
+    copy_values(bodies[at + 6 * i : at + 6 * i + 6], pair[14:20])
+    copy_values(bodies[at + 6 * n : at + 6 * n + 6], pair[20:26])
     blocks.add_hooked_pads(
         t, dt, pair, R, R_WT, law, pads, active, compression, contact,
         parameters,
@@ -75,7 +79,7 @@ def _press_pads(
     )  # fmt: skip
 
 
-@njit(**_compile)
+@compiled_maker
 def _read(
     t, period, n, u, resolution, noise, active, sensing, parameters, memory,
     readings,
@@ -93,7 +97,7 @@ def _read(
     blocks.read_instruments(resolution, noise, readings)
 
 
-@njit(**_compile)
+@compiled_maker
 def _drive_legs(
     t, dt, n, u, lengths, rates, viscous, active, drive, parameters, memory, f
 ):
@@ -110,7 +114,7 @@ def _drive_legs(
             )  # fmt: skip
 
 
-@njit(**_compile)
+@compiled_maker
 def _add_ring_effects(
     t, dt, n, poses, V, rest, pose, active, ring, parameters, memory, F
 ):
@@ -125,7 +129,7 @@ def _add_ring_effects(
             )  # fmt: skip
 
 
-@njit(**_compile)
+@compiled_law
 def _add_posture(
     t, dt, pair, rest, posture, pose, active, torso, parameters, memory, F_T
 ):
@@ -139,7 +143,7 @@ def _add_posture(
         )  # fmt: skip
 
 
-@njit(_ARGUMENTS, cache=True, error_model="numpy")
+@njit(_ARGUMENTS, **MAKER)
 def run_ticks(
     dt,
     steps,
@@ -229,7 +233,7 @@ def run_ticks(
                         compression_memory, contact_memory, F[i], F_T, f_T[i],
                     )  # fmt: skip
             if sub == 0:
-                readings[0 : 6 * n] = lengths
+                copy_values(lengths, readings[0 : 6 * n])
                 for i in range(n):
                     for c in range(3):
                         readings[6 * n + 3 * i + c] = f_T[i, c]
@@ -251,8 +255,8 @@ def run_ticks(
                 ring_memory, F,
             )  # fmt: skip
             if with_torso[0]:
-                pair[7:14] = poses[n]
-                pair[20:26] = V[n]
+                copy_values(poses[n], pair[7:14])
+                copy_values(V[n], pair[20:26])
                 _add_posture(
                     t, dt, pair, torso_rest, posture, pose, active, torso,
                     parameters, torso_memory, F_T,

@@ -10,10 +10,10 @@ force N = max(0, k d + c d') where d > 0, else 0. N presses the torso along
 
 import math
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def calc_compression(s, offset, preload, p_WR, R_WR, V_WR, p_WT, R_WT, V_WT, o):
     """Writes the geometry of one pad's contact.
 
@@ -46,13 +46,13 @@ def calc_compression(s, offset, preload, p_WR, R_WR, V_WR, p_WT, R_WT, V_WT, o):
     o[11], o[12], o[13] = nx, ny, nz
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def normal_force(d, d_dot, stiffness, damping):
     """The contact law before it is cut at zero: k d + c d', N."""
     return stiffness * d + damping * d_dot
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def add_pad_forces(s, N, friction, v_s, o, F_R_W, F_T_W, f_T_W):
     """Adds the forces of one pad with normal force N to both bodies.
 

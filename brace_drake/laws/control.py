@@ -2,22 +2,22 @@
 
 import math
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def low_pass_gain_cutoff(cutoff_hz, period):
     """Gain of a discrete first-order low pass, 1 - exp(-2 pi f_c h)."""
     return 1.0 - math.exp(-2.0 * math.pi * cutoff_hz * period)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def low_pass_gain_tau(tau, period):
     """Gain of a discrete first-order low pass, 1 - exp(-h / tau)."""
     return 1.0 - math.exp(-period / tau)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def update_velocity_estimate(X, X_previous, V, gain, period):
     """Backward difference of X (6,) through a low pass, in place.
 
@@ -28,7 +28,7 @@ def update_velocity_estimate(X, X_previous, V, gain, period):
         X_previous[i] = X[i]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def update_impedance(M_d, C_d, K_d, desired, force, period, virtual):
     """One step of the impedance filter along one axis, equation (5).
 

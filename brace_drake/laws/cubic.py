@@ -1,9 +1,9 @@
 """The paper's desired motion: a cubic polynomial from rest to rest."""
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def calc_cubic(t, duration, start, way, desired):
     """X_d = X_0 + way (3 s^2 - 2 s^3), s = t / T, and its rates.
 

@@ -1,12 +1,12 @@
 """What the legs leave for the torso, to be held against the force readings."""
 
 import numpy as np
-from numba import njit
 
 from brace_drake.laws import stages
+from brace_drake.laws.compiled import compiled_maker
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_maker
 def calc_forces_left(poses, V, u, viscous, weights, lower, upper, forces):
     """Writes J' (u - viscous l') - G of each ring, its force part.
 

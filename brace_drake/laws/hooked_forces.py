@@ -5,16 +5,13 @@ plug points, their parameters, memories and `active` are as `rollout_bench`
 takes them.
 """
 
-from numba import njit
-
 from brace_drake.laws import blocks, legs
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.laws.rotation import quaternion_to_matrix
 
-_compile = {"cache": True, "error_model": "numpy"}
 
-
-@njit(**_compile)
+@compiled_law
 def calc_hooked_contact(
     t,
     dt,
@@ -58,7 +55,7 @@ def calc_hooked_contact(
         )  # fmt: skip
 
 
-@njit(**_compile)
+@compiled_law
 def read_hooked(
     t, period, u, resolution, noise, active, sensing, parameters, memory, out
 ):
@@ -70,7 +67,7 @@ def read_hooked(
     blocks.read_instruments(resolution, noise, out)
 
 
-@njit(**_compile)
+@compiled_law
 def add_hooked_forces(
     t,
     dt,

@@ -32,6 +32,8 @@ import warnings
 from numba import float64, int64, njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
+from brace_drake.laws.compiled import LAW
+
 vector = float64[::1]
 
 SIGNATURES = {
@@ -53,7 +55,7 @@ warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 def plug(point: str):
     """Decorator: compiles a law for a plug point."""
-    return njit(SIGNATURES[point], cache=True, error_model="numpy")
+    return njit(SIGNATURES[point], **LAW)
 
 
 def stack_type(point: str):

@@ -6,13 +6,11 @@ over few, with the place to work in among them.
 """
 
 import numpy as np
-from numba import njit
 
 from brace_drake.laws import blocks, brace_control, stages
+from brace_drake.laws.compiled import compiled_law, compiled_maker
 from brace_drake.laws.pose_estimate import NUM_POSE_MEMORY
 from brace_drake.laws.rotation import quaternion_to_matrix
-
-_compile = {"cache": True, "error_model": "numpy"}
 
 
 def num_tick_law(num_stages: int) -> int:
@@ -59,7 +57,7 @@ def num_forces(num_stages: int, with_work: bool = False) -> int:
     return 15 * num_stages + 12 + work
 
 
-@njit(**_compile)
+@compiled_maker
 def add_absent_torso(state):
     """The state (13,) of the ring alone as that of both bodies (26,)."""
     bodies = np.zeros(26)
@@ -68,7 +66,7 @@ def add_absent_torso(state):
     return bodies
 
 
-@njit(**_compile)
+@compiled_maker
 def _take_work(out, n):
     """The places to work in behind a brace's forces, see `num_forces`."""
     at = 15 * n + 12
@@ -88,7 +86,7 @@ def _take_work(out, n):
     return J, J_L, rates, f, R, p_WB, pads, pair, R_WT
 
 
-@njit(**_compile)
+@compiled_law
 def _copy_state(pose, V, to_pose, to_V):
     for c in range(7):
         to_pose[c] = pose[c]
@@ -96,14 +94,14 @@ def _copy_state(pose, V, to_pose, to_V):
         to_V[c] = V[c]
 
 
-@njit(**_compile)
+@compiled_law
 def _add_legs(J, J_L, V, u, viscous, rates, f, F):
     stages.calc_rates(J, J_L, V, rates)
     blocks.calc_leg_forces(u, viscous, rates, f)
     stages.add_wrenches(J, J_L, f, F)
 
 
-@njit(**_compile)
+@compiled_maker
 def calc_brace(inputs, n, with_pads, with_legs, out):
     """All nominal forces of a brace, and what its instruments see.
 
@@ -157,7 +155,7 @@ def calc_brace(inputs, n, with_pads, with_legs, out):
         blocks.add_posture(pair, law[0:3], posture, displacement, F_T_W)
 
 
-@njit(**_compile)
+@compiled_maker
 def add_brace_legs(inputs, n, out):
     """Adds the legs' forces to what `calc_brace` has left them out of.
 
@@ -174,7 +172,7 @@ def add_brace_legs(inputs, n, out):
     _add_legs(J, J_L, V[0:n], u, law[3 : 3 + 6 * n], rates, f, F)
 
 
-@njit(**_compile)
+@compiled_maker
 def advance_tick(measured, desired, noise, law, tick):
     """One tick of PIC: from readings to commands, `advance_brace_pic`.
 

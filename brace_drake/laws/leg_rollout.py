@@ -6,6 +6,7 @@ The same laws in the same order as the Drake diagram of
 
 from numba import float64, int64, njit
 
+from brace_drake.laws.compiled import MAKER, compiled_maker
 from brace_drake.laws.hooks import (
     MAX_EFFECTS,
     matrix,
@@ -18,7 +19,7 @@ from brace_drake.laws.hooks import (
 NUM_LOGGED = 2
 
 
-@njit(cache=True)
+@compiled_maker
 def calc_servo_command(reading, asked, control, previous, u):
     """One tick of the position control, with its velocity estimate.
 
@@ -40,7 +41,7 @@ def calc_servo_command(reading, asked, control, previous, u):
     previous[0] = reading
 
 
-@njit(cache=True)
+@compiled_maker
 def calc_drive_force(u, viscous, velocity, f):
     """Force of the drive, f = u - b y', all (1,), before any effect."""
     f[0] = u[0] - viscous[0] * velocity[0]
@@ -64,9 +65,8 @@ def calc_drive_force(u, viscous, velocity, f):
         vectors,
         matrix,
     ),
-    cache=True,
     nogil=True,
-    error_model="numpy",
+    **MAKER,
 )
 def rollout_leg(
     dt,

@@ -9,15 +9,15 @@ wrench of leg forces f on the ring at Ro is J' f, force first.
 import math
 
 import numpy as np
-from numba import njit
 
+from brace_drake.laws.compiled import compiled_law, compiled_maker
 from brace_drake.laws.linear_solve import solve_in_place
 from brace_drake.laws.rotation import quaternion_to_matrix, rotate_quaternion
 
 _SMALL_STEP = 2e-6  # m
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J):
     """Writes leg lengths (n,), m, and the leg Jacobian (n, 6).
 
@@ -48,7 +48,7 @@ def calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J):
         J[k, 5] = rx * ny - ry * nx
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def calc_leg_rates(J, w_WR, v_WR, rates):
     """Writes leg rates J [v; w] (n,), m/s."""
     for k in range(rates.shape[0]):
@@ -62,7 +62,7 @@ def calc_leg_rates(J, w_WR, v_WR, rates):
         )
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def add_leg_wrench(J, forces, F_R_W):
     """Adds J' f to the spatial force F_R_W (6,), torque first as in Drake."""
     for k in range(forces.shape[0]):
@@ -75,22 +75,13 @@ def add_leg_wrench(J, forces, F_R_W):
         F_R_W[5] += J[k, 2] * f
 
 
-@njit(cache=True, error_model="numpy")
-def solve_forward_kinematics(lengths, p_WB, p_RT, p_WR, q_WR):
-    """Finds the ring pose that has the given leg lengths, by Newton's method.
+@compiled_law
+def search_pose(lengths, p_WB, p_RT, p_WR, q_WR, place):
+    """`solve_forward_kinematics` without arrays of its own.
 
-    Starts from, and writes into, p_WR (3,), m, and q_WR (4,). Converges
-    quadratically; it stops when a step moves no anchor by more than about
-    2 um, so that the remaining error, its square over a leg's length, is some
-    0.03 nm.
-
-    Returns:
-        True when converged within 20 steps.
+    `place` is to work in: (3, 3), (6, 6), (6,), (6,).
     """
-    R_WR = np.empty((3, 3))
-    J = np.empty((6, 6))
-    at_pose = np.empty(6)
-    step = np.empty(6)
+    R_WR, J, at_pose, step = place
     for _ in range(20):
         quaternion_to_matrix(q_WR, R_WR)
         calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, at_pose, J)
@@ -108,3 +99,19 @@ def solve_forward_kinematics(lengths, p_WB, p_RT, p_WR, q_WR):
         if largest < _SMALL_STEP:
             return True
     return False
+
+
+@compiled_maker
+def solve_forward_kinematics(lengths, p_WB, p_RT, p_WR, q_WR):
+    """Finds the ring pose that has the given leg lengths, by Newton's method.
+
+    Starts from, and writes into, p_WR (3,), m, and q_WR (4,). Converges
+    quadratically; it stops when a step moves no anchor by more than about
+    2 um, so that the remaining error, its square over a leg's length, is some
+    0.03 nm.
+
+    Returns:
+        True when converged within 20 steps.
+    """
+    place = np.empty((3, 3)), np.empty((6, 6)), np.empty(6), np.empty(6)
+    return search_pose(lengths, p_WB, p_RT, p_WR, q_WR, place)

@@ -1,9 +1,9 @@
 """Small dense linear systems without allocation."""
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def solve_in_place(A, b):
     """Solves A x = b by elimination with row pivots; x replaces b.
 

@@ -8,8 +8,7 @@ control with projection and sigma modification (Ioannou and Sun, Robust
 Adaptive Control, 1996, chapters 6 and 8).
 """
 
-from numba import njit
-
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.regressor import NUM_REGRESSOR, step_regressor
 from brace_drake.laws.task_impedance import (
     follow_reference,
@@ -36,7 +35,7 @@ def lyapunov_gains(M_m, C_m, K_m, Q_e, Q_v):
     return p_12 / M_m, p_22 / M_m
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def adapt_parameter(theta, start, lower, upper, gain, leak, phi, s, period):
     """One step of an adapted parameter, kept between its limits.
 
@@ -46,7 +45,7 @@ def adapt_parameter(theta, start, lower, upper, gain, leak, phi, s, period):
     return min(upper, max(lower, theta))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def adapt_impedance(i, phi, s, period, reference, law, theta):
     """Steps M, C, K of coordinate i.
 
@@ -66,7 +65,7 @@ def adapt_impedance(i, phi, s, period, reference, law, theta):
         )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def step_reference(M_m, C_m, K_m, force, period, model):
     """One step of M_m e_m'' + C_m e_m' + K_m e_m = F; model is e_m, e_m'."""
     a = (force - C_m * model[1] - K_m * model[0]) / M_m
@@ -74,7 +73,7 @@ def step_reference(M_m, C_m, K_m, force, period, model):
     model[0] += period * model[1]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def advance_mraic(
     desired,
     state,

@@ -9,8 +9,7 @@ stands here is a RECONSTRUCTION: recursive least squares with forgetting
 correction of the force that is linear in the parameters' errors.
 """
 
-from numba import njit
-
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.regressor import NUM_REGRESSOR, step_regressor
 from brace_drake.laws.task_impedance import (
     follow_reference,
@@ -25,7 +24,7 @@ NUM_NPIC_LAW = 11
 NUM_NPIC_MEMORY = NUM_REGRESSOR + 10
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def update_estimate(psi, y, forgetting, limit, theta, P):
     """One step of recursive least squares, y = psi' theta.
 
@@ -62,7 +61,7 @@ def update_estimate(psi, y, forgetting, limit, theta, P):
             P[j] /= forgetting
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def correct_force(psi, y, law, i, theta, P):
     """Estimates the realised impedance; the force to add in (5), N.
 
@@ -82,7 +81,7 @@ def correct_force(psi, y, law, i, theta, P):
     return law[2, i] * correction
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def advance_npic(
     desired,
     state,

@@ -6,6 +6,7 @@ The same laws in the same order as the Drake diagram of
 
 from numba import boolean, int64, njit
 
+from brace_drake.laws.compiled import MAKER, compiled_maker
 from brace_drake.laws.contact import normal_force
 from brace_drake.laws.hooks import (
     MAX_EFFECTS,
@@ -21,7 +22,7 @@ FORCE_AXIS = 1
 NUM_LEGS = 6
 
 
-@njit(cache=True)
+@compiled_maker
 def interpolate_path(s, h, start, end, out):
     """Writes displacement and rate between two samples, a cubic Hermite.
 
@@ -40,7 +41,7 @@ def interpolate_path(s, h, start, end, out):
     out[1] = start[1] + a * (2.0 * two + 3.0 * a * three) / h
 
 
-@njit(cache=True)
+@compiled_maker
 def calc_pad_compression(path, law, d):
     """Writes d = displacement + preload and its rate (2,), m and m/s.
 
@@ -54,13 +55,13 @@ def calc_pad_compression(path, law, d):
     d[1] = path[1]
 
 
-@njit(cache=True)
+@compiled_maker
 def calc_normal_force(d, law, N):
     """Writes k d + c d' (1,), N, before effects and before it is cut."""
     N[0] = normal_force(d[0], d[1], law[0], law[1])
 
 
-@njit(cache=True)
+@compiled_maker
 def cut_normal_force(d, N):
     """Sets N (1,) to zero where the pad is off the tissue or would pull."""
     if not d[0] > 0.0 or N[0] < 0.0:
@@ -83,9 +84,8 @@ def cut_normal_force(d, N):
         boolean[:, ::1],
         vector,
     ),
-    cache=True,
     nogil=True,
-    error_model="numpy",
+    **MAKER,
 )
 def rollout_pad(
     steps_per_sample,

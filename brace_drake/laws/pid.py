@@ -4,7 +4,7 @@
 robotic braces before the paper's used (section 1 there, references 8 to 11).
 """
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 # Rows of law: kp, ki, kd, limit of the integral (4); force-controlled or not,
 # desired force, kp and ki of the force (4).
@@ -13,7 +13,7 @@ NUM_PID_LAW = 8
 NUM_PID_MEMORY = 1
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def integrate(integral, growth, limit, saturated):
     """An integral part that does not wind up.
 
@@ -26,7 +26,7 @@ def integrate(integral, growth, limit, saturated):
     return min(limit, max(-limit, integral + growth))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def advance_pid(
     desired, state, force, period, saturated, law, gravity, memory, F
 ):

@@ -1,8 +1,7 @@
 """A ring's pose and velocity from its leg lengths, tick by tick."""
 
-from numba import njit
-
 from brace_drake.laws import control, legs
+from brace_drake.laws.compiled import compiled_law, copy_values
 from brace_drake.laws.rotation import (
     quaternion_to_rotation_vector,
     rotate_quaternion,
@@ -13,8 +12,8 @@ from brace_drake.laws.rotation import (
 NUM_POSE_MEMORY = 20
 
 
-@njit(cache=True, error_model="numpy")
-def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
+@compiled_law
+def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate, place):
     """Forward kinematics of the leg lengths and the filtered rate.
 
     Args:
@@ -23,6 +22,7 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
         p_WB, p_RT: Anchors as the controller knows them (6, 3), m.
         memory: See NUM_POSE_MEMORY, updated.
         estimate: Output (19,): X (6), V (6), p_WR (3), q_WR (4).
+        place: To work in, see `legs.search_pose`.
 
     Returns:
         False where the pose could not be found.
@@ -36,8 +36,8 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
         law[3] * memory[17],
         law[3] * memory[18],
     )
-    good = legs.solve_forward_kinematics(
-        lengths, p_WB, p_RT, memory[0:3], memory[3:7]
+    good = legs.search_pose(
+        lengths, p_WB, p_RT, memory[0:3], memory[3:7], place
     )
     for i in range(3):
         estimate[i] = memory[i] - law[i]
@@ -45,7 +45,7 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate):
     if memory[19] == 0.0:
         # Before the first tick there is nothing to difference with.
         memory[19] = 1.0
-        memory[7:13] = estimate[0:6]
+        copy_values(estimate[0:6], memory[7:13])
     control.update_velocity_estimate(
         estimate[0:6], memory[7:13], memory[13:19], law[4], law[3]
     )

@@ -1,9 +1,9 @@
 """The patient's posture: a bushing that holds the torso at its rest pose."""
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def add_posture_force(p_T, r_T, V_WT, posture, F_T_W):
     """Adds the spring and damper to rest, acting at To along W.
 

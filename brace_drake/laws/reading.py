@@ -1,9 +1,9 @@
 """What a digital instrument makes of a value: noise, then rounding."""
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def read_instrument(value, noise, resolution):
     """value + noise, rounded to the resolution (0: not rounded)."""
     reading = value + noise

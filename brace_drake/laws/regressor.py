@@ -11,13 +11,13 @@ impedance that is constant and stepped with the same period the relation holds
 to the last digit.
 """
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 # Rows of memory: filtered e, e', filtered F, F'.
 NUM_REGRESSOR = 4
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def step_regressor(error, force, w, period, memory):
     """One step of both filters.
 

@@ -1,15 +1,15 @@
 """One step of a free rigid body, as Drake's discrete plant takes it."""
 
 import numpy as np
-from numba import njit
 
+from brace_drake.laws.compiled import compiled_law, compiled_maker
 from brace_drake.laws.rotation import (
     integrate_quaternion,
     quaternion_to_matrix,
 )
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def step_free_body_at(R, q, p, V, body, F_W, dt):
     """`step_free_body` where the body's rotation matrix R is at hand."""
     mass, inertia = body[0], body[1:4]
@@ -33,7 +33,7 @@ def step_free_body_at(R, q, p, V, body, F_W, dt):
     integrate_quaternion(q, V[0], V[1], V[2], dt)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_maker
 def step_free_body(q, p, V, body, F_W, dt):
     """Semi-implicit Euler: velocity from the forces now, then the pose.
 

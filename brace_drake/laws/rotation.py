@@ -2,10 +2,10 @@
 
 import math
 
-from numba import njit
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def quaternion_to_matrix(q, R):
     """Writes the rotation matrix of a quaternion of any norm into R (3, 3)."""
     w, x, y, z = q[0], q[1], q[2], q[3]
@@ -21,7 +21,7 @@ def quaternion_to_matrix(q, R):
     R[2, 2] = 1.0 - s * (x * x + y * y)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def quaternion_to_rotation_vector(q, r):
     """Writes angle times axis into r (3,), rad, the shorter way round."""
     vector = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
@@ -35,7 +35,7 @@ def quaternion_to_rotation_vector(q, r):
     r[2] = scale * q[3]
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def rotate_quaternion(q, dx, dy, dz):
     """Turns q in place by the rotation vector (dx, dy, dz) given in W."""
     angle = math.sqrt(dx * dx + dy * dy + dz * dz)
@@ -49,7 +49,7 @@ def rotate_quaternion(q, dx, dy, dz):
     q[3] = a * z + ez * w + ex * y - ey * x
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def integrate_quaternion(q, wx, wy, wz, dt):
     """Adds dt times the rate of q under the angular velocity w in W.
 

@@ -16,20 +16,18 @@ K: along a line in (v, w) the leg vector d(s) has |d'| <= |v| + |T| |w| and
 """
 
 import numpy as np
-from numba import njit
 
 from brace_drake.laws import legs
+from brace_drake.laws.compiled import compiled_law, compiled_maker
 from brace_drake.laws.linear_solve import solve_in_place
 from brace_drake.laws.rotation import quaternion_to_matrix
 from brace_drake.laws.stages import place_lower_anchors
-
-_compile = {"cache": True, "error_model": "numpy"}
 
 _ADMITTED = 0.25  # of b K |d|; the theorem takes 1/2
 MAX_STEPS = 400
 
 
-@njit(**_compile)
+@compiled_law
 def _invert_scaled(J, L, inverse, scratch):
     """Writes the inverse of J in scaled coordinates; False if singular."""
     for c in range(6):
@@ -45,7 +43,7 @@ def _invert_scaled(J, L, inverse, scratch):
     return True
 
 
-@njit(**_compile)
+@compiled_law
 def admit_step(lengths, goal, J, L, inverse, scratch):
     """How much of the way from `lengths` to `goal` one step may take.
 
@@ -83,7 +81,7 @@ def admit_step(lengths, goal, J, L, inverse, scratch):
     return min(share, _ADMITTED / admitted) if admitted > 0.0 else share
 
 
-@njit(**_compile)
+@compiled_maker
 def solve_stage_pose(goal, p_WB, p_RT, pose):
     """Finds the pose of a ring that has the given leg lengths.
 
@@ -122,7 +120,7 @@ def solve_stage_pose(goal, p_WB, p_RT, pose):
     return -1
 
 
-@njit(**_compile)
+@compiled_law
 def _carry_along(below, rest_below, rest, R, pose):
     """Puts a ring at its pose at rest relative to the ring below."""
     for c in range(4):
@@ -133,7 +131,7 @@ def _carry_along(below, rest_below, rest, R, pose):
             pose[4 + r] += R[r, c] * (rest[c] - rest_below[c])
 
 
-@njit(**_compile)
+@compiled_maker
 def solve_poses(goal, lower, upper, rest, from_rest, poses):
     """Finds the poses of all rings, from the lowest stage up.
 

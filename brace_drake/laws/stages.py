@@ -12,9 +12,9 @@ J_i' f_i + J_L(i+1)' f_(i+1) on ring i, force first. Row k of J_L is
 """
 
 import numpy as np
-from numba import njit
 
 from brace_drake.laws import legs
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.linear_solve import solve_in_place
 from brace_drake.laws.rotation import (
     quaternion_to_matrix,
@@ -22,10 +22,8 @@ from brace_drake.laws.rotation import (
     rotate_quaternion,
 )
 
-_compile = {"cache": True, "error_model": "numpy"}
 
-
-@njit(**_compile)
+@compiled_law
 def place_lower_anchors(pose, R_WL, p_LB, p_WB):
     """Writes the anchors p_WB (6, 3) of a stage on a ring that moves.
 
@@ -44,7 +42,7 @@ def place_lower_anchors(pose, R_WL, p_LB, p_WB):
             )
 
 
-@njit(**_compile)
+@compiled_law
 def calc_lower_jacobian(pose, p_WB, J, J_L):
     """Writes J_L (6, 6) of a stage from its Jacobian J and p_WL in `pose`."""
     for k in range(6):
@@ -58,7 +56,7 @@ def calc_lower_jacobian(pose, p_WB, J, J_L):
         J_L[k, 5] = ry * nx - rx * ny
 
 
-@njit(**_compile)
+@compiled_law
 def calc_kinematics(poses, lower, upper, R, p_WB, lengths, J, J_L):
     """Writes leg lengths and Jacobians of all stages.
 
@@ -94,7 +92,7 @@ def calc_kinematics(poses, lower, upper, R, p_WB, lengths, J, J_L):
             calc_lower_jacobian(poses[i - 1], p_WB[i], J[i], J_L[i])
 
 
-@njit(**_compile)
+@compiled_law
 def calc_rates(J, J_L, V, rates):
     """Writes leg rates (6 S,), m/s, from V (S, 6), [w; v] as in Drake."""
     for i in range(J.shape[0]):
@@ -107,7 +105,7 @@ def calc_rates(J, J_L, V, rates):
                     own[k] += J_L[i, k, 3 + c] * V[i - 1, c]
 
 
-@njit(**_compile)
+@compiled_law
 def add_wrenches(J, J_L, f, F):
     """Adds what leg forces f (6 S,) do to rings to F (S, 6), torque first."""
     for i in range(J.shape[0]):
@@ -117,7 +115,7 @@ def add_wrenches(J, J_L, f, F):
             legs.add_leg_wrench(J_L[i], own, F[i - 1])
 
 
-@njit(**_compile)
+@compiled_law
 def solve_leg_forces(J, J_L, W, scratch, f):
     """Writes the leg forces f (6 S,), N, that put W on the rings.
 
@@ -146,7 +144,7 @@ def solve_leg_forces(J, J_L, W, scratch, f):
     return regular
 
 
-@njit(**_compile)
+@compiled_law
 def place_rings(X, rest, poses):
     """Writes poses (S, 7) of the rings at task coordinates X (6 S,).
 
@@ -164,7 +162,7 @@ def place_rings(X, rest, poses):
             poses[i, 4 + c] = rest[i, c] + x[c]
 
 
-@njit(**_compile)
+@compiled_law
 def calc_task_coordinates(poses, rest, X):
     """Writes the task coordinates X (6 S,) of poses, undoing `place_rings`."""
     for i in range(poses.shape[0]):
@@ -173,7 +171,7 @@ def calc_task_coordinates(poses, rest, X):
         quaternion_to_rotation_vector(poses[i, 0:4], X[6 * i + 3 : 6 * i + 6])
 
 
-@njit(**_compile)
+@compiled_law
 def turn_task_rates(X, columns, scale):
     """Turns rates of task coordinates into twists [v; w], in place.
 
@@ -196,7 +194,7 @@ def turn_task_rates(X, columns, scale):
                 )
 
 
-@njit(**_compile)
+@compiled_law
 def calc_left_jacobian(r, E):
     """Writes the left Jacobian of SO(3) at r (3,), rad: w = E r' in W.
 

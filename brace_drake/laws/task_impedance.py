@@ -6,12 +6,11 @@ Arrays over the task coordinates of n rings have a row for each quantity and
 (3, 6n). A coordinate without an impedance follows its reference, X_v = X_d.
 """
 
-from numba import njit
-
 from brace_drake.laws import control
+from brace_drake.laws.compiled import compiled_law
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def follow_reference(i, desired, virtual, impedance):
     """Coordinate i without an impedance: X_v = X_d with its rates."""
     for row in range(3):
@@ -19,7 +18,7 @@ def follow_reference(i, desired, virtual, impedance):
         impedance[row, i] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def step_impedance(i, M_d, C_d, K_d, desired, force, period, virtual, used):
     """One step of equation (5) on coordinate i, and what was used in it.
 
@@ -39,7 +38,7 @@ def step_impedance(i, M_d, C_d, K_d, desired, force, period, virtual, used):
     used[2, i] = K_d
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def advance_idc(desired, virtual, impedance):
     """IDC, equation (6) alone: every coordinate follows its reference.
 
@@ -51,7 +50,7 @@ def advance_idc(desired, virtual, impedance):
         follow_reference(i, desired, virtual, impedance)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def advance_pic(
     desired, force, period, selected, M_d, C_d, K_d, virtual, impedance
 ):
@@ -80,7 +79,7 @@ def advance_pic(
             )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def calc_task_forces(state, virtual, force, fed, gains, mass, gravity, F):
     """Inverse dynamics (6) on all coordinates: M is block diagonal.
 

@@ -11,8 +11,7 @@ V = M (e' + alpha e)^2 / 2 + (K + alpha D - alpha^2 M) e^2 / 2 never grows.
 
 import math
 
-from numba import njit
-
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.task_impedance import (
     follow_reference,
     step_impedance,
@@ -25,7 +24,7 @@ NUM_VPIC_LAW = 7
 NUM_VPIC_MEMORY = 2
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def stored_energy(M, K, ratio, alpha, e, e_d):
     """V, J, of the error with stiffness K and damping 2 ratio sqrt(M K)."""
     D = 2.0 * ratio * math.sqrt(M * K)
@@ -34,7 +33,7 @@ def stored_energy(M, K, ratio, alpha, e, e_d):
     return 0.5 * (M * sliding * sliding + beta * e * e)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def highest_next_stiffness(M, K, ratio, alpha, period):
     """The largest stiffness of the next tick with which V cannot grow.
 
@@ -71,7 +70,7 @@ def highest_next_stiffness(M, K, ratio, alpha, period):
     return M * root * root if root > 0.0 else -1.0
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def limit_stiffness(request, M, K, ratio, alpha, period, lower, upper):
     """The stiffness nearest to the request that limits and V allow."""
     wanted = min(upper, max(lower, request))
@@ -82,7 +81,7 @@ def limit_stiffness(request, M, K, ratio, alpha, period, lower, upper):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def ask_stiffness(K, rest, gain, slide, forgetting, e, e_d, period):
     """Stiffness of the rule: it grows with the error and is forgotten.
 
@@ -95,7 +94,7 @@ def ask_stiffness(K, rest, gain, slide, forgetting, e, e_d, period):
     return K + period * (growth - forgetting * (K - rest))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled_law
 def advance_vpic(
     desired,
     state,
