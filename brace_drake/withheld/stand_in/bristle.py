@@ -11,20 +11,20 @@ stiffness is such that it breaks away after the same travel at any friction.
 
 import math
 
-from numba import njit
+from brace_drake.withheld.stand_in.compiled import worker
 
 TRAVEL = 8.0e-6  # m, from rest to sliding
 DAMPING_TIME = 1.0e-3  # s, damping over stiffness
 STUCK = 0.6  # part of z_s below which nothing slips
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def bristle_stiffness(coulomb, breakaway):
     """Stiffness s0, N/m."""
     return (coulomb + breakaway) / TRAVEL
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def sliding_friction(v, coulomb, breakaway, speed, shape):
     """Friction in steady sliding, N, not negative."""
     if breakaway == 0.0:
@@ -32,7 +32,7 @@ def sliding_friction(v, coulomb, breakaway, speed, shape):
     return coulomb + breakaway * math.exp(-((abs(v) / speed) ** shape))
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def bristle_rate(v, z, sliding, stiffness):
     """Rate of the deflection, m/s."""
     if sliding <= 0.0:
@@ -47,7 +47,7 @@ def bristle_rate(v, z, sliding, stiffness):
     return v * (1.0 - a * share)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def friction(z, z_rate, stiffness):
     """Force against the motion, N."""
     return stiffness * (z + DAMPING_TIME * z_rate)

@@ -8,8 +8,8 @@ hold the ring there by inverse dynamics.
 import math
 
 import numpy as np
-from numba import njit
 
+from brace_drake.withheld.stand_in.compiled import maker, worker
 from brace_drake.withheld.stand_in.frame import (
     find_pose,
     leg_geometry,
@@ -41,7 +41,7 @@ STIFFNESS, DAMPING = 15, 16
 NUM_MEMORY = 17
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def make_memory():
     """The memory before the first tick, with the data sheet's impedance."""
     memory = np.zeros(NUM_MEMORY)
@@ -49,7 +49,7 @@ def make_memory():
     return memory
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def give_way(wanted, reading, memory):
     """One step of the impedance along y; returns its acceleration."""
     memory[FORCE] += FORCE_GAIN * (reading - memory[FORCE])
@@ -61,7 +61,7 @@ def give_way(wanted, reading, memory):
     return a
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def control(first, lengths, reading, wanted, p, R, g, memory, commands):
     """One tick.
 

@@ -9,20 +9,19 @@ b q' = u - F - f, solved for q'; the encoder reads q.
 
 import math
 
-from numba import njit
-
 from brace_drake.withheld.stand_in.bristle import (
     bristle_rate,
     bristle_stiffness,
     friction,
     sliding_friction,
 )
+from brace_drake.withheld.stand_in.compiled import worker
 from brace_drake.withheld.stand_in.numbers import LEG_LIMIT, LEG_VISCOUS
 
 HARD = 4.0e5  # N/m, a joint with play but no softness of its own
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def delivered(command, gain, flaws):
     """Force that a drive makes of its command, N."""
     u = command
@@ -32,13 +31,13 @@ def delivered(command, gain, flaws):
     return gain * max(-limit, min(limit, u))
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def is_loose(flaws):
     """Whether the drive moves apart from the ring's anchor."""
     return flaws.compliance > 0.0 or flaws.play > 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def joint_force(stretch, flaws):
     """Force through the joint that is squeezed by `stretch`, N."""
     half = 0.5 * flaws.play
@@ -48,7 +47,7 @@ def joint_force(stretch, flaws):
     return stiffness * (stretch - math.copysign(half, stretch))
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def joint_stretch(force, flaws):
     """How far the joint gives way under a force, m."""
     if force == 0.0:
@@ -56,7 +55,7 @@ def joint_stretch(force, flaws):
     return flaws.compliance * force + math.copysign(0.5 * flaws.play, force)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def leg_force(u, q, length, rate, z, flaws):
     """Force of a leg on the ring and the rates of its memory.
 

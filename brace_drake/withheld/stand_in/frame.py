@@ -3,12 +3,12 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from brace_drake.withheld.stand_in.compiled import maker, worker
 from brace_drake.withheld.stand_in.turning import turn
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def leg_geometry(p, R, lower, upper, length, arm, along):
     """Writes lengths (6,), lever arms R T_k and unit vectors (6, 3)."""
     for k in range(6):
@@ -26,7 +26,7 @@ def leg_geometry(p, R, lower, upper, length, arm, along):
             along[k, i] /= length[k]
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def screws(arm, along, J):
     """Writes J (6, 6): leg rates of the ring's [v, w]."""
     for k in range(6):
@@ -37,7 +37,7 @@ def screws(arm, along, J):
         J[k, 5] = a[0] * n[1] - a[1] * n[0]
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def find_pose(target, p, R, lower, upper):
     """Moves p and R until the legs have the lengths `target` (6,).
 
@@ -57,7 +57,7 @@ def find_pose(target, p, R, lower, upper):
             break
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def inverse_mass(R, arm, along, mass, inertia, leg_mass):
     """Inverse of the ring's mass matrix for [v, w] in W, (6, 6).
 

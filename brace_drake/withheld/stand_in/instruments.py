@@ -6,8 +6,7 @@ show some of y on its other axes. Encoders sit on the drives' side.
 
 import math
 
-from numba import njit
-
+from brace_drake.withheld.stand_in.compiled import worker
 from brace_drake.withheld.stand_in.drives import is_loose
 from brace_drake.withheld.stand_in.frame import leg_geometry
 from brace_drake.withheld.stand_in.motion import DRIVE
@@ -18,7 +17,7 @@ from brace_drake.withheld.stand_in.numbers import (
 )
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def read_force(t, force, noise, flaws, lagged, reading):
     """Writes the force sensor's reading (3,), before it is rounded."""
     gain = 1.0
@@ -35,13 +34,13 @@ def read_force(t, force, noise, flaws, lagged, reading):
         reading[i] = value + noise[i]
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def to_step(value, step):
     """Rounds to the resolution of an instrument."""
     return step * math.floor(value / step + 0.5)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def sense(tick, x, R, g, on, flaws, noise, rounding, scratch, lagged, out):
     """Writes the readings of a tick, lengths (6) and force (3), to out (9,).
 

@@ -8,8 +8,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from brace_drake.withheld.stand_in.compiled import maker, worker
 from brace_drake.withheld.stand_in.drives import leg_force
 from brace_drake.withheld.stand_in.frame import leg_geometry
 from brace_drake.withheld.stand_in.numbers import (
@@ -55,7 +55,7 @@ class Scratch(NamedTuple):
     pad: np.ndarray  # (5, 3)
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def make_scratch():
     """A new Scratch."""
     return Scratch(
@@ -74,7 +74,7 @@ def make_scratch():
     )
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def posture_wrench(t, x, R, subject, flaws, push, a, out):
     """Writes force and torque (6,) of posture and muscles on the torso."""
     logarithm(R, a)
@@ -97,7 +97,7 @@ def posture_wrench(t, x, R, subject, flaws, push, a, out):
     out[1] += push
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def approach(side, x, R_ring, R_torso, o):
     """Writes how a pad stands to the torso.
 
@@ -125,7 +125,7 @@ def approach(side, x, R_ring, R_torso, o):
         o[4, 1] += o[2, i] * o[3, i]
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def add_press(side, N, o, on):
     """Adds a pad's normal force N and its friction, see `approach`, to on."""
     square = 0.0
@@ -147,7 +147,7 @@ def add_press(side, N, o, on):
         on[3, i] += o[1, j] * f[k] - o[1, k] * f[j]
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def pad_wrenches(x, R, breath, subject, flaws, o, on, rates):
     """Adds both pads' forces.
 
@@ -173,7 +173,7 @@ def pad_wrenches(x, R, breath, subject, flaws, o, on, rates):
             add_press(side, N, o, on)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def leg_wrench(x, R, u, lower, upper, flaws, scratch, on, rates):
     """Adds the legs' force and torque on the ring; rates of their memory."""
     length, arm, along = scratch.length, scratch.arm, scratch.along
@@ -198,7 +198,7 @@ def leg_wrench(x, R, u, lower, upper, flaws, scratch, on, rates):
         on[1, 2] += f * m2
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def surroundings(x, flaws, on):
     """Adds weight on a tilted table, a cable along x, a stop along y."""
     weight = (RING_MASS + flaws.mass) * GRAVITY
@@ -212,7 +212,7 @@ def surroundings(x, flaws, on):
         on[0, 1] += flaws.stop * (flaws.stop_start - x[1])
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def turn_acceleration(R, inertia, w, torque, scratch, out):
     """Writes Euler's equation for a free body, in W: out (3,)."""
     body_w, body_t, b = scratch.a, scratch.b, scratch.c
@@ -225,7 +225,7 @@ def turn_acceleration(R, inertia, w, torque, scratch, out):
     apply(R, b, out)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def ring_acceleration(x, R, on, W, scratch, out):
     """Writes the ring's [v', w'] (6,) by its inverse mass matrix W."""
     body_w, spin, load = scratch.a, scratch.b, scratch.load
@@ -240,7 +240,7 @@ def ring_acceleration(x, R, on, W, scratch, out):
     apply(W, load, out)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def torso_acceleration(t, x, R, on, subject, flaws, push, scratch, out):
     """Writes the torso's [v', w'] (6,)."""
     load = scratch.body_load
@@ -252,7 +252,7 @@ def torso_acceleration(t, x, R, on, subject, flaws, push, scratch, out):
     turn_acceleration(R, TORSO_INERTIA, spin, load[3:6], scratch, out[3:6])
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def calc_rates(
     t, x, R0, u, W, breath, push, contact, subject, flaws, g, scratch, on, o
 ):

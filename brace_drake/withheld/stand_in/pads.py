@@ -7,7 +7,7 @@ constant (the second a tenth as stiff and five times as fast); a Bouc-Wen loop
 damper of Hunt and Crossley 1975, k d (1 + a d'), instead of c d'.
 """
 
-from numba import njit
+from brace_drake.withheld.stand_in.compiled import worker
 
 SECOND_ARM = 0.1
 SECOND_TIME = 0.2
@@ -16,7 +16,7 @@ FORGET_TIME = 0.05  # s, in which a loop is lost once the pad is off
 NUM_MEMORY = 3
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def start_memory(d, flaws, memory):
     """Writes a pad's memory at first touch: arms not yet relaxed."""
     d = max(0.0, d)
@@ -25,7 +25,7 @@ def start_memory(d, flaws, memory):
     memory[2] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def press(d, d_rate, subject, flaws, memory, memory_rate, first):
     """Normal force on the torso, N.
 
@@ -60,7 +60,7 @@ def press(d, d_rate, subject, flaws, memory, memory_rate, first):
     return max(force, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def rest_compression(pad, subject, flaws):
     """Compression with ring and torso at rest; negative where a gap is."""
     if flaws.gap[pad] >= 0.0:

@@ -8,9 +8,9 @@ Mathematics 29, 1999): turns within a step are exponential coordinates.
 import math
 
 import numpy as np
-from numba import njit
 
 from brace_drake.withheld.stand_in import control as controller
+from brace_drake.withheld.stand_in.compiled import maker, worker
 from brace_drake.withheld.stand_in.drives import (
     delivered,
 )
@@ -36,7 +36,7 @@ NUM_COLUMNS = 19
 MUSCLE_TIME = 0.03  # s, from a reflex's nerve signal to force
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def advance(
     t, h, x, R, u, W, breath, push, contact, subject, flaws, g, scratch, k
 ):
@@ -46,7 +46,8 @@ def advance(
     k (5, NUM_STATE) is room for the rates of four stages and a state.
     """
     on, y = scratch.on, k[4]
-    y[:] = x
+    for i in range(NUM_STATE):
+        y[i] = x[i]
     for stage in range(4):
         if stage > 0:
             part = h if stage == 3 else 0.5 * h
@@ -78,7 +79,7 @@ def advance(
         x[b : b + 3] = 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def expansion_at(expansion, tick, share, out):
     """Writes the expansion within a tick and its rate (2, 2)."""
     for pad in range(2):
@@ -87,7 +88,7 @@ def expansion_at(expansion, tick, share, out):
         out[pad, 1] = (b - a) / TICK
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def reflex(tick, past, flaws, push):
     """Muscles' force after this tick, N, from the torso's past (n, 2)."""
     if flaws.reflex_stiffness == 0.0 and flaws.reflex_damping == 0.0:
@@ -100,7 +101,7 @@ def reflex(tick, past, flaws, push):
     return push + (1.0 - math.exp(-TICK / MUSCLE_TIME)) * (wanted - push)
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def drive(tick, sent, lost, flaws, held, u):
     """Writes what the drives deliver (6,) of the commands sent so far."""
     for k in range(6):
@@ -109,7 +110,7 @@ def drive(tick, sent, lost, flaws, held, u):
         u[k] = delivered(held[k], flaws.gain[k], flaws)
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def move(
     tick,
     steps,
@@ -150,7 +151,7 @@ def move(
         )
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def advance_run(
     first,
     last,

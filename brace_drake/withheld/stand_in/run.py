@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from brace_drake.withheld.stand_in import control as controller
+from brace_drake.withheld.stand_in.compiled import maker
 from brace_drake.withheld.stand_in.drives import joint_stretch
 from brace_drake.withheld.stand_in.frame import leg_geometry, screws
 from brace_drake.withheld.stand_in.motion import (
@@ -56,7 +56,7 @@ class Run(NamedTuple):
     stages: np.ndarray
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def begin(x, R, subject, flaws, expansion, contact, g):
     """Writes the state at rest: ring and torso at their rest poses."""
     x[:] = 0.0
@@ -79,7 +79,7 @@ def begin(x, R, subject, flaws, expansion, contact, g):
             start_memory(d, flaws.pads, x[first : first + 3])
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def begin_run(n, contact, subject, flaws, g, expansion):
     """A run of n ticks before the first of them; see `advance_run`."""
     x, R = np.empty(NUM_STATE), np.empty((2, 3, 3))

@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from brace_drake.withheld.stand_in.compiled import maker, worker
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def exponential(a, R):
     """Writes R = exp([a]x) by Rodrigues' formula, series near zero."""
     s2 = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
@@ -29,7 +30,7 @@ def exponential(a, R):
     R[2, 1] += p * a[0]
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def logarithm(R, a):
     """Writes the rotation vector of R, for angles well below pi."""
     a[0] = 0.5 * (R[2, 1] - R[1, 2])
@@ -43,7 +44,7 @@ def logarithm(R, a):
             a[i] *= factor
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def product(A, B, C):
     """Writes C = A B for 3 x 3 matrices; C is neither A nor B."""
     for i in range(3):
@@ -51,7 +52,7 @@ def product(A, B, C):
             C[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def apply(A, x, y):
     """Writes y = A x for square matrices of any size."""
     n = len(x)
@@ -62,7 +63,7 @@ def apply(A, x, y):
         y[i] = total
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def apply_back(A, x, y):
     """Writes y = A' x."""
     n = len(x)
@@ -73,7 +74,7 @@ def apply_back(A, x, y):
         y[i] = total
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def turn(a, R):
     """Replaces R by exp([a]x) R."""
     E = np.empty((3, 3))
@@ -83,7 +84,7 @@ def turn(a, R):
     R[:, :] = C
 
 
-@njit(cache=True, error_model="numpy")
+@worker
 def coordinate_rate(a, w, rate):
     """Writes the rate of exponential coordinates a at angular velocity w.
 
