@@ -1,5 +1,6 @@
 """Every card of the library, and each law against its closed form."""
 
+import math
 import unittest
 from dataclasses import replace
 from importlib.metadata import EntryPoint
@@ -194,11 +195,25 @@ class TestLaws(unittest.TestCase):
                 law(0.0, 2e-4, f, f, np.array([-0.01]), f, f, p, x)
             self.assertAlmostEqual(f[0], 1.5, places=6)
 
+    def test_stribeck_friction_falls_from_breakaway_to_coulomb(self):
+        for key in ("stribeck_friction", "stribeck_friction (without creep)"):
+            law = find_effect(key).laws["drive"]
+            p = np.array([1.5, 1.0, 2e-3])
+            for speed in (2e-4, 2e-3, 2e-2):
+                f, x = np.zeros(1), np.zeros(6)
+                for _ in range(2000):
+                    f[0] = 0.0
+                    law(0.0, 2e-4, f, f, np.array([speed]), f, f, p, x)
+                want = 1.5 + math.exp(-((speed / 2e-3) ** 2))
+                with self.subTest(key=key, speed=speed):
+                    self.assertAlmostEqual(f[0], -want, places=6)
+
     def test_without_creep_a_trembling_drive_stays_below_its_friction(self):
         # Dupont et al. 2002: a load of half the friction, and a tremble.
         def creep(key):
             law = find_effect(key).laws["drive"]
-            dt, mass, x, p = 1e-4, 1.0, np.zeros(6), np.array([2.0])
+            dt, mass, x = 1e-4, 1.0, np.zeros(6)
+            p = np.array([2.0, 0.5, 2e-3])
             v, place, places = 0.0, 0.0, []
             for step in range(20_000):
                 load = 1.0 + 0.2 * np.sin(2.0 * np.pi * 20.0 * step * dt)
@@ -210,8 +225,11 @@ class TestLaws(unittest.TestCase):
             # Over the last second, in deflections at which it slides.
             return (places[-1] - places[-10_001]) / 5e-6
 
-        self.assertGreater(creep("coulomb_friction"), 1.0)
-        self.assertLess(abs(creep("coulomb_friction (without creep)")), 1e-3)
+        for name in ("coulomb_friction", "stribeck_friction"):
+            with self.subTest(name=name):
+                self.assertGreater(creep(name), 1.0)
+                holding = creep(f"{name} (without creep)")
+                self.assertLess(abs(holding), 1e-3)
 
     def test_a_delayed_command_arrives_after_its_dead_time(self):
         law = find_effect("command_delay").laws["drive"]

@@ -15,7 +15,7 @@ _DAMPING_TIME = 1.5e-3  # s
 _MAX_STIFFNESS = 1e6  # N/m
 _MAX_DAMPING = 600.0  # N s/m
 # Part of the deflection of sliding up to which nothing slips, without creep.
-_STUCK = 0.7
+STUCK = 0.7
 
 
 @compiled_law
@@ -82,7 +82,7 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
 def _law_without_creep(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
     if p[0] > 0.0:
         for k in range(f.shape[0]):
-            f[k] -= bristle_force(dt, l_dot[k], p[0], k, x, _STUCK)
+            f[k] -= bristle_force(dt, l_dot[k], p[0], k, x, STUCK)
 
 
 CARD = Effect(

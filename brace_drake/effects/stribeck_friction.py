@@ -1,20 +1,32 @@
 """Dry friction that is larger at rest than in motion."""
 
 import math
+from dataclasses import replace
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.effects.coulomb_friction import bristle_force
+from brace_drake.effects.coulomb_friction import STUCK, bristle_force
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
 
 
-@plug("drive")
-def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
+@compiled_law
+def _resist(dt, l_dot, p, stuck, f, x):
     # x[k]: deflection of the bristles of leg k.
     for k in range(f.shape[0]):
         slow = math.exp(-((l_dot[k] / p[2]) ** 2))
         level = p[0] + p[1] * slow
         if level > 0.0:
-            f[k] -= bristle_force(dt, l_dot[k], level, k, x)
+            f[k] -= bristle_force(dt, l_dot[k], level, k, x, stuck)
+
+
+@plug("drive")
+def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
+    _resist(dt, l_dot, p, 0.0, f, x)
+
+
+@plug("drive")
+def _law_without_creep(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    _resist(dt, l_dot, p, STUCK, f, x)
 
 
 CARD = Effect(
@@ -57,3 +69,17 @@ CARD = Effect(
     },
     experiment="reversals at several slow speeds without contact",
 )
+
+# See the same form of Coulomb friction.
+WITHOUT_CREEP = replace(
+    CARD,
+    form="without creep",
+    title="dry friction with a higher breakaway force that holds without creep",
+    equation="g(l') = F_c + F_b exp(-(l' / v_s)^2) in place of F_c, otherwise"
+    " as Coulomb friction without creep",
+    source="Dupont, Hayward, Armstrong, Altpeter, Single state elastoplastic"
+    " friction models, IEEE Trans. Autom. Control 47, 2002",
+    laws={"drive": _law_without_creep},
+)
+
+CARDS = (CARD, WITHOUT_CREEP)
