@@ -1,9 +1,12 @@
 """How the stand-in is compiled."""
 
+from typing import Any
+
 from numba import njit
 
-# What makes arrays.
-maker = njit(cache=True, error_model="numpy", _nrt=True)
-# What only writes into those that it is handed counts no references to them,
+_MAKER: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": True}
+# What only writes into arrays that it is handed counts no references to them,
 # and is put in where it is called.
-worker = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+_WORKER: dict[str, Any] = {**_MAKER, "_nrt": False, "forceinline": True}
+
+maker, worker = njit(**_MAKER), njit(**_WORKER)
