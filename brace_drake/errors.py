@@ -1,5 +1,8 @@
 """Exceptions of the package: every one is meant for the caller to read."""
 
+import difflib
+from collections.abc import Iterable
+
 
 class BraceError(Exception):
     """Base of all errors that brace_drake raises on purpose."""
@@ -58,3 +61,9 @@ def reason(error: Exception) -> str:
     if isinstance(error, UnicodeDecodeError):
         return "not UTF-8 text"
     return getattr(error, "strerror", None) or " ".join(str(error).split())
+
+
+def suggest(word: object, words: Iterable[object]) -> str:
+    """A hint at the word that was meant, or nothing."""
+    close = difflib.get_close_matches(str(word), map(str, words), n=1)
+    return f", did you mean {close[0]}?" if close else ""

@@ -128,7 +128,7 @@ class TestImport(unittest.TestCase):
             ("short.csv", "", MAP, "row 1 has 2 fields"),
             ("one.csv", "", MAP, "one.csv: it has 1 samples"),
             ("bad.mat", "", MAP, "not a MATLAB file"),
-            ("a.csv", "", MAP.replace("Travel", "Trvel"), "mean 'Travel'"),
+            ("a.csv", "", MAP.replace("Travel", "Trvel"), "mean Travel"),
             ("a.csv", "", MAP.replace("force_N", "force_n"), "mean force_N"),
             ("a.csv", "", MAP.replace("  time_s: Time\n", ""), "no time_s"),
             ("a.csv", "", MAP.replace("pad bench", "press"), "is 'press'"),

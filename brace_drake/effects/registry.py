@@ -8,7 +8,6 @@ a card; the command line then knows them too.
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import importlib.metadata
 import pkgutil
@@ -17,7 +16,7 @@ from functools import cache
 
 import brace_drake.effects
 from brace_drake.effects.card import Effect
-from brace_drake.errors import EffectError
+from brace_drake.errors import EffectError, suggest
 
 ENTRY_POINTS = "brace_drake.effects"
 
@@ -102,6 +101,6 @@ def find_effect(key: str) -> Effect:
     for card in cards.values():
         if key in (card.key, card.name):
             return card
-    close = difflib.get_close_matches(key, cards, n=1)
-    hint = f", did you mean {close[0]}? There" if close else "; there"
-    raise EffectError(f"no effect {key!r}{hint} are {', '.join(cards)}")
+    hint = suggest(key, cards)
+    there = " There" if hint else "; there"
+    raise EffectError(f"no effect {key!r}{hint}{there} are {', '.join(cards)}")

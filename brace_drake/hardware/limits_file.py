@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.errors import LimitsError, reason
+from brace_drake.errors import LimitsError, reason, suggest
 from brace_drake.hardware.limits import (
     BY_STAGE,
     DEFAULT,
@@ -51,9 +50,7 @@ def LoadLimits(
         raise LimitsError(f"{path}: must hold names of limits with values")
     for name in content:
         if name not in NAMES:
-            close = difflib.get_close_matches(str(name), NAMES, n=1)
-            hint = f", did you mean {close[0]}?" if close else ""
-            raise LimitsError(f"{path}: no limit {name}{hint}")
+            raise LimitsError(f"{path}: no limit {name}{suggest(name, NAMES)}")
     for name, values in BY_STAGE.items():
         asked = content.get(name, list(values))
         if isinstance(asked, list):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ import yaml
 
 from brace_drake.campaign.columns import DEVICES
 from brace_drake.campaign.recording import Campaign, Run
-from brace_drake.errors import CampaignError, reason
+from brace_drake.errors import CampaignError, reason, suggest
 from brace_drake.importing.options import (
     check_options,
     check_rate,
@@ -102,8 +101,7 @@ def _LoadMap(path: Path) -> dict:
 def _check_keys(path: Path, place: str, item: dict, allowed) -> None:
     for key in item:
         if key not in allowed:
-            close = difflib.get_close_matches(str(key), allowed, n=1)
-            hint = f", did you mean {close[0]}?" if close else ""
+            hint = suggest(key, allowed)
             raise CampaignError(f"{path}: {place}no key {key!r}{hint}")
 
 
@@ -119,8 +117,7 @@ def _list_runs(path: Path, content: dict) -> list[dict]:
 
 def _parse_rule(path: Path, name: str, rule, device: str) -> dict:
     if name not in DEVICES[device]:
-        close = difflib.get_close_matches(str(name), DEVICES[device], n=1)
-        hint = f", did you mean {close[0]}?" if close else ""
+        hint = suggest(name, DEVICES[device])
         raise CampaignError(f"{path}: no channel {name!r}{hint}")
     if isinstance(rule, str):
         rule = {"from": rule}
@@ -180,8 +177,7 @@ def _channel(source: Path, table: Columns, rule: dict, rows: int):
         return np.full(rows, float(rule["constant"]))
     name = rule["from"]
     if name not in table:
-        close = difflib.get_close_matches(name, table, n=1)
-        hint = f", did you mean {close[0]!r}?" if close else ""
+        hint = suggest(name, table)
         raise CampaignError(f"{source}: no column {name!r}{hint}")
     scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
     return scale * table[name] + offset

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from pathlib import Path
 
-from brace_drake.errors import CampaignError
+from brace_drake.errors import CampaignError, suggest
 from brace_drake.twin.motion_library import MOTIONS, MakeMotion
 
 FORMAT = "brace-plan/1"
@@ -73,8 +72,7 @@ def _parse_run(run: object, place: str) -> PlannedRun:
     allowed = ("motion", "split", "repeat")
     for key in run:
         if key not in allowed:
-            close = difflib.get_close_matches(str(key), allowed, n=1)
-            hint = f", did you mean {close[0]}?" if close else ""
+            hint = suggest(key, allowed)
             raise CampaignError(f"{place}: no key {key!r}{hint}")
     planned = PlannedRun(**run)
     if planned.motion not in MOTIONS:

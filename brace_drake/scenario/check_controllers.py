@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 
+from brace_drake.errors import suggest
 from brace_drake.laws.control import low_pass_gain_cutoff
 from brace_drake.laws.vpic import highest_next_stiffness
 from brace_drake.scenario.control_numbers import (
@@ -16,7 +17,7 @@ from brace_drake.scenario.control_numbers import (
 )
 from brace_drake.scenario.controllers import TAGS, BraceControl
 from brace_drake.scenario.leaves import check_kind, walk
-from brace_drake.scenario.messages import fail, suggest
+from brace_drake.scenario.messages import fail
 from brace_drake.scenario.sampled_loops import (
     damping_range,
     filter_margin,

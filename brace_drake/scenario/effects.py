@@ -9,9 +9,10 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import Use
+from brace_drake.errors import suggest
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.bench import EffectUse
-from brace_drake.scenario.messages import fail, suggest
+from brace_drake.scenario.messages import fail
 
 # A value may pass its limit by this part of the range: fits scale parameters,
 # and rounding brings a value at its limit back a little beside it.

@@ -10,7 +10,7 @@ import numpy as np
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
-from brace_drake.errors import OutputError, ScenarioError, reason
+from brace_drake.errors import OutputError, ScenarioError, reason, suggest
 from brace_drake.output import WriteText
 from brace_drake.scenario.bench import DEVICE, BenchScenario
 from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
@@ -18,7 +18,7 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check import CheckScenario
 from brace_drake.scenario.leg_bench import DEVICE as LEG_DEVICE
 from brace_drake.scenario.leg_bench import LegBenchScenario
-from brace_drake.scenario.messages import fail, suggest
+from brace_drake.scenario.messages import fail
 from brace_drake.scenario.pad_bench import DEVICE as PAD_DEVICE
 from brace_drake.scenario.pad_bench import PadBenchScenario
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
 from typing import NoReturn
 
 import numpy as np
@@ -21,9 +19,3 @@ def fail(source: str, path: str, value, allowed: str) -> NoReturn:
     # Keys of a file may be anything, even line breaks.
     path = path if path.isprintable() else repr(path)
     raise ScenarioError(f"{source}: {path} is {shown}; allowed: {allowed}")
-
-
-def suggest(word: str, words: Iterable[str]) -> str:
-    """A hint at the word that was meant, or nothing."""
-    close = difflib.get_close_matches(str(word), list(words), n=1)
-    return f", did you mean {close[0]}?" if close else ""

@@ -7,14 +7,13 @@ and torso. The numbers keep |y| below `motion_limits.EXCURSION`.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from brace_drake.campaign.recording import Run
-from brace_drake.errors import CampaignError
+from brace_drake.errors import CampaignError, suggest
 from brace_drake.twin.motion_parts import product, ramp, sines, steps
 from brace_drake.twin.reference import COLUMNS
 
@@ -234,10 +233,10 @@ def MakeMotion(name: str) -> SafeMotion:
         CampaignError: No such motion; the message offers the closest.
     """
     if name not in _LIBRARY:
-        close = difflib.get_close_matches(name, MOTIONS, n=1)
-        hint = f", did you mean {close[0]}? There" if close else "; there"
+        hint = suggest(name, MOTIONS)
+        there = " There" if hint else "; there"
         raise CampaignError(
-            f"no motion {name!r}{hint} are {', '.join(MOTIONS)}"
+            f"no motion {name!r}{hint}{there} are {', '.join(MOTIONS)}"
         )
     meaning, contact, kind, duration, calc = _LIBRARY[name]
     time = np.arange(round(duration * RATE_HZ)) / RATE_HZ
