@@ -39,6 +39,18 @@ class TestSuspects(unittest.TestCase):
             (alone(actuation=0.70, mechanism=0.75), "actuation"),
             (alone(actuation=0.99, mechanism=0.97), "actuation"),
             (alone(actuation=0.99), "actuation"),
+            (alone(actuation=0.85, mechanism=0.93), "mechanism"),
+            (alone(actuation=0.92, mechanism=0.94), "actuation"),
+            (alone(actuation=1.0, mechanism=1.0), "actuation"),
+        ):
+            self.assertEqual(suspected_blocks(ladder, shares), [block])
+
+    def test_a_reading_that_moves_nothing_is_told_from_a_force(self):
+        ladder = [row("actuation", 2.4, 1.0), row("sensing", 1.0, 0.0)]
+        for shares, block in (
+            (alone(actuation=0.0, mechanism=0.01, sensing=0.3), "sensing"),
+            (alone(actuation=0.2, mechanism=0.01, sensing=0.3), "actuation"),
+            (alone(actuation=0.0, mechanism=0.0, sensing=0.0), "actuation"),
         ):
             self.assertEqual(suspected_blocks(ladder, shares), [block])
 

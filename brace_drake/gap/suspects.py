@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 # The balance of the leg forces holds neither where drives do not give what
-# they are told, nor where something else pulls at the ring. The ring is named
-# where errors of its own explain this share of the gap and those of the
-# drives less.
-_BY_FAR = 0.95
-_DRIVES, _RING = "actuation", "mechanism"
+# they are told, nor where something else pulls at the ring, nor with a wrong
+# reading of its force. The ring is named where errors of its own explain this
+# share of the gap and those of the drives less, or leave by far less.
+_BY_FAR, _BY_FAR_LESS = 0.95, 2.0 / 3.0
+# The reading, where drives and ring explain next to nothing of what it does: a
+# force that is there moves the ring.
+_NOTHING = 0.1
+_DRIVES, _RING, _READING = "actuation", "mechanism", "sensing"
 
 
 def suspected_blocks(
@@ -29,11 +32,24 @@ def suspected_blocks(
     if not known:
         return []
     block = max(known, key=_suspicion)["block"]
-    alone = {r["block"]: r["alone"] for r in attribution}
-    if block == _DRIVES and _RING in alone:
-        if alone[_RING] > max(_BY_FAR, alone[_DRIVES]):
-            block = _RING
+    if block == _DRIVES:
+        block = _out_of_balance({r["block"]: r["alone"] for r in attribution})
     return [block]
+
+
+def _out_of_balance(alone: dict[str, float]) -> str:
+    """Which of drives, ring and reading the balance does not hold for.
+
+    Args:
+        alone: Share of the gap that errors of each block explain.
+    """
+    drives, ring = alone.get(_DRIVES, 0.0), alone.get(_RING, 0.0)
+    if max(drives, ring) < _NOTHING * alone.get(_READING, 0.0):
+        return _READING
+    if ring > drives:
+        if ring > _BY_FAR or 1.0 - ring < _BY_FAR_LESS * (1.0 - drives):
+            return _RING
+    return _DRIVES
 
 
 def _suspicion(row: dict) -> tuple[float, float]:
