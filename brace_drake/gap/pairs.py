@@ -15,29 +15,31 @@ from brace_drake.gap.screen import search_best
 _COPY = 1e-6
 
 
+# What a pair is foreseen to leave, and its two as they are alone.
+Foreseen = tuple[float, Runner, Runner]
+
+
 def search_pairs(
     ground: Ground,
-    singles: Sequence[Runner],
-    most: int,
+    foreseen: Sequence[Foreseen],
     say=lambda what, share: None,
     bar: float = np.inf,
     enough: float = np.inf,
 ) -> list[Runner]:
-    """Runs the pairs that promise most.
+    """Runs pairs.
 
     Args:
         ground: The nominal fit.
-        singles: Single effects, whose ways foresee pairs.
-        most: Pairs that are run.
+        foreseen: The pairs, best first.
         say: Progress.
         bar: Pairs that promise to leave more are not run.
         enough: As `most` of `search_best`.
     """
     pairs = []
-    for promise, first, second in foresee_pairs(ground, singles)[:most]:
+    for promise, first, second in foreseen:
         if promise > bar:
             break
-        runner = _line_up(ground, first, second)
+        runner = line_up_pair(ground, first, second, ground.leader.subject)
         if runner is not None:
             runner.promise = promise
             pairs.append(runner)
@@ -45,9 +47,7 @@ def search_pairs(
     return pairs
 
 
-def foresee_pairs(
-    ground: Ground, singles: Sequence[Runner]
-) -> list[tuple[float, Runner, Runner]]:
+def foresee_pairs(ground: Ground, singles: Sequence[Runner]) -> list[Foreseen]:
     """Pairs of different effects, those first that would leave least.
 
     Each single spans the way to where it stands and, where it was searched,
@@ -117,7 +117,12 @@ def _shared(runner: Runner) -> slice:
     return slice(n, n + int(runner.problem.effects[0].is_continuous.sum()))
 
 
-def _line_up(ground: Ground, first: Runner, second: Runner) -> Runner | None:
+def line_up_pair(
+    ground: Ground, first: Runner, second: Runner, subject: np.ndarray
+) -> Runner | None:
+    """The effects of two as they are alone, beside a subject; None where the
+    twin breaks down.
+    """
     effects, values, spread = [], [], None
     for runner in (first, second):
         problem = runner.problem
@@ -126,4 +131,4 @@ def _line_up(ground: Ground, first: Runner, second: Runner) -> Runner | None:
         values += [v for _, v in uses]
         if problem.has_spread:
             spread = problem.spread * problem.spread_scale
-    return make_runner(ground, effects, values, ground.leader.subject, spread)
+    return make_runner(ground, effects, values, subject, spread)

@@ -14,7 +14,12 @@ from brace_drake.gap.contenders import best_fits, refine, try_refine
 from brace_drake.gap.evaluation import is_dithered
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.lead_back import lead_back, strays
-from brace_drake.gap.pairs import search_pairs
+from brace_drake.gap.pairs import (
+    Foreseen,
+    foresee_pairs,
+    line_up_pair,
+    search_pairs,
+)
 from brace_drake.gap.runner import Runner, make_runner, step
 from brace_drake.gap.screen import race, search_best
 from brace_drake.gap.surrogates import NullDistribution
@@ -38,6 +43,8 @@ _SEARCHED = 4
 _DEAR = 500
 # Steps from a pair to either effect alone.
 _STEPS = 4
+# Pairs that set out afresh, and their steps.
+_AFRESH, _STEPS_AFRESH = 2, 10
 
 Say = Callable[[str, float], None]
 
@@ -89,10 +96,11 @@ class SecondEffects:
         if np.isfinite(bar):
             # As the race has left them: then all are equally unfinished.
             bar = _HALF * min(f.excess for f in best_fits(self._runners))
-        found = search_pairs(
-            self._ground, self._runners, _SEARCHED, say, bar, self._most
-        )
+        foreseen = foresee_pairs(self._ground, self._runners)[:_SEARCHED]
+        found = search_pairs(self._ground, foreseen, say, bar, self._most)
         self._keep(found, self._nominal.excess, bar)
+        if not self._is_settled():
+            self._try_afresh(foreseen[:_AFRESH], say)
         for pair in refined(self._found)[:1]:
             self._found += self._try_without_one(pair)
         is_done = self._is_done() and not self.is_cut
@@ -205,6 +213,23 @@ class SecondEffects:
                 if fit.excess < _HALF * least:
                     found.append(try_refine(self._evaluator, fit))
         return found
+
+    def _try_afresh(self, foreseen: Sequence[Foreseen], say: Say) -> None:
+        """Pairs that set out from the subject's nominal parameters.
+
+        Two large effects drive those of the nominal fit to their limits, from
+        where no way may lead back.
+        """
+        subject = np.array([p.nominal for p in self._evaluator.twin.subject])
+        for _, first, second in foreseen:
+            runner = line_up_pair(self._ground, first, second, subject)
+            if runner is None:
+                continue
+            say(f"cause {runner.fit().name}", 0.9)
+            if step(self._ground, runner, _STEPS_AFRESH, own=True):
+                self._keep([runner], self._nominal.excess)
+            if self._is_settled():
+                return
 
     def _try_richer(self, say: Say) -> None:
         """The best pair with an effect of many parameters, drawn alike, in the
