@@ -1,5 +1,6 @@
 """Every card of the library, and each law against its closed form."""
 
+import itertools
 import math
 import unittest
 from dataclasses import replace
@@ -230,6 +231,32 @@ class TestLaws(unittest.TestCase):
                 self.assertGreater(creep(name), 1.0)
                 holding = creep(f"{name} (without creep)")
                 self.assertLess(abs(holding), 1e-3)
+
+    def test_what_changes_commands_acts_on_what_is_left_of_them(self):
+        gain, limit = (
+            find_effect(k) for k in ("force_gain", "saturation (drive)")
+        )
+        friction = find_effect("coulomb_friction")
+        u, law, rate = np.full(6, 8.0), np.full(6, 20.0), np.full(6, 0.01)
+
+        def force(*uses):
+            plug_in = stack_effects(uses)["drive"]
+            memory, f = plug_in.fresh_memory(), u - law * rate
+            for _ in range(2000):
+                f[:] = u - law * rate
+                for act, p, x in zip(
+                    plug_in.laws, plug_in.parameters, memory, strict=True
+                ):
+                    act(0.0, 2e-4, u, u, rate, law, f, p, x)
+            return f[0]
+
+        # 8 N cut to 5 N, a tenth of it lost; or 7.2 N cut to 5 N.
+        cut, lost = (limit, np.array([5.0])), (gain, np.array([-0.1]))
+        self.assertAlmostEqual(force(cut, lost), 4.5 - 0.2)
+        self.assertAlmostEqual(force(lost, cut), 5.0 - 0.2)
+        # Friction does not reach the limit, whatever is named first.
+        for uses in itertools.permutations((cut, (friction, np.array([1.0])))):
+            self.assertAlmostEqual(force(*uses), 5.0 - 0.2 - 1.0, places=6)
 
     def test_a_delayed_command_arrives_after_its_dead_time(self):
         law = find_effect("command_delay").laws["drive"]

@@ -84,6 +84,9 @@ class Effect:
             normal distribution: name and unit of its standard deviation,
             which is what is reported. None for all others.
         generalises: Names of effects that are special cases of this one.
+        on_command: Whether it changes the command on its way to the drive, as
+            a gain does: it acts on what the effects before it have left, and
+            before those that add a force.
         at_rest: Whether it shows in the leg lengths at rest, whatever its
             size: where these are as they should be there is nothing of it.
     """
@@ -107,6 +110,7 @@ class Effect:
     form: str = ""
     run_parameters: tuple[EffectParameter, ...] = ()
     generalises: tuple[str, ...] = ()
+    on_command: bool = False
     at_rest: bool = False
 
     def __post_init__(self):

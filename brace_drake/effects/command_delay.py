@@ -3,7 +3,7 @@
 import math
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.laws.hooks import plug
+from brace_drake.laws.hooks import delivered, plug
 
 # Past commands kept, in control periods; the longest delay must fit.
 _DEPTH = 64
@@ -13,11 +13,11 @@ _LEGS = 6
 
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    # x: commands of the last _DEPTH ticks, by tick modulo _DEPTH.
+    # x: what arrived in the last _DEPTH ticks, by tick modulo _DEPTH.
     n = f.shape[0]
     tick = math.floor(t / _PERIOD + 1e-6)
     for k in range(n):
-        x[(tick % _DEPTH) * _LEGS + k] = u[k]
+        x[(tick % _DEPTH) * _LEGS + k] = delivered(f, law, l_dot, k)
     # The held command as it was p[0] ago, averaged over this plant step.
     begin = (t - p[0]) / _PERIOD
     end = begin + dt / _PERIOD
@@ -29,7 +29,8 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(n):
         before = x[(first % _DEPTH) * _LEGS + k] if first >= 0 else 0.0
         after = x[(last % _DEPTH) * _LEGS + k] if last >= 0 else 0.0
-        f[k] += weight * before + (1.0 - weight) * after - u[k]
+        late = weight * before + (1.0 - weight) * after
+        f[k] += late - delivered(f, law, l_dot, k)
 
 
 CARD = Effect(
@@ -44,6 +45,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
+    on_command=True,
     num_states={"drive": _DEPTH * _LEGS},
     signature="start-up dip while the first commands travel; ringing of the"
     " position loop",

@@ -1,13 +1,14 @@
 """A drive that gives nothing to small commands."""
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.laws.hooks import plug
+from brace_drake.laws.hooks import delivered, plug
 
 
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(f.shape[0]):
-        f[k] -= min(max(u[k], -p[0]), p[0])
+        arrives = delivered(f, law, l_dot, k)
+        f[k] -= min(max(arrives, -p[0]), p[0])
 
 
 CARD = Effect(
@@ -23,6 +24,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
+    on_command=True,
     dithered=True,
     signature="commands larger by a constant away from zero, steep through it",
     impostors={

@@ -1,13 +1,13 @@
 """Drives that give more or less than they are asked for."""
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.laws.hooks import plug
+from brace_drake.laws.hooks import delivered, plug
 
 
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(f.shape[0]):
-        f[k] += p[0] * u[k]
+        f[k] += p[0] * delivered(f, law, l_dot, k)
 
 
 CARD = Effect(
@@ -21,6 +21,7 @@ CARD = Effect(
         EffectParameter("force_gain", "1", -0.8, 2.0, (0.05,), "gain error s"),
     ),
     laws={"drive": _law},
+    on_command=True,
     signature="commands off in proportion, in free runs and under load",
     impostors={
         "ring_mass": "weight alone, nothing in proportion to the push",

@@ -4,7 +4,7 @@ import numpy as np
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.brace_control import LIMIT
-from brace_drake.laws.hooks import plug
+from brace_drake.laws.hooks import delivered, plug
 
 _UNLIMITED = 120.0
 
@@ -12,7 +12,8 @@ _UNLIMITED = 120.0
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(f.shape[0]):
-        f[k] += min(max(u[k], -p[0]), p[0]) - u[k]
+        arrives = delivered(f, law, l_dot, k)
+        f[k] += min(max(arrives, -p[0]), p[0]) - arrives
 
 
 def _limit_commands(numbers, values: np.ndarray):
@@ -51,6 +52,7 @@ CARDS = (
         form="drive",
         equation="f = sat(u, +-L) - b l'",
         laws={"drive": _law},
+        on_command=True,
         **_COMMON,
     ),
     Effect(

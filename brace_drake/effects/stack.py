@@ -17,6 +17,8 @@ Use = tuple[Effect, np.ndarray]
 def stack_effects(uses: Sequence[Use], numbers=None) -> dict[str, PlugIn]:
     """Plug-ins of effects with their parameter vectors, by plug point.
 
+    Those that change commands come first, see `Effect.on_command`.
+
     Args:
         uses: The effects.
         numbers: Of the twin, for effects that take constants of it; without
@@ -29,6 +31,7 @@ def stack_effects(uses: Sequence[Use], numbers=None) -> dict[str, PlugIn]:
         raise EffectError(
             f"the twin carries at most {MAX_EFFECTS} effects, got {len(uses)}"
         )
+    uses = sorted(uses, key=lambda use: not use[0].on_command)
     idle = MAX_EFFECTS - len(uses)
     parameters = tuple(
         [_vector(effect, values, numbers) for effect, values in uses]

@@ -1,13 +1,13 @@
 """One leg that gives less than it is asked for."""
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.laws.hooks import plug
+from brace_drake.laws.hooks import delivered, plug
 
 
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     k = int(p[0]) - 1
-    f[k] -= p[1] * u[k]
+    f[k] -= p[1] * delivered(f, law, l_dot, k)
 
 
 CARD = Effect(
@@ -33,6 +33,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
+    on_command=True,
     signature="one leg commanded more than symmetry allows, a tilt of the ring",
     impostors={
         "force_gain": "all legs alike: no tilt",

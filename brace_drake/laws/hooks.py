@@ -8,8 +8,8 @@ advances by one step; both belong to the caller.
 
     drive        (t, dt, u, l, l_dot, law, f, p, x)
         Leg forces f (n,), N, from the held commands u (n,), leg lengths l
-        and rates l_dot; `law` holds the viscous friction of each leg. Every
-        plant step.
+        and rates l_dot; `law` holds the viscous friction of each leg. What
+        changes commands acts on what is `delivered` so far. Every plant step.
     compression  (t, dt, pad, d, p, x)
         Compression and its rate d (2,), m and m/s, of one pad, before the
         contact law. Every plant step and pad.
@@ -32,7 +32,7 @@ import warnings
 from numba import float64, int64, njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
-from brace_drake.laws.compiled import LAW
+from brace_drake.laws.compiled import LAW, compiled_law
 
 vector = float64[::1]
 
@@ -61,6 +61,17 @@ def plug(point: str):
 def stack_type(point: str):
     """Numba type of the fixed-size stack of laws at a plug point."""
     return types.UniTuple(types.FunctionType(SIGNATURES[point]), MAX_EFFECTS)
+
+
+@compiled_law
+def delivered(f, law, l_dot, k):
+    """Command of leg k as the effects before have left it, N.
+
+    Args:
+        f, law, l_dot: As at the plug point of the drive.
+        k: Index of the leg.
+    """
+    return f[k] + law[k] * l_dot[k]
 
 
 @plug("drive")
