@@ -25,6 +25,41 @@ class TestEnd(unittest.TestCase):
         self.assertEqual(self.search(most, False), (False, False))
         self.assertEqual(self.search(most, True), (True, False))
 
+    def test_pairs_set_out_afresh_as_long_as_they_halve_what_is_left(self):
+        found = SecondEffects.__new__(SecondEffects)
+        found._evaluator = SimpleNamespace(
+            twin=SimpleNamespace(subject=[SimpleNamespace(nominal=5.0)])
+        )
+        found._ground, found._most = None, 2.0
+        found._nominal = SimpleNamespace(excess=1000.0)
+        found._is_settled = lambda: False
+        for left, steps in (
+            ([900.0], 1),
+            ([400.0, 300.0], 2),
+            ([400.0, 100.0, 20.0], 3),
+            ([400.0, 1.0], 2),
+        ):
+            rest = iter([1000.0, *left])
+            runner = SimpleNamespace(
+                fit=lambda rest=rest: SimpleNamespace(
+                    name="a+b", excess=next(rest)
+                )
+            )
+            kept = []
+            found._keep = lambda runners, there, kept=kept: kept.extend(runners)
+            with (
+                mock.patch.object(
+                    second_effect, "line_up_pair", return_value=runner
+                ) as line_up,
+                mock.patch.object(
+                    second_effect, "step", return_value=True
+                ) as step,
+            ):
+                found._try_afresh([(0.0, "a", "b")], lambda *_: None)
+            self.assertEqual(line_up.call_args.args[3].tolist(), [5.0])
+            self.assertEqual(step.call_count, steps)
+            self.assertEqual(kept, [runner])
+
     def test_a_diagnosis_says_so(self):
         for is_cut in (True, False):
             found = SimpleNamespace(

@@ -43,8 +43,9 @@ _SEARCHED = 4
 _DEAR = 500
 # Steps from a pair to either effect alone.
 _STEPS = 4
-# Pairs that set out afresh, and their steps.
-_AFRESH, _STEPS_AFRESH = 2, 10
+# Pairs that set out afresh; rounds of their search, of so many steps, as long
+# as each leaves less than half of what there was.
+_AFRESH, _ROUNDS, _STEPS_AFRESH = 2, 3, 4
 
 Say = Callable[[str, float], None]
 
@@ -226,8 +227,15 @@ class SecondEffects:
             if runner is None:
                 continue
             say(f"cause {runner.fit().name}", 0.9)
-            if step(self._ground, runner, _STEPS_AFRESH, own=True):
-                self._keep([runner], self._nominal.excess)
+            before = self._nominal.excess
+            for _ in range(_ROUNDS):
+                if not step(self._ground, runner, _STEPS_AFRESH, own=True):
+                    break
+                left = runner.fit().excess
+                if left <= self._most or left > _HALF * before:
+                    break
+                before = left
+            self._keep([runner], self._nominal.excess)
             if self._is_settled():
                 return
 
