@@ -8,11 +8,11 @@ import numpy as np
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.alike import ALIKE
-from brace_drake.gap.candidates import fit_nominal
+from brace_drake.gap.candidates import fit_effects, fit_nominal
 from brace_drake.gap.causes import try_causes
 from brace_drake.gap.contenders import best_fits
 from brace_drake.gap.ground import Ground
-from brace_drake.gap.screen import race
+from brace_drake.gap.screen import line_up, race
 from brace_drake.gap.verdict import decide
 from brace_drake.laws.hooks import plug
 from tests.synthetic_bench import DEVICE, SyntheticBench
@@ -85,6 +85,18 @@ class TestRegistry(unittest.TestCase):
         uses = [(c, self.bench.values_of_a_gap(c)) for c in cards]
         verdict = answer(self.bench.evaluator(uses))
         self.assertEqual(set(verdict.winner.identifiers), set(names))
+
+    def test_what_a_straight_way_hides_is_searched_as_a_second_effect(self):
+        bias, reflex = self.cards["force_bias"], self.cards["reflex"]
+        both = np.array([0.4]), np.array([400.0, 30.0, 0.08])
+        uses = list(zip((bias, reflex), both, strict=True))
+        evaluator = self.bench.evaluator(uses)
+        leader = fit_effects(evaluator, [bias], both[:1])
+        ground, bar = Ground(evaluator, leader), 0.5 * leader.excess
+        promises = [r.promise for r in line_up(ground, reflex)]
+        self.assertGreater(min(promises), bar)
+        found = race(ground, [reflex], bar=bar, must_explain=True)
+        self.assertLess(best_fits(found)[0].excess, bar)
 
     def test_what_no_effect_explains_is_outside_the_library(self):
         verdict = answer(self.bench.evaluator([(TREMOR, np.array([0.3]))]))

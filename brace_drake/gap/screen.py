@@ -34,6 +34,9 @@ _COARSE, _COARSE_OF_MANY = 0.01, 0.5
 # A start is tried again at another strength, this often, where it is more than
 # that many times too strong or too weak.
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
+# One straight way to several parameters foresees about half of what a search
+# over them takes, or less.
+_BENDS = 2.0
 # A start that promises to leave this share of the gap is not tried again; and
 # beyond so many places not searched.
 _HOPELESS, _HOPELESS_PLACES = 0.98, 2
@@ -56,7 +59,8 @@ def race(
         cards: One effect each.
         say: Progress.
         places: So many are searched whatever they promise.
-        bar: Who promises to leave more is not searched.
+        bar: Who promises to leave more is not searched; of several parameters
+            who promises to leave by far more.
         most, must_explain, least: See `search_best`.
 
     Returns:
@@ -72,9 +76,15 @@ def race(
     best = {}
     for runner in sorted(runners, key=lambda r: r.promise):
         best.setdefault(runner.card.key, runner)
-    good = [r for r in best.values() if r.promise <= bar]
+    good = [r for r in best.values() if r.promise <= _highest(bar, r.card)]
     search_best(ground, good, say, places, most, must_explain, least)
     return runners
+
+
+def _highest(bar: float, card: Effect) -> float:
+    """The promise from which a card may come below the bar."""
+    is_straight = card.is_flexible or card.is_continuous.sum() < 2
+    return bar if is_straight else _BENDS * bar
 
 
 def search_best(
