@@ -10,6 +10,7 @@ from unittest import mock
 
 import numpy as np
 
+from brace_drake.effects.registry import all_effects
 from brace_drake.errors import OutputError
 from brace_drake.report import RunTrace, WriteReport
 from brace_drake.report.cards import make_card, make_cards
@@ -544,6 +545,35 @@ class ReportTest(unittest.TestCase):
         verdict["effects"], verdict["ambiguous_with"] = [], []
         roles = {c["role"] for c in make_cards(diagnosis, verdict)}
         self.assertEqual(roles, {"nearest in the library"})
+
+    def test_every_effect_and_every_form_of_one_has_its_card(self):
+        for key, effect in all_effects().items():
+            for told in (key, effect.name):
+                card = make_card(told, "verdict", {})
+                self.assertTrue(card["known"], told)
+                self.assertEqual(card["block"], effect.block)
+            self.assertEqual(
+                make_card(key, "verdict", {})["equation"], effect.equation
+            )
+
+    def test_of_two_forms_the_one_that_was_found_is_the_verdict(self):
+        diagnosis = make_diagnosis()
+        verdict = diagnosis["verdict"]
+        verdict["effects"], verdict["ambiguous_with"] = ["backlash"], []
+        diagnosis["causes"] = [
+            {"effect": "backlash (play)", "chosen": False},
+            {"effect": "backlash (gap)", "chosen": True},
+            {"effect": "force_lag", "chosen": False},
+        ]
+        cards = make_cards(diagnosis, verdict)
+        self.assertEqual(
+            [(c["name"], c["role"]) for c in cards],
+            [("backlash (gap)", "verdict"), ("force_lag", "runner-up")],
+        )
+        chosen = [
+            r["chosen"] for r in make_view(diagnosis, [])["which"]["causes"]
+        ]
+        self.assertEqual(chosen, [False, True, False])
 
     def test_diagnosis_is_left_as_it_was(self):
         diagnosis = make_diagnosis()

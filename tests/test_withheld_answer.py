@@ -10,7 +10,11 @@ import numpy as np
 import yaml
 
 from brace_drake.campaign import CheckCampaign, LoadCampaign
-from brace_drake.withheld.answer import AnswerError, answer_cases
+from brace_drake.withheld.answer import (
+    COMMITMENT,
+    AnswerError,
+    answer_cases,
+)
 from brace_drake.withheld.seals import SEALS, check_seal
 from tests.commands import run_command
 
@@ -121,6 +125,24 @@ class TestAnswer(unittest.TestCase):
         self.assertIn("no good", found["error"])
         self.answer()
         self.assertEqual(len(self.handed), 2)
+
+    def test_answers_that_replace_others_do_not_hide_them(self):
+        self.answer(fails=True)
+        first = yaml.safe_load((self.answers / COMMITMENT).read_text())
+        self.assertNotIn("earlier", first)
+        self.answer()
+        second = yaml.safe_load((self.answers / COMMITMENT).read_text())
+        self.assertEqual(second["earlier"], [first])
+        self.answer()
+        third = yaml.safe_load((self.answers / COMMITMENT).read_text())
+        self.assertEqual(third, second)
+
+    def test_answers_to_other_cases_are_not_taken_for_these(self):
+        self.answer()
+        seals = yaml.safe_dump({"seals": {"case000": "2", "case001": "3"}})
+        (self.cases / SEALS).write_text(seals)
+        with self.assertRaisesRegex(AnswerError, "other cases"):
+            self.answer()
 
     def test_a_folder_without_cases_is_refused(self):
         with self.assertRaisesRegex(AnswerError, SEALS):

@@ -22,6 +22,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
         rows.append(
             {
                 "effect": fit.name,
+                "chosen": is_winner,
                 "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
                 "title": " and ".join(e.title for e in fit.effects),
                 "excess": verdict.misfit(d.evaluator, fit),
@@ -51,6 +52,7 @@ def _absent(d: Diagnosis) -> list[Effect]:
 def _absent_row(d: Diagnosis, card: Effect) -> dict:
     return {
         "effect": card.name,
+        "chosen": False,
         "block": card.block,
         "title": card.title,
         "excess": verdict.misfit(d.evaluator, d.nominal),

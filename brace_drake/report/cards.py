@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import all_effects
+from brace_drake.effects.registry import find_effect
+from brace_drake.errors import EffectError
 from brace_drake.report.access import names, rows, text
-from brace_drake.report.tables import parts_of
+from brace_drake.report.tables import is_chosen, name_of, parts_of
 
 
 def make_cards(diagnosis: dict, verdict: dict) -> list[dict]:
@@ -19,33 +20,54 @@ def make_cards(diagnosis: dict, verdict: dict) -> list[dict]:
     if not verdict.get("gap"):
         return []
     chosen = names(verdict, "effects")
-    cards = [make_card(name, "verdict", verdict) for name in chosen]
+    cards = [
+        make_card(key, "verdict", verdict)
+        for key in _chosen_forms(diagnosis, verdict) or chosen
+    ]
     role = "runner-up" if chosen else "nearest in the library"
     others = _runner_up(diagnosis, verdict, chosen)
-    return cards + [make_card(name, role, verdict) for name in others]
+    return cards + [make_card(key, role, verdict) for key in others]
+
+
+def _chosen_forms(diagnosis: dict, verdict: dict) -> list[str]:
+    """The verdict's effects, each with its form."""
+    for cause in rows(diagnosis, "causes"):
+        if is_chosen(cause, verdict):
+            return parts_of(text(cause, "effect"))
+    return []
 
 
 def _runner_up(diagnosis: dict, verdict: dict, chosen: list[str]) -> list[str]:
     ranked = [text(cause, "effect") for cause in rows(diagnosis, "causes")]
     for effect in [*names(verdict, "ambiguous_with"), *ranked]:
         parts = parts_of(effect)
-        # The verdict with something added to it is no rival of the verdict.
-        if chosen and effect in ranked and set(chosen) <= set(parts):
+        # The verdict with something added to it is no rival of the verdict,
+        # nor is another form of it.
+        found = {name_of(part) for part in parts}
+        if chosen and effect in ranked and set(chosen) <= found:
             continue
-        others = [name for name in parts if name not in chosen]
+        others = [part for part in parts if name_of(part) not in chosen]
         if others:
             return others
     return []
 
 
-def make_card(name: str, role: str, verdict: dict) -> dict:
-    """One effect's card; only its name where the library lacks it."""
-    effect = all_effects().get(name)
-    card = {"name": name, "role": role, "known": effect is not None}
-    if effect is None:
-        return card
+def make_card(key: str, role: str, verdict: dict) -> dict:
+    """One effect's card; only its name where the library lacks it.
+
+    Args:
+        key: Name of the effect, with its form where there are several.
+        role: What it is to the verdict.
+        verdict: Of the diagnosis.
+    """
+    name = name_of(key)
+    card = {"name": key, "role": role, "known": True}
+    try:
+        effect = find_effect(key)
+    except EffectError:
+        return card | {"known": False}
     told = [*names(verdict, "effects"), *names(verdict, "ambiguous_with")]
-    rivals = {part for effect in told for part in parts_of(effect)}
+    rivals = {name_of(part) for other in told for part in parts_of(other)}
     rivals -= {name, *(names(verdict, "effects") if role == "verdict" else ())}
     return card | {
         "title": effect.title,

@@ -72,7 +72,7 @@ def cause_row(cause: dict, verdict: dict) -> dict:
         "excess": times(cause.get("excess")),
         "parameters": [parameter_row(p) for p in rows(cause, "parameters")],
         "decision": text(cause, "decision"),
-        "chosen": is_chosen(effect, verdict),
+        "chosen": is_chosen(cause, verdict),
         "ambiguous": effect in names(verdict, "ambiguous_with"),
         "unconverged": cause.get("converged") is False,
         "unidentifiable": cause.get("identifiable") is False,
@@ -84,15 +84,27 @@ def is_searched(cause: dict) -> bool:
     return cause.get("searched") is not False
 
 
-def is_chosen(effect: str, verdict: dict) -> bool:
-    """Whether a candidate, of one or more effects, is the verdict itself."""
+def is_chosen(cause: dict, verdict: dict) -> bool:
+    """Whether a candidate, of one or more effects, is the verdict itself.
+
+    Of several forms of an effect the document says which one it is.
+    """
+    said = cause.get("chosen")
+    if isinstance(said, bool):
+        return said
     chosen = set(names(verdict, "effects"))
-    return bool(chosen) and (set(parts_of(effect)) == chosen)
+    found = {name_of(p) for p in parts_of(text(cause, "effect"))}
+    return bool(chosen) and found == chosen
 
 
 def parts_of(effect: str) -> list[str]:
     """Single effects of a candidate such as viscous_leg+force_scale."""
     return [name.strip() for name in effect.split("+") if name.strip()]
+
+
+def name_of(key: str) -> str:
+    """Name of an effect that may be told with its form: backlash (gap)."""
+    return key.partition(" (")[0]
 
 
 def block_row(block: dict) -> dict:

@@ -31,6 +31,7 @@ from brace_drake.report.tables import (
     channel_row,
     gap_row,
     is_searched,
+    name_of,
     parameter_row,
     parts_of,
     receipt_rows,
@@ -225,7 +226,7 @@ def _make_notes(diagnosis: dict, verdict: dict) -> dict:
         for c in causes
         if c.get("converged") is False
         and is_searched(c)
-        and not set(parts_of(text(c, "effect"))) <= chosen
+        and not {name_of(p) for p in parts_of(text(c, "effect"))} <= chosen
     ]
     far = [c for c in unconverged if to_number(c.get("explained")) < _NEAR]
     near = [c for c in unconverged if c not in far]

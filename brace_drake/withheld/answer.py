@@ -26,6 +26,7 @@ from brace_drake.output import HoldFolder, WriteJson, WriteText
 from brace_drake.withheld.seals import SEALS
 
 ANSWERS = "answers.json"
+CASES = "CASES"
 COMMITMENT = "COMMITMENT"
 ANSWERS_FORMAT = "brace-answers/1"
 _RECORDINGS = ("campaign.yaml", "*.csv")
@@ -88,6 +89,7 @@ def answer_cases(
     if missing or not names:
         raise AnswerError(f"{folder}: no case {missing[0] if names else ''}")
     HoldFolder(Path(answers))
+    _bind(Path(folder), Path(answers))
     found = {}
     with ThreadPoolExecutor(jobs) as pool:
         tasks = {
@@ -105,15 +107,38 @@ def answer_cases(
     return document
 
 
+def _bind(folder: Path, answers: Path) -> None:
+    """Notes which cases a folder of answers is for; others are refused."""
+    digest, path = digest_of(folder / SEALS), answers / CASES
+    if not path.exists():
+        WriteText(path, f"{digest}\n")
+    elif path.read_text().strip() != digest:
+        raise AnswerError(
+            f"{answers}: holds answers to other cases than those of {folder};"
+            " give another folder"
+        )
+
+
 def commit(folder: Path, answers: Path, document: dict) -> None:
-    """Writes the answers and a hash that binds them to the seals."""
+    """Writes the answers and a hash that binds them to the seals.
+
+    Hashes of answers that these replace, as a case that had failed was tried
+    again, stay in the file.
+    """
+    path = answers / COMMITMENT
+    before = yaml.safe_load(path.read_text()) if path.exists() else None
     WriteJson(answers / ANSWERS, document)
-    lines = {
+    lines: dict[str, object] = {
         "answers_sha256": digest_of(answers / ANSWERS),
         "seals_sha256": digest_of(folder / SEALS),
         "committed_at": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    WriteText(answers / COMMITMENT, yaml.safe_dump(lines, sort_keys=False))
+    if before is not None:
+        if before["answers_sha256"] == lines["answers_sha256"]:
+            return
+        earlier = before.pop("earlier", [])
+        lines["earlier"] = [*earlier, before]
+    WriteText(path, yaml.safe_dump(lines, sort_keys=False))
 
 
 def label(verdict: dict | None) -> str:
