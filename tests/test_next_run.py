@@ -59,6 +59,20 @@ class TestSeparation(unittest.TestCase):
         (pair,) = toy_run(np.arange(1.0, 9.0), lambda x: (3.0 * x, -x))
         self.assertAlmostEqual(pair.separation, 0.0)
 
+    def test_what_a_rivals_own_parameters_take_up_separates_nothing(self):
+        # Either of two lines, each with a slope of its own; the worse way
+        # round counts.
+        x, none = np.arange(1.0, 6.0), np.zeros((5, 0))
+        predictions = {"a": x + x**2, "b": 3.0 * x}
+        own = {"a": (x + x**2)[:, None], "b": x[:, None]}
+        basis = [v / np.linalg.norm(v) for v in (x + x**2, x)]
+        apart = x**2 - 2.0 * x
+        expected = min(apart @ apart - (apart @ u) ** 2 for u in basis)
+        (pair,) = separate_pairs(predictions, none, own)
+        self.assertAlmostEqual(pair.separation, expected)
+        (pair,) = separate_pairs({"a": x, "b": 3.0 * x}, none, {"b": own["b"]})
+        self.assertAlmostEqual(pair.separation, 0.0)
+
     def test_without_sensitivities_it_is_the_plain_distance(self):
         first, second = np.array([1.0, 2.0]), np.array([1.0, 0.0])
         none = np.zeros((2, 3))
@@ -206,7 +220,7 @@ class TestNextRun(unittest.TestCase):
         self.assertEqual(describe_next(row, None), row)
 
     def test_friction_or_viscosity_is_settled_by_moving(self):
-        # Both brake; at rest neither shows, so a hold is worth nothing.
+        # Both brake; at rest neither shows, so a hold is worth little.
         twin = BenchTwin(BenchScenario(), 1e-3 / 3.0)
         subject = np.array([p.nominal for p in twin.subject])
         names = ("free_hold", "free_reversal_slow", "free_reversal_fast")
@@ -215,19 +229,23 @@ class TestNextRun(unittest.TestCase):
         floors = planned_floors(twin, runs, subject, RATE_HZ, 0)
         prepared = planned_runs(twin, runs, floors, RATE_HZ, 0)
         rivals = [
-            Rival("a", subject, ((find_effect("viscous_leg"), [30.0]),)),
-            Rival("b", subject, ((find_effect("viscous_leg"), [60.0]),)),
+            Rival(name, subject, ((find_effect(key), np.array([value])),))
+            for name, key, value in (
+                ("a", "viscous_leg", 30.0),
+                ("b", "coulomb_friction", 0.3),
+                ("c", "viscous_leg", 60.0),
+            )
         ]
-        rivals = [
-            replace(r, uses=((r.uses[0][0], np.array(r.uses[0][1])),))
-            for r in rivals
-        ]
-        found = best_of(Evaluator(twin, [], 1), motions, prepared, rivals)
-        # The difference is viscous: the fastest motion shows it most.
-        self.assertEqual(found.motion.name, "free_reversal_fast")
+        evaluator = Evaluator(twin, [], 1)
+        found = best_of(evaluator, motions, prepared, rivals[:2])
+        # The slower, the less of a viscous force there is beside dry friction.
+        self.assertEqual(found.motion.name, "free_reversal_slow")
         self.assertGreater(found.separation, 100.0)
+        # Two strengths of one effect are the same explanation.
+        same = best_of(evaluator, motions, prepared, rivals[::2])
+        self.assertLess(same.separation, 0.02 * found.separation)
         row = describe_next({"why": "w", "motion": ""}, found)
-        self.assertEqual(row["motion"], "free_reversal_fast")
+        self.assertEqual(row["motion"], "free_reversal_slow")
         self.assertEqual(row["file"], "next_run.csv")
         self.assertEqual(row["pairs"][0]["effects"], ["a", "b"])
         with tempfile.TemporaryDirectory() as folder:

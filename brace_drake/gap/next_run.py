@@ -13,7 +13,12 @@ from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.evaluation import Evaluator, PreparedRun
-from brace_drake.gap.planned import planned_runs, predict, subject_columns
+from brace_drake.gap.planned import (
+    effect_columns,
+    planned_runs,
+    predict,
+    subject_columns,
+)
 from brace_drake.gap.separation import (
     PairSeparation,
     choose_best,
@@ -101,13 +106,19 @@ def best_of(
     # Dry friction hardly changes what the subject does, but costs dithers.
     smooth = [(e, v) for e, v in rivals[0].uses if not e.dithered]
     columns = subject_columns(planned, rivals[0].subject, smooth)
+    own = [effect_columns(planned, r.subject, r.uses) for r in rivals]
     separations, by_name = {}, {}
     for i, motion in enumerate(motions):
-        parts = zip(rivals, predictions, strict=True)
-        foreseen = {r.name: p[i] for r, p in parts}
-        if any(p is None for p in foreseen.values()) or columns[i] is None:
+        foreseen = [p[i] for p in predictions]
+        free = [c[i] for c in own]
+        if any(a is None for a in (*foreseen, *free, columns[i])):
             continue
-        separations[motion.name] = separate_pairs(foreseen, columns[i])
+        names = [r.name for r in rivals]
+        separations[motion.name] = separate_pairs(
+            dict(zip(names, foreseen, strict=True)),
+            columns[i],
+            dict(zip(names, free, strict=True)),
+        )
         by_name[motion.name] = motion
     best = choose_best(separations)
     if best is None:

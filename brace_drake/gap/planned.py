@@ -24,6 +24,8 @@ _REPLICATES = 12
 _DITHERS = 2
 # Of differences by the subject, in its units.
 _STEP = 1e-2
+# Of differences by an effect's parameters, relative.
+_EFFECT_STEP = 0.05
 
 
 def planned_runs(
@@ -127,11 +129,42 @@ def subject_columns(
         moved = subject.copy()
         moved[i] += _STEP * unit
         points.append((moved, uses))
-    base, *moved = predict(evaluator, points)
+    return _differences(evaluator, points, [_STEP] * len(units))
+
+
+def effect_columns(
+    evaluator: Evaluator, subject: np.ndarray, uses: Sequence[Use]
+) -> list[np.ndarray | None]:
+    """Sensitivities to the effects' continuous parameters, run by run.
+
+    Forward differences (rows, n), backward ones at an upper limit; None where
+    the twin broke down. Effects of dozens of parameters have none.
+    """
+    points, steps = [(subject, uses)], []
+    for k, (effect, values) in enumerate(uses):
+        if effect.is_flexible:
+            continue
+        for i in np.flatnonzero(effect.is_continuous):
+            parameter, moved = effect.parameters[i], np.array(values)
+            step = _EFFECT_STEP * (abs(moved[i]) or parameter.typical)
+            if moved[i] + step > parameter.upper:
+                step = -step
+            moved[i] += step
+            changed = [*uses[:k], (effect, moved), *uses[k + 1 :]]
+            points.append((subject, changed))
+            steps.append(step)
+    return _differences(evaluator, points, steps)
+
+
+def _differences(evaluator, points, steps) -> list[np.ndarray | None]:
+    """Changes from the first point to the others by their steps, per run."""
     columns = []
-    for start, *ends in zip(base, *moved, strict=True):
+    for start, *ends in zip(*predict(evaluator, points), strict=True):
         if start is None or any(end is None for end in ends):
             columns.append(None)
             continue
-        columns.append(np.column_stack([(e - start) / _STEP for e in ends]))
+        found = [(e - start) / s for e, s in zip(ends, steps, strict=True)]
+        columns.append(
+            np.column_stack(found) if found else np.zeros((len(start), 0))
+        )
     return columns

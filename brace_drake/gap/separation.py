@@ -1,12 +1,15 @@
 """How well a run would tell rivals apart: T-optimality.
 
-With y_i the predictions of rival i and S the sensitivities to what is
-estimated anyway, a run is worth, in squares of the noise floor,
+With y_i the predictions of rival i, S the sensitivities to what is estimated
+anyway and S_j those to the parameters of rival j, a run is worth, in squares
+of the noise floor,
 
-    T = min over pairs i, j of min over phi of |y_i - y_j - S phi|^2,
+    T = min over ordered pairs i, j of
+        min over phi, psi of |y_i - y_j - S phi - S_j psi|^2,
 
-and the run with the largest T is the one to make: whichever rival is right,
-the others will then leave at least that much.
+and the run with the largest T is the one to make: whichever rival i is right,
+each other one j, fitted to that run, will leave at least that much (to first
+order in its parameters).
 
 Sources: Atkinson and Fedorov, The design of experiments for discriminating
 between two rival models, Biometrika 62, 1975; Hunter and Reiner, Designs for
@@ -51,19 +54,32 @@ def beyond(vectors: np.ndarray, basis: np.ndarray) -> np.ndarray:
 
 
 def separate_pairs(
-    predictions: Mapping[str, np.ndarray], sensitivities: np.ndarray
+    predictions: Mapping[str, np.ndarray],
+    sensitivities: np.ndarray,
+    own: Mapping[str, np.ndarray] | None = None,
 ) -> list[PairSeparation]:
     """Separation of each pair of rivals by one run, the least first.
 
     Args:
         predictions: Weighted recording (rows,) that each rival foresees.
         sensitivities: To what is estimated anyway (rows, n).
+        own: To each rival's own parameters (rows, n_j), where it has some.
     """
-    basis = orthonormal_basis(sensitivities)
+    own = own or {}
+    bases = {
+        name: orthonormal_basis(
+            np.column_stack([sensitivities, own[name]])
+            if name in own
+            else sensitivities
+        )
+        for name in predictions
+    }
     found = []
     for first, second in itertools.combinations(predictions, 2):
-        rest = beyond(predictions[first] - predictions[second], basis)
-        found.append(PairSeparation(first, second, float(rest @ rest)))
+        apart = predictions[first] - predictions[second]
+        rests = [beyond(apart, bases[n]) for n in (first, second)]
+        least = min(float(r @ r) for r in rests)
+        found.append(PairSeparation(first, second, least))
     return sorted(found, key=lambda pair: pair.separation)
 
 
