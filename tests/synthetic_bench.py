@@ -88,9 +88,10 @@ class SyntheticBench:
         columns = problem.columns(self.subject / problem.scales)
         self._basis = np.linalg.qr(columns)[0]
 
-    def evaluator(self, uses):
-        """Over a recording with effects."""
+    def evaluator(self, uses, edit=lambda run: run):
+        """Over a recording with effects, each run of it edited."""
         runs = record(self.twin, self.subject, uses, 97).runs
+        runs = [edit(run) for run in runs]
         prepared = prepare_runs(self.twin, runs, self._floors, RATE, 0)
         return Evaluator(self.twin, prepared, 2)
 

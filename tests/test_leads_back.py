@@ -2,6 +2,7 @@
 
 import math
 import unittest
+from dataclasses import replace
 
 import numpy as np
 
@@ -68,6 +69,22 @@ class TestRegistry(unittest.TestCase):
 
     def test_no_effect_leads_to_none(self):
         self.assertFalse(answer(self.bench.evaluator(())).gap)
+
+    def test_without_the_torsos_marker_no_answer_is_surer(self):
+        def blind(run):
+            kept = {
+                name: values
+                for name, values in run.channels.items()
+                if not name.startswith("torso")
+            }
+            return replace(run, channels=kept)
+
+        delay = self.cards["command_delay"]
+        for uses in ((), [(delay, self.bench.values_of_a_gap(delay))]):
+            whole = answer(self.bench.evaluator(uses))
+            part = answer(self.bench.evaluator(uses, blind))
+            self.assertEqual(part.gap, whole.gap)
+            self.assertLess(part.probability, whole.probability)
 
     def test_every_effect_leads_back_to_itself_among_its_impostors(self):
         for key, card in self.cards.items():

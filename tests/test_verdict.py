@@ -13,6 +13,7 @@ COUNT = 1000
 NULL = SimpleNamespace(misfit_threshold=0.1, gain_threshold=0.03)
 EVALUATOR = SimpleNamespace(
     count=COUNT,
+    recorded=1.0,
     twin=SimpleNamespace(instruments_known=True, carried=(), has_loop=True),
 )
 
@@ -35,8 +36,9 @@ def fit(rest, *names, refined=True, scattered=True):
     )
 
 
-def verdict(gap, *fits):
-    return decide(EVALUATOR, fit(gap), fits, NULL)
+def verdict(gap, *fits, recorded=1.0, null=NULL):
+    evaluator = SimpleNamespace(**vars(EVALUATOR) | {"recorded": recorded})
+    return decide(evaluator, fit(gap), fits, null)
 
 
 class TestVerdict(unittest.TestCase):
@@ -53,6 +55,26 @@ class TestVerdict(unittest.TestCase):
         found = verdict(50.0, fit(0.01, "force_gain"), fit(0.012, "ring_mass"))
         self.assertEqual(found.ambiguous_with, ("ring_mass",))
         self.assertLess(found.probability, 0.5)
+
+    def test_what_is_not_recorded_makes_every_answer_less_sure(self):
+        for gap, fits in (
+            (0.05, [fit(0.04, "force_bias")]),
+            (50.0, [fit(0.01, "force_bias"), fit(20.0, "ring_mass")]),
+            (50.0, [fit(20.0, "force_bias")]),
+        ):
+            whole = verdict(gap, *fits)
+            part = verdict(gap, *fits, recorded=0.5)
+            self.assertEqual(part.winner, whole.winner)
+            expected = 0.5 + 0.5 * (whole.probability - 0.5)
+            self.assertAlmostEqual(part.probability, expected)
+
+    def test_no_gap_below_a_high_threshold_says_less(self):
+        high = SimpleNamespace(misfit_threshold=1.0, gain_threshold=0.03)
+        low = verdict(0.0, fit(0.0, "force_bias")).probability
+        found = verdict(0.0, fit(0.0, "force_bias"), null=high)
+        self.assertFalse(found.gap)
+        self.assertLess(found.probability, 0.6)
+        self.assertGreater(low, 0.9)
 
     def test_a_gap_that_nothing_explains_is_outside(self):
         found = verdict(50.0, fit(20.0, "force_bias"))

@@ -135,6 +135,12 @@ class Evaluator:
         return sum(p.count for p in self.prepared)
 
     @property
+    def recorded(self) -> float:
+        """Share of the channels that carry information that was recorded."""
+        active = sum(self.twin.active(p.run).sum() for p in self.prepared)
+        return float(sum(p.used.sum() for p in self.prepared) / active)
+
+    @property
     def ends(self) -> list[int]:
         """Where each run's rows of the weighted residual end."""
         sizes = [p.num_weighted for p in self.prepared]

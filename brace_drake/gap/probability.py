@@ -39,6 +39,16 @@ def sure_of_no_gap(rest: float) -> float:
     return _calibrated(_logistic(4.0 * (1.0 - rest)))
 
 
+def with_less_known(probability: float, known: float) -> float:
+    """A probability drawn towards one half.
+
+    Args:
+        probability: With all that a campaign records.
+        known: Share of that which is known.
+    """
+    return min(probability, 0.5 + (probability - 0.5) * known)
+
+
 def sure_of_outside(short: float) -> float:
     """Probability that nothing in the library explains the gap.
 

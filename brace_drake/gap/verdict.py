@@ -13,6 +13,7 @@ from brace_drake.gap.probability import (
     sure_of_effects,
     sure_of_no_gap,
     sure_of_outside,
+    with_less_known,
 )
 from brace_drake.gap.surrogates import NullDistribution
 
@@ -40,6 +41,8 @@ _SECOND_PAYS = 0.25
 # Mean square, in floors, up to which a twin of the right effect is trusted to
 # follow a recording: a tenth of the floor's amplitude and a bit.
 _EXACT_TO = 0.02
+# A threshold of misfit that campaigns recorded in full stay below.
+_WHOLE_THRESHOLD = 0.125
 # Rivals that leave less than this many times the winner's rest are tied.
 _TIED = 1.5
 
@@ -175,7 +178,11 @@ def decide(
     ranked = refined(fits)
     if not has_gap(evaluator, nominal, ranked, null):
         rest = max(0.0, misfit(evaluator, nominal)) / null.misfit_threshold
-        return Verdict(False, None, False, (), sure_of_no_gap(rest))
+        sure = sure_of_no_gap(rest)
+        # Below a higher threshold more may hide.
+        known = min(1.0, _WHOLE_THRESHOLD / null.misfit_threshold)
+        sure = with_less_known(sure, known * evaluator.recorded)
+        return Verdict(False, None, False, (), sure)
     good = [f for f in ranked if explains(evaluator, nominal, f, null)]
     if not good:
         best = max(
@@ -186,7 +193,8 @@ def decide(
             default=0.0,
         )
         short = best / smallest_share(evaluator)
-        return Verdict(True, None, True, (), sure_of_outside(short))
+        sure = with_less_known(sure_of_outside(short), evaluator.recorded)
+        return Verdict(True, None, True, (), sure)
     winner = simplest_of_fewest(evaluator, good)
     number = len(winner.effects)
     rivals = [
@@ -208,6 +216,7 @@ def decide(
     if misfit(evaluator, winner) > null.misfit_threshold:
         rest = 1.0 - closed_amplitude(evaluator, nominal, winner)
     sure = sure_of_effects(contrast, rest, number)
+    sure = with_less_known(sure, evaluator.recorded)
     return Verdict(True, winner, False, tuple(reversed(near.values())), sure)
 
 
