@@ -12,6 +12,7 @@ from brace_drake.gap.prepare import estimate_floors, prepare_runs
 from brace_drake.gap.repair_shares import share_repairs
 from brace_drake.gap.shapley import UNEXPLAINED
 from tests.pad_recordings import make_campaign, relaxing
+from tests.synthetic_bench import SyntheticBench
 
 DRIFT = 2.0e-2
 
@@ -45,6 +46,17 @@ class TestShares(unittest.TestCase):
         self.assertEqual(rows["contact"]["or"], ["sensing"])
         total = sum(row["share"] for row in rows.values())
         self.assertAlmostEqual(total, 1.0, places=12)
+
+    def test_noise_that_dithers_leave_is_no_part_of_the_gap(self):
+        card = find_effect("coulomb_friction")
+        bench = SyntheticBench()
+        evaluator, nominal = bench.recording_with_a_gap(card)
+        start = bench.values_of_a_gap(card)
+        winner = fit_effects(evaluator, [card], [start])
+        rows = share_repairs(evaluator, nominal, winner, (), 0)
+        left = {row["block"]: row["share"] for row in rows}[UNEXPLAINED]
+        rest = max(0.0, winner.excess) / nominal.excess
+        self.assertAlmostEqual(left, rest, delta=0.01)
 
     def test_a_block_that_is_right_adds_nothing_to_the_other(self):
         rows = self.shares(relaxing, ["relaxation", "force_drift"])

@@ -546,6 +546,17 @@ class ReportTest(unittest.TestCase):
         roles = {c["role"] for c in make_cards(diagnosis, verdict)}
         self.assertEqual(roles, {"nearest in the library"})
 
+    def test_what_was_fitted_on_the_validation_runs_is_said(self):
+        self.use_hollow_figures()
+        diagnosis = make_diagnosis()
+        for name, words in (
+            ("relaxation", "on which nothing was fitted"),
+            ("breathing", "only what each run has of its own was fitted"),
+            ("unheard_of", "on which nothing was fitted"),
+        ):
+            diagnosis["verdict"]["effects"] = [name]
+            self.assertIn(words, self.check_whole(diagnosis)[0])
+
     def test_every_effect_and_every_form_of_one_has_its_card(self):
         for key, effect in all_effects().items():
             for told in (key, effect.name):

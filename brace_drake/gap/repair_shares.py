@@ -85,8 +85,11 @@ def _excess_pieces(evaluator, nominal, winner, blocks) -> dict:
     """Squares above noise of every coalition, piece by piece of time (n,)."""
     everyone = frozenset(range(len(blocks)))
     residuals = {
-        frozenset(): nominal.solution.residual,
-        everyone: winner.solution.residual,
+        frozenset(): (nominal.solution.residual, 1.0),
+        everyone: (
+            winner.solution.residual,
+            evaluator.noise_level(winner.uses),
+        ),
     }
     for coalition in coalitions(len(blocks)):
         if coalition not in residuals:
@@ -95,13 +98,17 @@ def _excess_pieces(evaluator, nominal, winner, blocks) -> dict:
                 evaluator, nominal, winner, kept
             )
     return {
-        s: _pieces(evaluator, r[: evaluator.ends[-1]])
-        for s, r in residuals.items()
+        s: _pieces(evaluator, residual[: evaluator.ends[-1]], noise)
+        for s, (residual, noise) in residuals.items()
     }
 
 
-def _repaired_in(evaluator, nominal, winner, blocks) -> np.ndarray:
-    """Residual with the winner's effects of these blocks alone, refitted."""
+def _repaired_in(
+    evaluator, nominal, winner, blocks
+) -> tuple[np.ndarray, float]:
+    """Residual with the winner's effects of these blocks alone, refitted, and
+    the mean square of noise in it.
+    """
     kept = [
         (e, v)
         for e, v in zip(winner.effects, winner.values, strict=True)
@@ -115,21 +122,26 @@ def _repaired_in(evaluator, nominal, winner, blocks) -> np.ndarray:
     ]
     starts = [r for r in starts if r is not None]
     if not starts:
-        return nominal.solution.residual
+        return nominal.solution.residual, 1.0
     runner = min(starts, key=lambda r: r.residual @ r.residual)
     step(ground, runner, _STEPS)
-    return runner.residual
+    uses = tuple(zip(effects, values, strict=True))
+    return runner.residual, evaluator.noise_level(uses, coarse=True)
 
 
-def _pieces(evaluator: Evaluator, residual: np.ndarray) -> np.ndarray:
-    """Squares above noise over pieces of time of all runs."""
+def _pieces(
+    evaluator: Evaluator, residual: np.ndarray, noise: float
+) -> np.ndarray:
+    """Squares above noise of that mean square over pieces of time of all
+    runs.
+    """
     out = []
     edges = itertools.pairwise([0, *evaluator.ends])
     for run, (begin, end) in zip(evaluator.prepared, edges, strict=True):
         series = in_time(run, residual[begin:end])
         duration = run.run.time_s[-1] - run.run.time_s[0]
         parts = np.array_split(series, max(1, round(duration / _PIECE_S)))
-        out += [float(np.sum(p**2)) - p.size for p in parts]
+        out += [float(np.sum(p**2)) - noise * p.size for p in parts]
     return np.array(out)
 
 

@@ -84,6 +84,17 @@ def make_card(key: str, role: str, verdict: dict) -> dict:
     }
 
 
+def has_run_parameters(verdict: dict) -> bool:
+    """Whether one of the verdict's effects has numbers of each single run."""
+    for name in names(verdict, "effects"):
+        try:
+            if find_effect(name).run_parameters:
+                return True
+        except EffectError:
+            continue
+    return False
+
+
 def _parameters(effect: Effect) -> list[tuple[str, str]]:
     """Names and meanings; of many that are drawn alike their deviation."""
     if effect.spread is None:

@@ -16,7 +16,7 @@ from brace_drake.report.access import (
 )
 from brace_drake.report.budget_figures import draw_attribution, draw_cube
 from brace_drake.report.canvas import WIDTH
-from brace_drake.report.cards import make_cards
+from brace_drake.report.cards import has_run_parameters, make_cards
 from brace_drake.report.figures import (
     draw_blocks,
     draw_correlation,
@@ -180,6 +180,9 @@ def _make_how_far(
     closed, interval = _closed(shrink)
     return {
         "known": bool(shrink),
+        "fitted": "only what each run has of its own"
+        if has_run_parameters(verdict)
+        else "nothing",
         "gap": verdict.get("gap"),
         "runs": names(shrink, "runs"),
         "before": times(shrink.get("before")),
