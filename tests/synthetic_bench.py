@@ -1,5 +1,6 @@
 """Recordings that the bench's twin makes of itself, with effects."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,16 @@ def record(twin, subject, uses, seed):
         channels |= dict(zip(COLUMNS, desired[::5].T, strict=True))
         runs.append(Run(f"{name}.csv", contact, name, None, "fit", channels))
     return Campaign(Path("synthetic"), DEVICE, RATE, "twin", tuple(runs))
+
+
+def without_torso(run):
+    """The run without the torso's marker."""
+    kept = {
+        name: values
+        for name, values in run.channels.items()
+        if not name.startswith("torso")
+    }
+    return replace(run, channels=kept)
 
 
 def strength_of(card, seed):

@@ -4,8 +4,14 @@ import unittest
 
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.bench_ladder import bench_rungs
-from brace_drake.gap.ladder import climb
-from tests.synthetic_bench import DEVICE, RATE, SyntheticBench
+from brace_drake.gap.candidates import fit_nominal
+from brace_drake.gap.ladder import climb, describe_unchecked
+from tests.synthetic_bench import (
+    DEVICE,
+    RATE,
+    SyntheticBench,
+    without_torso,
+)
 from tests.test_leads_back import TREMOR
 
 
@@ -34,6 +40,31 @@ class TestLadder(unittest.TestCase):
     def test_a_torso_that_moves_of_itself_is_found(self):
         shares = self.accused(TREMOR)
         self.assertGreater(shares["torso"], 0.9)
+
+    def test_anchors_that_are_off_show_in_the_mechanism(self):
+        shares = self.accused(self.cards["anchor_error"])
+        self.assertGreater(shares["mechanism"], 0.9)
+
+    def test_a_gauge_that_is_off_shows_in_the_sensing(self):
+        shares = self.accused(self.cards["force_bias"])
+        self.assertIn("sensing", shares)
+
+    def test_what_lies_between_recorded_channels_is_not_divided(self):
+        for edit, lost in (
+            (lambda run: run, []),
+            (without_torso, ["contact", "torso"]),
+        ):
+            evaluator = self.bench.evaluator((), edit)
+            rows = climb(evaluator, self.rungs, fit_nominal(evaluator), 0)
+            checked = {row["block"] for row in rows}
+            blocks = {rung.block for rung in self.rungs}
+            self.assertEqual(sorted(blocks - checked), lost)
+            said = describe_unchecked(evaluator, self.rungs, rows)
+            self.assertEqual(len(said), bool(lost))
+            for sentence in said:
+                self.assertIn("contact and torso: not checked", sentence)
+                self.assertIn("torso_y_m", sentence)
+                self.assertIn("cannot be divided", sentence)
 
 
 if __name__ == "__main__":

@@ -66,6 +66,9 @@ class TestEnd(unittest.TestCase):
                 campaign=SimpleNamespace(
                     warnings=[], runs=[SimpleNamespace(repeat_of="push.csv")]
                 ),
+                device=SimpleNamespace(rungs=[]),
+                evaluator=None,
+                ladder=[],
                 floor_ratios={},
                 validation_runs=[None],
                 verdict=SimpleNamespace(winner=None),

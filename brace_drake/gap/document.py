@@ -21,6 +21,7 @@ from brace_drake.gap.cause_rows import (
 )
 from brace_drake.gap.cube import gap_cube
 from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.gap.ladder import describe_unchecked
 from brace_drake.gap.next_run import NextRun, describe_next
 from brace_drake.gap.phases import PHASES, motion_phases
 from brace_drake.gap.repair_shares import share_repairs
@@ -168,6 +169,7 @@ def _subject(table: EstimateTable) -> dict:
 
 def _warnings(d: Diagnosis) -> list[str]:
     found = [str(p) for p in d.campaign.warnings]
+    found += describe_unchecked(d.evaluator, d.device.rungs, d.ladder)
     for channel, ratio in d.floor_ratios.items():
         found.append(
             f"{channel}: the noise between repeats has {ratio:.2f} times the"

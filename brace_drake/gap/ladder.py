@@ -116,6 +116,33 @@ def climb(
     return rows
 
 
+def describe_unchecked(
+    evaluator: Evaluator, rungs: Sequence[Rung], rows: Sequence[dict]
+) -> list[str]:
+    """Sentences on what lies between recorded channels and cannot be divided.
+
+    Args:
+        evaluator: Over the runs that were looked at.
+        rungs: Of the device.
+        rows: From `climb`.
+    """
+    checked = {row["block"] for row in rows}
+    segments: dict[tuple[str, ...], list[str]] = {}
+    for rung in rungs:
+        has = [p.run.has(rung.needs) for p in evaluator.prepared]
+        lacks = np.array(rung.needs)[~np.any(has, axis=0)]
+        if rung.block not in checked and len(lacks):
+            segments.setdefault(tuple(lacks), []).append(rung.block)
+    return [
+        f"{' and '.join(blocks)}: not checked by"
+        f" {'themselves' if len(blocks) > 1 else 'itself'}, as"
+        f" {', '.join(lacks)} {'were' if len(lacks) > 1 else 'was'} not"
+        " recorded"
+        + ("; what errs there cannot be divided" if len(blocks) > 1 else "")
+        for lacks, blocks in segments.items()
+    ]
+
+
 def holds_at_rest(ladder: Sequence[dict]) -> bool | None:
     """Whether the leg lengths at rest are as they should be; None where the
     device has no such lengths.
