@@ -22,6 +22,7 @@ from brace_drake.gap.cause_rows import (
 from brace_drake.gap.cube import gap_cube
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.ladder import describe_unchecked
+from brace_drake.gap.leftover import describe_left
 from brace_drake.gap.next_run import NextRun, describe_next
 from brace_drake.gap.phases import PHASES, motion_phases
 from brace_drake.gap.repair_shares import share_repairs
@@ -79,6 +80,7 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
             "causes": cause_rows(d),
             "subject": _subject(d.table),
             "shrink": shrunk,
+            "left": _left(d),
             "next_experiment": describe_next(
                 next_experiment(
                     effects,
@@ -125,6 +127,17 @@ def _where(d: Diagnosis) -> dict:
         if d.verdict.gap
         else [],
     }
+
+
+def _left(d: Diagnosis) -> list[dict]:
+    if not d.verdict.gap:
+        return []
+    fit, twin = d.verdict.winner or d.nominal, d.device.twin
+    signals = [
+        d.device.motion_signals(twin, prepared, fit.subject)
+        for prepared in d.evaluator.prepared
+    ]
+    return describe_left(d.evaluator, fit, signals, d.campaign.rate_hz, d.seed)
 
 
 def _phases(d: Diagnosis, comparison: RunComparison) -> np.ndarray:

@@ -79,6 +79,24 @@ def cause_row(cause: dict, verdict: dict) -> dict:
     }
 
 
+def left_row(row: dict) -> dict:
+    """What is left in one channel, and the motion that it goes with."""
+    share, interval = percent_interval(
+        *(row.get(k) for k in ("takes", "lower95", "upper95"))
+    )
+    shape = text(row, "shape")
+    return {
+        "channel": channel_text(text(row, "channel")) or NOTHING,
+        "rms": times(row.get("normalised_rms")),
+        "share": percent(row.get("share_of_rest")),
+        "width": bar_width(row.get("share_of_rest")),
+        "shape": shape,
+        "acts_like": text(row, "acts_like"),
+        "takes": share if shape else NOTHING,
+        "interval": interval or NOTHING,
+    }
+
+
 def is_searched(cause: dict) -> bool:
     """Whether a candidate was searched, not only replayed once."""
     return cause.get("searched") is not False
