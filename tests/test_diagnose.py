@@ -123,6 +123,11 @@ class TestExample(unittest.TestCase):
         self.assertLess(low, shrink["closed"])
         self.assertGreater(high, shrink["closed"])
         self.assertGreater(shrink["before"], 1.5)
+        told = [*shrink["channels"], shrink["force_error_N"]]
+        for row in told:
+            low, high = row["after_interval"]
+            self.assertLess(low, row["after"])
+            self.assertGreater(high, row["after"])
 
     def test_shares_of_each_budget_add_up(self):
         for name in ("channels", "phases", "bands", "blocks"):

@@ -245,7 +245,12 @@ def _shrink():
             }
             for c in _channels()
         ],
-        "force_error_N": {"before": 1.31, "after": 0.07, "floor": 0.065},
+        "force_error_N": {
+            "before": 1.31,
+            "after": 0.07,
+            "after_interval": [0.061, 0.083],
+            "floor": 0.065,
+        },
         "ring_error_mm": {"before": 0.082, "after": 0.004, "floor": 0.0035},
     }
 
@@ -545,6 +550,32 @@ class ReportTest(unittest.TestCase):
         verdict["effects"], verdict["ambiguous_with"] = [], []
         roles = {c["role"] for c in make_cards(diagnosis, verdict)}
         self.assertEqual(roles, {"nearest in the library"})
+
+    def test_an_error_is_told_with_its_interval(self):
+        view = make_view(make_diagnosis(), [])["how_far"]["therapist"]
+        self.assertEqual(
+            [row["interval"] for row in view], ["0.061 to 0.083", ""]
+        )
+
+    def test_what_is_left_is_told_with_the_motion_it_goes_with(self):
+        self.use_hollow_figures()
+        diagnosis = make_diagnosis()
+        row = {
+            "channel": "ring2_force_y_N",
+            "normalised_rms": 2.5,
+            "share_of_rest": 1.0,
+            "shape": "size of the speed",
+            "acts_like": "a damper that is not the same in both directions",
+            "takes": 0.74,
+            "lower95": 0.69,
+            "upper95": 0.79,
+        }
+        unknown = {**row, "shape": None, "acts_like": None}
+        diagnosis["left"] = [row, unknown]
+        page, _ = self.check_whole(diagnosis)
+        self.assertIn("not the same in both directions", page)
+        self.assertIn("69 to 79 %", page)
+        self.assertIn("nothing simple of the motion", page)
 
     def test_what_was_fitted_on_the_validation_runs_is_said(self):
         self.use_hollow_figures()

@@ -81,37 +81,42 @@ def channel_gaps(
     comparisons: list[RunComparison], channels: tuple[str, ...], which: str
 ) -> dict[str, float]:
     """Normalised root mean square of each channel over the runs."""
-    gaps = {}
-    for c, name in enumerate(channels):
-        parts = []
-        for comparison in comparisons:
-            used = np.flatnonzero(comparison.prepared.used)
-            if c in used:
-                at = int(np.flatnonzero(used == c)[0])
-                parts.append(comparison.normalised(which)[:, at])
-        if parts:
-            gaps[name] = _rms(np.concatenate(parts))
-    return gaps
+    found = {
+        name: channel_squares(comparisons, c, which)
+        for c, name in enumerate(channels)
+    }
+    return {
+        name: _rms(np.concatenate(parts))
+        for name, parts in found.items()
+        if parts
+    }
+
+
+def channel_squares(
+    comparisons: list[RunComparison], channel: int, which: str
+) -> list[np.ndarray]:
+    """Normalised squares of a channel, of each run that has it (N,)."""
+    parts = []
+    for comparison in comparisons:
+        used = np.flatnonzero(comparison.prepared.used)
+        if channel in used:
+            at = int(np.flatnonzero(used == channel)[0])
+            parts.append(comparison.normalised(which)[:, at])
+    return parts
 
 
 def closed_interval(
     comparisons: list[RunComparison], rate: float, seed: int
 ) -> tuple[float, float] | None:
     """95 % interval of the closed share by resampling blocks of time."""
-    length = max(1, round(_BLOCK_S * rate))
-    blocks = []
-    for comparison in comparisons:
-        before = comparison.normalised("before").mean(axis=1)
-        after = comparison.normalised("after").mean(axis=1)
-        for at in range(0, len(before), length):
-            part = slice(at, at + length)
-            blocks.append((before[part].mean(), after[part].mean()))
-    values = np.array(blocks)
-    generator = np.random.default_rng([seed, 23])
+    both = [
+        _block_means(
+            [c.normalised(which).mean(axis=1) for c in comparisons], rate
+        )
+        for which in ("before", "after")
+    ]
     shares = []
-    for _ in range(_RESAMPLES):
-        pick = generator.integers(len(values), size=len(values))
-        before, after = np.sqrt(np.maximum(values[pick].mean(axis=0), 0.0))
+    for before, after in np.sqrt(_resampled(np.column_stack(both), seed)):
         share = closed_share(before, after)
         if share is not None:
             shares.append(share)
@@ -119,3 +124,37 @@ def closed_interval(
         return None
     low, high = np.quantile(shares, [0.025, 0.975])
     return float(low), float(high)
+
+
+def rms_interval(
+    squares: list[np.ndarray], rate: float, seed: int
+) -> tuple[float, float]:
+    """95 % interval of a root mean square by resampling blocks of time.
+
+    Args:
+        squares: Of each run (N,).
+        rate: Hz.
+        seed: Of the draws.
+    """
+    draws = np.sqrt(_resampled(_block_means(squares, rate)[:, None], seed))
+    low, high = np.quantile(draws, [0.025, 0.975])
+    return float(low), float(high)
+
+
+def _block_means(series: list[np.ndarray], rate: float) -> np.ndarray:
+    """Means over blocks of time of all runs (n,)."""
+    length = max(1, round(_BLOCK_S * rate))
+    return np.array(
+        [
+            values[at : at + length].mean()
+            for values in series
+            for at in range(0, len(values), length)
+        ]
+    )
+
+
+def _resampled(values: np.ndarray, seed: int) -> np.ndarray:
+    """Means of drawn rows, no less than 0 (draws, columns)."""
+    generator = np.random.default_rng([seed, 23])
+    picks = generator.integers(len(values), size=(_RESAMPLES, len(values)))
+    return np.maximum(values[picks].mean(axis=1), 0.0)

@@ -35,6 +35,13 @@ def shrink_part(d: Diagnosis) -> dict | None:
                 "unit": name.rsplit("_", 1)[-1],
                 "before": value,
                 "after": by_after[name],
+                "after_interval": shrink.rms_interval(
+                    shrink.channel_squares(
+                        runs, channels.index(name), after_key
+                    ),
+                    d.campaign.rate_hz,
+                    d.seed,
+                ),
                 "floor": 1.0,
                 "closed": shrink.closed_share(value, by_after[name])
                 if repaired
@@ -50,7 +57,7 @@ def _quantities(d: Diagnosis, repaired: bool) -> dict:
     """Errors in the units a user thinks in, over the validation runs.
 
     Root mean squares before and after, of the floor, and of the measured
-    signal itself.
+    signal itself; 95 % intervals of the first two.
     """
     twin, squares = d.device.twin, {}
     for comparison in d.validation_runs:
@@ -78,10 +85,15 @@ def _quantities(d: Diagnosis, repaired: bool) -> dict:
             row["floor"].append(
                 np.sum((floors[0][name] - floors[1][name]) ** 2, axis=1)
             )
+    rate = d.campaign.rate_hz
     return {
         name: {
             which: float(np.sqrt(np.mean(np.concatenate(values))))
             for which, values in row.items()
+        }
+        | {
+            f"{which}_interval": shrink.rms_interval(row[which], rate, d.seed)
+            for which in ("before", "after")
         }
         for name, row in squares.items()
     }

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from brace_drake.effects.choice_words import choice_words
-from brace_drake.report.access import bar_width, names, part, rows, text
+from brace_drake.report.access import bar_width, items, names, part, rows, text
 from brace_drake.report.words import (
     NOTHING,
     channel_text,
@@ -194,12 +194,18 @@ def error_row(label: str, unit: str, row: dict, column: str = "") -> dict:
     # Of a channel that was at its floor there is nothing to close.
     is_open = not found[0] <= _AT_FLOOR * found[2]
     closed = row.get("closed") if is_open else None
+    ends = [to_number(v) * factor for v in items(row, "after_interval")]
+    interval = ""
+    if len(ends) == 2 and all(map(math.isfinite, ends)):
+        low, high = (fixed(v, decimals) for v in ends)
+        interval = f"{low} to {high}"
     return {
         "label": label,
         "column": column,
         "unit": shown,
         "before": before,
         "after": after,
+        "interval": interval,
         "floor": floor,
         "closed": percent(closed),
         "width": bar_width(closed),

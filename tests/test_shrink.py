@@ -1,0 +1,41 @@
+"""Intervals of errors on validation runs."""
+
+import unittest
+
+import numpy as np
+
+from brace_drake.gap.shrink import rms_interval
+
+RATE, BLOCKS = 100.0, 400
+
+
+class TestRmsInterval(unittest.TestCase):
+    def setUp(self):
+        self.generator = np.random.default_rng(2)
+
+    def width(self, squares):
+        low, high = rms_interval([squares], RATE, 0)
+        rms = np.sqrt(np.mean(squares))
+        self.assertTrue(low < rms < high)
+        return high - low
+
+    def test_of_white_noise_it_is_that_of_its_chi_square(self):
+        squares = self.generator.standard_normal(round(BLOCKS * RATE)) ** 2
+        # The mean of n squares strays by sqrt(2 / n), its root by half of it.
+        expected = 2.0 * 1.96 * 0.5 * np.sqrt(2.0 / len(squares))
+        self.assertAlmostEqual(self.width(squares) / expected, 1.0, delta=0.15)
+
+    def test_errors_that_last_count_once_a_block(self):
+        errors = self.generator.standard_normal(BLOCKS)
+        squares = np.repeat(errors, round(RATE)) ** 2
+        expected = 2.0 * 1.96 * 0.5 * np.sqrt(2.0 / BLOCKS)
+        self.assertAlmostEqual(self.width(squares) / expected, 1.0, delta=0.2)
+
+    def test_the_same_seed_draws_the_same(self):
+        squares = self.generator.standard_normal(5000) ** 2
+        first, again = (rms_interval([squares], RATE, 7) for _ in range(2))
+        self.assertEqual(first, again)
+
+
+if __name__ == "__main__":
+    unittest.main()
