@@ -8,8 +8,10 @@ from brace_drake.effects.registry import find_effect
 from brace_drake.gap.candidates import fit_effects, fit_nominal
 from brace_drake.gap.devices import MakeDevice
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.ground import Ground
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
 from brace_drake.gap.repair_shares import share_repairs
+from brace_drake.gap.runner import make_runner
 from brace_drake.gap.shapley import UNEXPLAINED
 from tests.pad_recordings import make_campaign, relaxing
 from tests.synthetic_bench import SyntheticBench
@@ -57,6 +59,18 @@ class TestShares(unittest.TestCase):
         left = {row["block"]: row["share"] for row in rows}[UNEXPLAINED]
         rest = max(0.0, winner.excess) / nominal.excess
         self.assertAlmostEqual(left, rest, delta=0.01)
+
+    def test_an_effect_without_spread_is_repaired_beside_one_with_it(self):
+        # Of anchors and a dead zone the dead zone alone is a coalition.
+        bench, card = SyntheticBench(), find_effect("force_deadzone")
+        evaluator = bench.evaluator(())
+        nominal = fit_nominal(evaluator)
+        ground, values = Ground(evaluator, nominal), card.starts()[0]
+        runners = [
+            make_runner(ground, [card], [values], nominal.subject, spread)
+            for spread in (None, 1e-4)
+        ]
+        np.testing.assert_array_equal(runners[0].residual, runners[1].residual)
 
     def test_a_block_that_is_right_adds_nothing_to_the_other(self):
         rows = self.shares(relaxing, ["relaxation", "force_drift"])

@@ -84,7 +84,7 @@ def choose_next_run(d: Diagnosis) -> NextRun | None:
     motions = [
         m
         for m in motions
-        if m.contact in floors and _is_safe(twin, m, rivals[0])
+        if m.contact in floors and all(_is_safe(twin, m, r) for r in rivals)
     ]
     seed = d.seed + _SEED
     prepared = planned_runs(

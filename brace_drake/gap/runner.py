@@ -118,11 +118,12 @@ def make_runner(
         effects: Of the candidate, the leader's first.
         values: Parameters of each.
         subject: Values of the subject's parameters.
-        spread: Of parameters that have a common one, where it is known.
+        spread: Of parameters that have a common one, where it is known; of
+            no account where none of the effects has any.
         fresh: An effect whose runs take the best of their own starts.
     """
     problem = CandidateProblem(ground.evaluator, effects, values)
-    if spread is not None:
+    if spread is not None and problem.has_spread:
         problem.spread = spread / problem.spread_scale
     z = problem.join(subject, values)
     if fresh is not None:
