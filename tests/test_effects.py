@@ -209,6 +209,33 @@ class TestLaws(unittest.TestCase):
                 with self.subTest(key=key, speed=speed):
                     self.assertAlmostEqual(f[0], -want, places=6)
 
+    def test_breakaway_fades_over_some_travel_and_not_at_once(self):
+        # A LuGre bristle of one stiffness (Canudas de Wit et al. 1995): from
+        # slow to fast at once it still has the slow deflection.
+        card = find_effect("stribeck_friction")
+        p, dt = np.array([1.0, 1.0, 1e-3]), 1e-6
+        x, f = np.zeros(6), np.zeros(1)
+
+        def slide(speed, steps):
+            forces = []
+            for _ in range(steps):
+                f[0] = 0.0
+                card.laws["drive"](0, dt, f, f, np.array([speed]), f, f, p, x)
+                forces.append(-f[0])
+            return np.array(forces)
+
+        slide(1e-4, 500_000)
+        forces = slide(0.01, 5_000)
+        stiffness, level = 2.0 / 5e-6, 1.0
+        length = level / stiffness
+        travel = 0.01 * dt * np.arange(1, 5_001)
+        slow = 1.0 + math.exp(-(0.1**2))
+        z_end, z_begin = level / stiffness, slow / stiffness
+        z = z_end + (z_begin - z_end) * np.exp(-travel / length)
+        rate = 0.01 * (1.0 - z * stiffness / level)
+        want = stiffness * z + min(1.5e-3 * stiffness, 600.0) * rate
+        np.testing.assert_allclose(forces, want, atol=0.01)
+
     def test_without_creep_a_trembling_drive_stays_below_its_friction(self):
         # Dupont et al. 2002: a load of half the friction, and a tremble.
         def creep(key):

@@ -46,21 +46,24 @@ def slip_share(speed, z, sliding, stuck):
 
 
 @compiled_law
-def bristle_force(dt, speed, level, k, x, stuck=0.0):
+def bristle_force(dt, speed, level, top, k, x, stuck=0.0):
     """Friction force of leg k, N; its bristles' deflection x[k] is advanced.
 
-    z' = v - a s_0 |v| z / g, F = s_0 z + s_1 z', integrated implicitly.
+    z' = v - a s_0 |v| z / g, F = s_0 z + s_1 z', integrated implicitly, with
+    s_0 the same at any speed: a force that falls with speed does so after
+    some travel, not at once.
 
     Args:
         dt: s.
         speed: v, m/s.
         level: g, the force when sliding at that speed, N, above 0.
+        top: Largest g, at rest, N.
         k: Index of the leg.
         x: Deflections, m.
         stuck: Part of the deflection of sliding up to which a is 0, see
             `slip_share`.
     """
-    stiffness = min(level / _PRESLIDING, _MAX_STIFFNESS)
+    stiffness = min(top / _PRESLIDING, _MAX_STIFFNESS)
     damping = min(_DAMPING_TIME * stiffness, _MAX_DAMPING)
     share = slip_share(speed, x[k], level / stiffness, stuck)
     grip = 1.0 + dt * share * stiffness * abs(speed) / level
@@ -75,14 +78,14 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     # x[k]: deflection of the bristles of leg k.
     if p[0] > 0.0:
         for k in range(f.shape[0]):
-            f[k] -= bristle_force(dt, l_dot[k], p[0], k, x)
+            f[k] -= bristle_force(dt, l_dot[k], p[0], p[0], k, x)
 
 
 @plug("drive")
 def _law_without_creep(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
     if p[0] > 0.0:
         for k in range(f.shape[0]):
-            f[k] -= bristle_force(dt, l_dot[k], p[0], k, x, STUCK)
+            f[k] -= bristle_force(dt, l_dot[k], p[0], p[0], k, x, STUCK)
 
 
 CARD = Effect(

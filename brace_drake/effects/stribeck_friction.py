@@ -12,11 +12,12 @@ from brace_drake.laws.hooks import plug
 @compiled_law
 def _resist(dt, l_dot, p, stuck, f, x):
     # x[k]: deflection of the bristles of leg k.
+    top = p[0] + p[1]
     for k in range(f.shape[0]):
         slow = math.exp(-((l_dot[k] / p[2]) ** 2))
         level = p[0] + p[1] * slow
         if level > 0.0:
-            f[k] -= bristle_force(dt, l_dot[k], level, k, x, stuck)
+            f[k] -= bristle_force(dt, l_dot[k], level, top, k, x, stuck)
 
 
 @plug("drive")
@@ -34,7 +35,7 @@ CARD = Effect(
     block="actuation",
     title="dry friction with a higher breakaway force",
     equation="g(l') = F_c + F_b exp(-(l' / v_s)^2) in place of F_c, otherwise"
-    " as Coulomb friction with bristles",
+    " as Coulomb friction with bristles, s_0 = (F_c + F_b) / 5 um",
     source="Canudas de Wit, Olsson, Astrom, Lischinsky, A new model for"
     " control of systems with friction, IEEE Trans. Autom. Control 40, 1995",
     parameters=(
