@@ -113,6 +113,18 @@ class TestVerdict(unittest.TestCase):
         self.assertAlmostEqual(one, 2.8**2 - 1.0)
         self.assertEqual(largest_rest(EVALUATOR, gap, 2), 1.0)
 
+    def test_two_of_few_parameters_are_named_before_one_of_dozens(self):
+        # Anchors cover much of any gap; beside them two need only leave less.
+        anchors, bias = fit(0.12, "anchor_error"), fit(0.12, "force_bias")
+        pair = fit(0.09, "force_scale", "leg_compliance")
+        found = verdict(2.0, anchors, pair)
+        self.assertEqual(found.winner, pair)
+        self.assertEqual(found.ambiguous_with, ("anchor_error",))
+        self.assertLess(found.probability, 0.5)
+        self.assertEqual(verdict(2.0, bias, pair).winner, bias)
+        worse = fit(0.13, "force_scale", "leg_compliance")
+        self.assertEqual(verdict(2.0, anchors, worse).winner, anchors)
+
     def test_where_drives_stick_a_bit_more_counts_as_the_floor(self):
         def is_near(rest, name):
             return is_near_floor(EVALUATOR, [fit(rest, name)], 0.1)

@@ -87,7 +87,7 @@ def try_causes(
 
     if is_exact(evaluator, nominal):
         return [*fits, *flexible], null, False
-    second = SecondEffects(ground, cards, fits, runners, null)
+    second = SecondEffects(ground, cards, fits, runners, null, seed)
     if not is_done() and second.try_pairs(_part(say, 0.45, 0.55)):
         return [*fits, *flexible, *second.search([], say)], null, False
     if not is_near():

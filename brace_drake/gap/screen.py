@@ -37,6 +37,8 @@ _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
 # One straight way to several parameters foresees about half of what a search
 # over them takes, or less.
 _BENDS = 2.0
+# Of more parameters than this one straight way says nothing.
+_FEW_WAYS = 4
 # A start that promises to leave this share of the gap is not tried again; and
 # beyond so many places not searched.
 _HOPELESS, _HOPELESS_PLACES = 0.98, 2
@@ -195,8 +197,7 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
                 runner.problem, runner.z, runner.residual, card.has_either_sign
             )
             found.append(runner)
-            if card.spread is not None:
-                # The way to no error at all says nothing.
+            if card.is_continuous.sum() > _FEW_WAYS:
                 if step(ground, runner, 1):
                     runner.promise = runner.fit().excess
                 break

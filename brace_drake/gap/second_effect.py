@@ -20,6 +20,7 @@ from brace_drake.gap.pairs import (
     line_up_pair,
     search_pairs,
 )
+from brace_drake.gap.restart import is_caught, restart
 from brace_drake.gap.runner import Runner, make_runner, step
 from brace_drake.gap.screen import race, search_best
 from brace_drake.gap.surrogates import NullDistribution
@@ -66,6 +67,7 @@ class SecondEffects:
             other effect looks right, and their search from afar is dear.
         runners: Of the race that they are from.
         null: What noise alone gives.
+        seed: Of places where searches begin again.
     """
 
     def __init__(
@@ -75,9 +77,10 @@ class SecondEffects:
         fits: Sequence[CandidateFit],
         runners: Sequence[Runner],
         null: NullDistribution,
+        seed: int,
     ):
         self._ground, self._runners, self._null = ground, runners, null
-        self._cards = cards
+        self._cards, self._seed = cards, seed
         self._evaluator, self._nominal = ground.evaluator, ground.leader
         self._singles, self._found = list(fits), []
         self._begun, self._spent = ground.evaluator.replays, 0
@@ -265,7 +268,11 @@ class SecondEffects:
     ) -> None:
         """Refines the contenders of a race and keeps them."""
         good = [f for f in best_fits(runners) if f.excess <= bar]
-        self._found += refined(refine(self._evaluator, good, there, self._most))
+        good = refine(self._evaluator, good, there, self._most)
+        self._found += refined(good)
+        for fit in sorted(good, key=lambda f: f.excess)[:1]:
+            if is_caught(self._evaluator, self._nominal, fit, self._null):
+                self._found += restart(self._evaluator, fit, self._seed)
 
     def _try_beside(self, beside: Ground, flexible: bool, say: Say) -> None:
         """Second effects beside the best single one.

@@ -201,7 +201,8 @@ def decide(
         f
         for f in fits
         if f.kinds != winner.kinds
-        and len(f.effects) == number
+        and (len(f.effects) == number or is_flexible(f))
+        and len(f.effects) <= number
         and (f.is_scattered or not f.refined)
     ]
     limit = _TIED * left_over(evaluator, winner)
@@ -218,6 +219,11 @@ def decide(
     sure = sure_of_effects(contrast, rest, number)
     sure = with_less_known(sure, evaluator.recorded)
     return Verdict(True, winner, False, tuple(reversed(near.values())), sure)
+
+
+def is_flexible(fit: CandidateFit) -> bool:
+    """Whether one of the effects has dozens of parameters."""
+    return any(e.is_flexible for e in fit.effects)
 
 
 def left_over(evaluator: Evaluator, fit: CandidateFit) -> float:
@@ -255,7 +261,11 @@ def is_almost_near_floor(evaluator: Evaluator, fit: CandidateFit) -> bool:
 def simplest_of_fewest(
     evaluator: Evaluator, fits: Sequence[CandidateFit]
 ) -> CandidateFit:
-    """The simplest fit of one effect, or of two where the second one pays."""
+    """The simplest fit of one effect, or of two where the second one pays.
+
+    Beside one of dozens of parameters, which can cover much of any gap, two of
+    few need only leave less.
+    """
     by_number: dict[int, list[CandidateFit]] = {}
     for fit in fits:
         by_number.setdefault(len(fit.effects), []).append(fit)
@@ -263,7 +273,9 @@ def simplest_of_fewest(
     best = simplest(evaluator, by_number[numbers[0]])
     for number in numbers[1:]:
         richer = simplest(evaluator, by_number[number])
-        pays = _SECOND_PAYS * left_over(evaluator, best)
+        is_less = is_flexible(best) and not is_flexible(richer)
+        pays = 1.0 if is_less else _SECOND_PAYS
+        pays *= left_over(evaluator, best)
         if left_over(evaluator, richer) < pays and (
             misfit(evaluator, richer) <= _NEAR_FLOOR
         ):
