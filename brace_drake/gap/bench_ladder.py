@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete, lfilter
 
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Residual, Rung, low_pass
 from brace_drake.gap.phases import MotionSignals
-from brace_drake.laws import bench_tick, blocks
+from brace_drake.laws import bench_replay, bench_tick, blocks
 from brace_drake.laws.brace_control import MASS
-from brace_drake.laws.legs import solve_forward_kinematics
-from brace_drake.laws.rotation import quaternion_to_rotation_vector
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.subject import with_subject
 
@@ -23,22 +20,6 @@ _FORCE_Y, _TORSO_Y = 13, 16
 _CUTOFF_HZ = 5.0
 
 
-@njit(cache=True)
-def _poses(lengths, p_WB, p_RT, rest, poses, jacobians):
-    """Ring pose (position from rest, rotation vector) of each row."""
-    p_WR = rest.copy()
-    q_WR = np.zeros(4)
-    q_WR[0] = 1.0
-    rates, at = np.empty(6), np.empty(6)
-    for i in range(len(lengths)):
-        solve_forward_kinematics(lengths[i], p_WB, p_RT, p_WR, q_WR)
-        poses[i, 0:3] = p_WR - rest
-        quaternion_to_rotation_vector(q_WR, poses[i, 3:6])
-        blocks.calc_ring_kinematics(
-            q_WR, p_WR, np.zeros(6), p_WB, p_RT, at, rates, jacobians[i]
-        )
-
-
 def ring_poses(twin: BenchTwin, lengths: np.ndarray):
     """Poses (N, 6) and leg Jacobians (N, 6, 6) of measured leg lengths."""
     n = twin.numbers
@@ -46,23 +27,10 @@ def ring_poses(twin: BenchTwin, lengths: np.ndarray):
         np.empty((len(lengths), 6)),
         np.empty((len(lengths), 6, 6)),
     )
-    _poses(
+    bench_replay.calc_poses(
         np.ascontiguousarray(lengths), n.p_WB, n.p_RT, n.rest, poses, jacobians
     )
     return poses, jacobians
-
-
-@njit(cache=True)
-def _run_controller(readings, desired, law, memory, every, out):
-    commands = np.empty(6)
-    controller = bench_tick.make_controller(law, memory)
-    for tick in range(len(readings)):
-        bench_tick.advance_tick(
-            readings[tick], desired[tick], controller, commands
-        )
-        if tick % every == 0:
-            out[tick // every, 0:6] = commands
-            out[tick // every, 6] = memory[bench_tick.Y_VIRTUAL]
 
 
 def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
@@ -79,7 +47,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
         readings[:, 0:9] = CubicSpline(times, x[:, 6:15])(at)
         memory = bench_tick.make_memory(numbers.rest)
         out = np.zeros((len(x) + settled // every, 7))
-        _run_controller(
+        bench_replay.run_controller(
             readings,
             motion.desired,
             numbers.controller_law,

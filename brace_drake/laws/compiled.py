@@ -2,6 +2,8 @@
 
 from numba import njit
 
+from brace_drake.laws.kept import keep_by_sources
+
 # What makes arrays counts references to them, whoever calls it.
 MAKER = {"cache": True, "error_model": "numpy", "_nrt": True}
 # A law writes into what it is handed, makes no array and returns none. So
@@ -10,8 +12,8 @@ MAKER = {"cache": True, "error_model": "numpy", "_nrt": True}
 # put in where it is called, as an array is handed over in seven words.
 LAW = {**MAKER, "_nrt": False, "forceinline": True}
 
-compiled_maker = njit(**MAKER)
-compiled_law = njit(**LAW)
+compiled_maker = keep_by_sources(njit(**MAKER))
+compiled_law = keep_by_sources(njit(**LAW))
 
 
 @compiled_law

@@ -33,6 +33,7 @@ from numba import float64, int64, njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from brace_drake.laws.compiled import LAW, compiled_law
+from brace_drake.laws.kept import keep_by_sources
 
 vector = float64[::1]
 
@@ -55,7 +56,7 @@ warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 def plug(point: str):
     """Decorator: compiles a law for a plug point."""
-    return njit(SIGNATURES[point], **LAW)
+    return keep_by_sources(njit(SIGNATURES[point], **LAW))
 
 
 def stack_type(point: str):

@@ -1,0 +1,71 @@
+"""Compiled code follows its sources."""
+
+import subprocess
+import sys
+import tempfile
+import textwrap
+import unittest
+from pathlib import Path
+
+from brace_drake.effects import coulomb_friction, stribeck_friction
+from brace_drake.laws.kept import folder_of_sources, takes_files
+
+_INNER = """
+from brace_drake.laws.compiled import compiled_law
+
+FACTOR = {factor}
+
+
+@compiled_law
+def scaled(x):
+    return FACTOR * x
+"""
+_OUTER = """
+from brace_drake.laws.compiled import compiled_law
+from inner import scaled
+
+
+@compiled_law
+def twice(x):
+    return 2.0 * scaled(x)
+
+
+print(twice(1.0))
+"""
+
+
+class TestKept(unittest.TestCase):
+    def test_a_change_in_a_function_that_is_called_is_seen(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name) / "package"
+            folder.mkdir()
+            (folder / "outer.py").write_text(textwrap.dedent(_OUTER))
+            printed = []
+            for factor in (3.0, 3.0, 5.0):
+                inner = textwrap.dedent(_INNER).format(factor=factor)
+                (folder / "inner.py").write_text(inner)
+                done = subprocess.run(
+                    [sys.executable, str(folder / "outer.py")],
+                    capture_output=True,
+                    text=True,
+                    check=True,
+                )
+                printed.append(float(done.stdout))
+        self.assertEqual(printed, [6.0, 6.0, 10.0])
+
+    def test_a_folder_is_named_after_its_sources(self):
+        effects = Path(coulomb_friction.__file__).parent
+        self.assertEqual(effects, Path(stribeck_friction.__file__).parent)
+        kept = folder_of_sources(effects)
+        self.assertRegex(kept.name, r"^effects-[0-9a-f]{16}$")
+        with tempfile.TemporaryDirectory() as name:
+            one = Path(name) / "effects"
+            one.mkdir()
+            self.assertNotEqual(folder_of_sources(one), kept)
+
+    def test_what_cannot_be_written_to_takes_no_files(self):
+        self.assertFalse(takes_files(Path("/proc/version/laws")))
+
+
+if __name__ == "__main__":
+    unittest.main()
