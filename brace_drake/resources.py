@@ -1,5 +1,6 @@
-"""The only module that knows where models and scenarios lie on disk."""
+"""The only module that knows where models, scenarios and compiled code lie."""
 
+import os
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -28,3 +29,9 @@ def scenario_path(name: str) -> Path:
 def policy_path(name: str = "rlpic.npz") -> Path:
     """Path of a trained policy in `policies/`, source tree or wheel."""
     return _data_root("policies") / name
+
+
+def cache_path(name: str = "") -> Path:
+    """Path of what is kept between runs, in the user's cache folder."""
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "brace_drake" / name

@@ -19,6 +19,7 @@ from typing import NamedTuple
 from packaging.requirements import Requirement
 
 from brace_drake.cli.options import AddCommand, AddJson, PrintJson
+from brace_drake.resources import cache_path
 
 _EPILOG = """\
 example:
@@ -169,11 +170,7 @@ def _serial_ports(ports: list[str]) -> Finding:
 
 def _law_cache() -> Finding:
     """Where compiled laws are kept; without it each start compiles anew."""
-    base = os.environ.get("NUMBA_CACHE_DIR") or os.path.join(
-        os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache",
-        "brace_drake",
-    )
-    folder = Path(base)
+    base = folder = Path(os.environ.get("NUMBA_CACHE_DIR") or cache_path())
     while not folder.exists():
         folder = folder.parent
     try:

@@ -270,9 +270,9 @@ class SecondEffects:
         good = [f for f in best_fits(runners) if f.excess <= bar]
         good = refine(self._evaluator, good, there, self._most)
         self._found += refined(good)
-        for fit in sorted(good, key=lambda f: f.excess)[:1]:
-            if is_caught(self._evaluator, self._nominal, fit, self._null):
-                self._found += restart(self._evaluator, fit, self._seed)
+        best = min(good, key=lambda f: f.excess, default=self._nominal)
+        if is_caught(self._evaluator, self._nominal, best, self._null):
+            self._found += restart(self._evaluator, best, self._seed)
 
     def _try_beside(self, beside: Ground, flexible: bool, say: Say) -> None:
         """Second effects beside the best single one.

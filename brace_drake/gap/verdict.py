@@ -201,8 +201,7 @@ def decide(
         f
         for f in fits
         if f.kinds != winner.kinds
-        and (len(f.effects) == number or is_flexible(f))
-        and len(f.effects) <= number
+        and len(f.effects) in ((1, number) if is_flexible(f) else (number,))
         and (f.is_scattered or not f.refined)
     ]
     limit = _TIED * left_over(evaluator, winner)

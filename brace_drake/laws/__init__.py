@@ -18,17 +18,13 @@ from pathlib import Path
 
 import numba
 
-from brace_drake.laws.kept import folder_of_sources, takes_files
+from brace_drake.laws.kept import folder_of_sources, kept_in, takes_files
 
 
 def _import_all(folder: str) -> None:
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = folder
-    try:
+    with kept_in(folder):
         for module in pkgutil.iter_modules(__path__):
             importlib.import_module(f"{__name__}.{module.name}")
-    finally:
-        numba.config.CACHE_DIR = before
 
 
 def _import_without_cache() -> None:

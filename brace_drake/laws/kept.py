@@ -8,13 +8,15 @@ starts a new one.
 
 import hashlib
 import inspect
-import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
 import numba
+
+from brace_drake.resources import cache_path
 
 
 @cache
@@ -25,9 +27,18 @@ def folder_of_sources(folder: Path) -> Path:
     for part in dict.fromkeys((laws, folder)):
         for source in sorted(part.glob("*.py")):
             digest.update(source.read_bytes())
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    name = f"{folder.name}-{digest.hexdigest()[:16]}"
-    return Path(base) / "brace_drake" / name
+    return cache_path(f"{folder.name}-{digest.hexdigest()[:16]}")
+
+
+@contextmanager
+def kept_in(folder: str) -> Iterator[None]:
+    """What is compiled meanwhile is kept in a folder."""
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = folder
+    try:
+        yield
+    finally:
+        numba.config.CACHE_DIR = before
 
 
 def keep_by_sources(compiler: Callable) -> Callable:
@@ -36,14 +47,11 @@ def keep_by_sources(compiler: Callable) -> Callable:
     """
 
     def compile_kept(function):
-        before = numba.config.CACHE_DIR
         folder = folder_of_sources(Path(inspect.getfile(function)).parent)
-        if not before and takes_files(folder):
-            numba.config.CACHE_DIR = str(folder)
-        try:
+        if numba.config.CACHE_DIR or not takes_files(folder):
             return compiler(function)
-        finally:
-            numba.config.CACHE_DIR = before
+        with kept_in(str(folder)):
+            return compiler(function)
 
     return compile_kept
 
