@@ -4,7 +4,8 @@ import unittest
 from types import SimpleNamespace
 from unittest import mock
 
-from brace_drake.gap import document, second_effect
+from brace_drake.gap import document, pair_moves, second_effect
+from brace_drake.gap.pair_moves import set_out_afresh
 from brace_drake.gap.second_effect import SecondEffects
 
 
@@ -26,13 +27,11 @@ class TestEnd(unittest.TestCase):
         self.assertEqual(self.search(most, True), (True, False))
 
     def test_pairs_set_out_afresh_as_long_as_they_halve_what_is_left(self):
-        found = SecondEffects.__new__(SecondEffects)
-        found._evaluator = SimpleNamespace(
-            twin=SimpleNamespace(subject=[SimpleNamespace(nominal=5.0)])
+        twin = SimpleNamespace(subject=[SimpleNamespace(nominal=5.0)])
+        ground = SimpleNamespace(
+            evaluator=SimpleNamespace(twin=twin),
+            leader=SimpleNamespace(excess=1000.0),
         )
-        found._ground, found._most = None, 2.0
-        found._nominal = SimpleNamespace(excess=1000.0)
-        found._is_settled = lambda: False
         for left, steps in (
             ([900.0], 1),
             ([400.0, 300.0], 2),
@@ -45,17 +44,17 @@ class TestEnd(unittest.TestCase):
                     name="a+b", excess=next(rest)
                 )
             )
-            kept = []
-            found._keep = lambda runners, there, kept=kept: kept.extend(runners)
             with (
                 mock.patch.object(
-                    second_effect, "line_up_pair", return_value=runner
+                    pair_moves, "line_up_pair", return_value=runner
                 ) as line_up,
                 mock.patch.object(
-                    second_effect, "step", return_value=True
+                    pair_moves, "step", return_value=True
                 ) as step,
             ):
-                found._try_afresh([(0.0, "a", "b")], lambda *_: None)
+                kept = set_out_afresh(
+                    ground, (0.0, "a", "b"), 2.0, lambda *_: None
+                )
             self.assertEqual(line_up.call_args.args[3].tolist(), [5.0])
             self.assertEqual(step.call_count, steps)
             self.assertEqual(kept, [runner])

@@ -61,10 +61,10 @@ def try_causes(
         flexible = _race_flexible(ground, at_rest, _part(say, 0.1, 0.2))
     runners = []
     if any(is_almost_near_floor(evaluator, f) for f in flexible):
-        # The others are lined up, but need no search.
+        # Of the others only one that may explain it too needs a search.
         simple, others = _divide(simple, lambda c: c.at_rest)
         part = _part(say, 0.2, 0.3)
-        runners = race(ground, others, part, places=0, bar=-np.inf)
+        runners = race(ground, others, part, places=1, bar=most)
     least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
     part = _part(say, 0.2, 0.4)
     runners += race(ground, simple, part, most=most, least=least)
@@ -88,6 +88,9 @@ def try_causes(
     if is_exact(evaluator, nominal):
         return [*fits, *flexible], null, False
     second = SecondEffects(ground, cards, fits, runners, null, seed)
+    part = _part(say, 0.4, 0.45)
+    if flexible and not is_done() and second.try_at_rest(flexible, part):
+        return [*fits, *flexible, *second.search([], say)], null, False
     if not is_done() and second.try_pairs(_part(say, 0.45, 0.55)):
         return [*fits, *flexible, *second.search([], say)], null, False
     if not is_near():

@@ -34,8 +34,8 @@ _COARSE, _COARSE_OF_MANY = 0.01, 0.5
 # A start is tried again at another strength, this often, where it is more than
 # that many times too strong or too weak.
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
-# One straight way to several parameters foresees about half of what a search
-# over them takes, or less.
+# One straight way foresees about half of what a search takes, or less: it
+# knows of one mixture of parameters, and of no bend in what the subject's do.
 _BENDS = 2.0
 # Of more parameters than this one straight way says nothing.
 _FEW_WAYS = 4
@@ -61,8 +61,8 @@ def race(
         cards: One effect each.
         say: Progress.
         places: So many are searched whatever they promise.
-        bar: Who promises to leave more is not searched; of several parameters
-            who promises to leave by far more.
+        bar: Of effects of dozens of parameters who promises to leave more is
+            not searched, of others who promises to leave by far more.
         most, must_explain, least: See `search_best`.
 
     Returns:
@@ -85,8 +85,7 @@ def race(
 
 def _highest(bar: float, card: Effect) -> float:
     """The promise from which a card may come below the bar."""
-    is_straight = card.is_flexible or card.is_continuous.sum() < 2
-    return bar if is_straight else _BENDS * bar
+    return bar if card.is_flexible else _BENDS * bar
 
 
 def search_best(

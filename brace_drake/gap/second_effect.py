@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -14,14 +13,14 @@ from brace_drake.gap.contenders import best_fits, refine, try_refine
 from brace_drake.gap.evaluation import is_dithered
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.lead_back import lead_back, strays
-from brace_drake.gap.pairs import (
-    Foreseen,
-    foresee_pairs,
-    line_up_pair,
-    search_pairs,
+from brace_drake.gap.pair_moves import (
+    make_richer,
+    set_out_afresh,
+    try_without_one,
 )
+from brace_drake.gap.pairs import foresee_pairs, search_pairs
 from brace_drake.gap.restart import is_caught, restart
-from brace_drake.gap.runner import Runner, make_runner, step
+from brace_drake.gap.runner import Runner
 from brace_drake.gap.screen import race, search_best
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.verdict import (
@@ -42,11 +41,8 @@ _ENOUGH = 0.5
 _SEARCHED = 4
 # Replays of all runs after which no other search is begun.
 _DEAR = 500
-# Steps from a pair to either effect alone.
-_STEPS = 4
-# Pairs that set out afresh; rounds of their search, of so many steps, as long
-# as each leaves less than half of what there was.
-_AFRESH, _ROUNDS, _STEPS_AFRESH = 2, 3, 4
+# Pairs that set out afresh.
+_AFRESH = 2
 
 Say = Callable[[str, float], None]
 
@@ -83,6 +79,9 @@ class SecondEffects:
         self._cards, self._seed = cards, seed
         self._evaluator, self._nominal = ground.evaluator, ground.leader
         self._singles, self._found = list(fits), []
+        # Beside which second effects were tried.
+        self._leader: CandidateFit | None = None
+        self._stray: CandidateFit | None = None
         self._begun, self._spent = ground.evaluator.replays, 0
         self._most = largest_excess(self._evaluator, self._nominal, 2)
         self.is_cut = False
@@ -96,6 +95,16 @@ class SecondEffects:
         Returns:
             Whether one explains the gap to the floor.
         """
+        if self._is_settled():
+            # What is little beside a large effect shows only beside it.
+            self._try_all_beside(say, of_many=False)
+        if not self._is_done():
+            self._try_foreseen(say)
+        is_done = self._is_done() and not self.is_cut
+        self._spent = self._evaluator.replays - self._begun
+        return is_done
+
+    def _try_foreseen(self, say: Say) -> None:
         bar = self._bar()
         if np.isfinite(bar):
             # As the race has left them: then all are equally unfinished.
@@ -103,13 +112,13 @@ class SecondEffects:
         foreseen = foresee_pairs(self._ground, self._runners)[:_SEARCHED]
         found = search_pairs(self._ground, foreseen, say, bar, self._most)
         self._keep(found, self._nominal.excess, bar)
-        if not self._is_settled():
-            self._try_afresh(foreseen[:_AFRESH], say)
+        afresh = iter(foreseen[:_AFRESH])
+        while not self._is_settled() and (pair := next(afresh, None)):
+            runners = set_out_afresh(self._ground, pair, self._most, say)
+            self._keep(runners, self._nominal.excess)
+        least = _HALF * min(f.excess for f in self._singles)
         for pair in refined(self._found)[:1]:
-            self._found += self._try_without_one(pair)
-        is_done = self._is_done() and not self.is_cut
-        self._spent = self._evaluator.replays - self._begun
-        return is_done
+            self._found += try_without_one(self._ground, pair, least)
 
     def search(
         self, fits: Sequence[CandidateFit], say: Say
@@ -126,18 +135,44 @@ class SecondEffects:
         self._begun = self._evaluator.replays - self._spent
         if not self._is_done():
             self._try_richer(lambda w, share: say(w, 0.3 * share))
-        # On the way a better single one may have shown.
-        singles = [f for f in plausible(self._all()) if len(f.effects) == 1]
-        leader = next(iter(singles), self._nominal)
-        if self._is_half(leader) and not self._is_done():
-            self._try_all_beside(leader, say)
+        if not self._is_done():
+            self._try_all_beside(say)
         strayed = strays([f for f in self._all() if self._is_half(f)])
-        if strayed and not (self.is_cut or self._is_settled()):
-            cards = self._others(strayed[0], flexible=False)
-            self._found += lead_back(self._evaluator, strayed[0], cards, say)
+        if not self.is_cut:
+            self._lead_back(strayed, say)
         if strayed and not (self.is_cut or self._is_settled()):
             self._keep_single(strayed[0])
         return self._best_of_each()
+
+    def _try_richer(self, say: Say) -> None:
+        pairs = [f for f in refined(self._found) if len(f.effects) == 2]
+        for pair in pairs[:1]:
+            for runner in make_richer(self._ground, pair, self._cards):
+                search_best(self._ground, [runner], say, most=self._most)
+                self._keep([runner], pair.excess)
+
+    def try_at_rest(self, fits: Sequence[CandidateFit], say: Say) -> bool:
+        """Second effects beside what shows in the leg lengths at rest, where
+        these are off: whatever else there is, this is part of it.
+
+        Args:
+            fits: Of effects of dozens of parameters that show there.
+            say: Progress, shares of this search.
+
+        Returns:
+            Whether a pair explains the gap to the floor.
+        """
+        self._lead_back(strays(fits), say)
+        self._spent = self._evaluator.replays - self._begun
+        return self._is_done()
+
+    def _lead_back(self, strayed: Sequence[CandidateFit], say: Say) -> None:
+        """The best of those that went astray, with a second effect."""
+        best = next(iter(strayed), self._stray)
+        if best is not self._stray and not self._is_settled():
+            self._stray = best
+            cards = self._others(best, flexible=False)
+            self._found += lead_back(self._evaluator, best, cards, say)
 
     def _is_half(self, fit: CandidateFit) -> bool:
         """Whether a fit closes about half of the gap."""
@@ -156,14 +191,24 @@ class SecondEffects:
             best.setdefault(frozenset(e.key for e in fit.effects), fit)
         return list(best.values())
 
-    def _try_all_beside(self, leader: CandidateFit, say: Say) -> None:
-        """Second effects beside a single one, those of few parameters first."""
+    def _try_all_beside(self, say: Say, of_many: bool = True) -> None:
+        """Second effects beside the single one that leaves least, those of few
+        parameters first, unless they were tried beside it before.
+        """
+        # On the way a better single one may have shown.
+        singles = [f for f in plausible(self._all()) if len(f.effects) == 1]
+        leader = next(iter(singles), self._nominal)
+        if not self._is_half(leader):
+            return
         try:
             beside = Ground(self._evaluator, leader)
         except BraceError:
             return
-        self._try_beside(beside, False, lambda w, s: say(w, 0.3 + 0.3 * s))
-        if not (self._is_done(_ENOUGH) or self._is_rough(leader)):
+        if leader is not self._leader:
+            self._leader = leader
+            self._try_beside(beside, False, lambda w, s: say(w, 0.3 + 0.3 * s))
+        enough = not of_many or self._is_done(_ENOUGH)
+        if not (enough or self._is_rough(leader)):
             self._try_beside(beside, True, lambda w, s: say(w, 0.6 + 0.4 * s))
 
     def _all(self) -> list[CandidateFit]:
@@ -199,69 +244,6 @@ class SecondEffects:
         if not self._is_settled():
             return np.inf
         return _HALF * min(f.excess for f in plausible(self._all()))
-
-    def _try_without_one(self, pair: CandidateFit) -> list[CandidateFit]:
-        """Either effect of a pair alone, from where the pair has it.
-
-        A pair whose one effect does little may show where the other belongs.
-        """
-        found = []
-        least = min(f.excess for f in self._singles)
-        for effect, values in pair.uses:
-            spread = pair.spread if effect.spread is not None else None
-            runner = make_runner(
-                self._ground, [effect], [values], pair.subject, spread
-            )
-            if runner is not None and step(self._ground, runner, _STEPS):
-                fit = runner.fit()
-                if fit.excess < _HALF * least:
-                    found.append(try_refine(self._evaluator, fit))
-        return found
-
-    def _try_afresh(self, foreseen: Sequence[Foreseen], say: Say) -> None:
-        """Pairs that set out from the subject's nominal parameters.
-
-        Two large effects drive those of the nominal fit to their limits, from
-        where no way may lead back.
-        """
-        subject = np.array([p.nominal for p in self._evaluator.twin.subject])
-        for _, first, second in foreseen:
-            runner = line_up_pair(self._ground, first, second, subject)
-            if runner is None:
-                continue
-            say(f"cause {runner.fit().name}", 0.9)
-            before = self._nominal.excess
-            for _ in range(_ROUNDS):
-                if not step(self._ground, runner, _STEPS_AFRESH, own=True):
-                    break
-                left = runner.fit().excess
-                if left <= self._most or left > _HALF * before:
-                    break
-                before = left
-            self._keep([runner], self._nominal.excess)
-            if self._is_settled():
-                return
-
-    def _try_richer(self, say: Say) -> None:
-        """The best pair with an effect of many parameters, drawn alike, in the
-        place of one that is taken for it.
-        """
-        pairs = [f for f in refined(self._found) if len(f.effects) == 2]
-        if not pairs:
-            return
-        for (out, _), kept in itertools.permutations(pairs[0].uses):
-            for card in self._cards:
-                if card.spread is None or card.is_alike(kept[0]):
-                    continue
-                if out.name not in card.impostors:
-                    continue
-                effects, values = zip(kept, (card, card.off()), strict=True)
-                runner = make_runner(
-                    self._ground, effects, values, pairs[0].subject
-                )
-                if runner is not None:
-                    search_best(self._ground, [runner], say, most=self._most)
-                    self._keep([runner], pairs[0].excess)
 
     def _keep(
         self, runners: Sequence[Runner], there: float, bar: float = np.inf

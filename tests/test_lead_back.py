@@ -1,0 +1,73 @@
+"""A second effect beside displaced anchors, on the twin's own recordings."""
+
+import unittest
+
+import numpy as np
+
+from brace_drake.effects.registry import effects_for
+from brace_drake.gap.candidates import fit_effects, fit_nominal
+from brace_drake.gap.causes import try_causes
+from brace_drake.gap.contenders import best_fits
+from brace_drake.gap.ground import Ground
+from brace_drake.gap.lead_back import lead_back, replace_second, strays
+from brace_drake.gap.screen import race
+from brace_drake.gap.verdict import misfit
+from tests.synthetic_bench import DEVICE, SyntheticBench
+
+
+def quiet(what, share):
+    """Progress that nobody reads."""
+
+
+class TestBesideAnchors(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.bench, cls.cards = SyntheticBench(), effects_for(DEVICE)
+        anchors, lag = cls.cards["anchor_error"], cls.cards["force_lag"]
+        displaced = 3e-4 * np.random.default_rng(1).standard_normal(36)
+        uses = [(anchors, displaced), (lag, np.array([0.02]))]
+        cls.evaluator = cls.bench.evaluator(uses)
+        nominal = fit_nominal(cls.evaluator)
+        ground = Ground(cls.evaluator, nominal)
+        cls.stray = best_fits(race(ground, [anchors], quiet, places=0))[0]
+
+    def pair(self, name):
+        """Anchors and another effect, fitted."""
+        second = self.cards[name]
+        values = [self.cards["anchor_error"].off(), second.starts()[0]]
+        effects = [self.cards["anchor_error"], second]
+        return fit_effects(self.evaluator, effects, values)
+
+    def test_the_second_effect_leads_anchors_back(self):
+        names = "force_bias", "force_lag", "viscous_leg"
+        cards = [self.cards[n] for n in names]
+        self.assertGreater(misfit(self.evaluator, self.stray), 1.0)
+        self.assertEqual(strays([self.stray]), [self.stray])
+        best = lead_back(self.evaluator, self.stray, cards, quiet)[0]
+        self.assertEqual(best.kinds, {"anchor_error", "force_lag"})
+        self.assertLess(misfit(self.evaluator, best), 0.1)
+        self.assertAlmostEqual(best.values[1][0], 0.02, delta=0.002)
+
+    def test_one_that_leaves_less_takes_the_place_of_a_second_effect(self):
+        lag, delay = self.cards["force_lag"], self.cards["command_delay"]
+        wrong = self.pair("command_delay")
+        found = replace_second(self.evaluator, wrong, [lag], quiet)
+        self.assertEqual([f.effects[-1].key for f in found], ["force_lag"])
+        self.assertLess(misfit(self.evaluator, found[0]), 0.1)
+        again = replace_second(self.evaluator, found[0], [delay], quiet)
+        self.assertEqual(again, [])
+
+
+class TestAnchorsInPlaceOfOthers(unittest.TestCase):
+    def test_who_does_with_few_parameters_is_searched_beside_anchors(self):
+        bench, card = SyntheticBench(), effects_for(DEVICE)["weak_leg"]
+        evaluator, nominal = bench.recording_with_a_gap(card)
+        fits, _, _ = try_causes(evaluator, nominal, 0, quiet, False)
+        found = {f.name: f for f in fits}
+        self.assertIn("anchor_error", found)
+        self.assertTrue(found["weak_leg"].refined)
+        self.assertLess(misfit(evaluator, found["weak_leg"]), 0.1)
+
+
+if __name__ == "__main__":
+    unittest.main()
