@@ -12,13 +12,20 @@ OUT := out/demo
 # What builds the package is pinned as what it needs.
 PINNED := -c constraints.txt --build-constraint constraints.txt
 
+# On all cores; one worker must not take the cores of another.
+TEST_ALL := OPENBLAS_NUM_THREADS=1 $(BIN)/unittest-parallel -b -s tests -t . \
+  --level class
+
 .PHONY: demo test lint types docs bench wheel clean
 
 demo: $(STAMP)
 	$(BIN)/brace-drake diagnose $(EXAMPLE) --out $(OUT)
 
+# Tests of the link keep real time: nothing runs beside them.
 test: lint
-	$(BIN)/python -m unittest discover -s tests -t . -b
+	$(BIN)/python -m unittest discover -s tests -t . -b -p 'test_link_*.py'
+	$(TEST_ALL) -p 'test_l[!i]*.py'
+	$(TEST_ALL) -p 'test_[!l]*.py'
 
 lint: types
 	$(BIN)/ruff check .

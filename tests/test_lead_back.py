@@ -1,15 +1,18 @@
 """A second effect beside displaced anchors, on the twin's own recordings."""
 
 import unittest
+from dataclasses import replace
 
 import numpy as np
 
 from brace_drake.effects.registry import effects_for
-from brace_drake.gap.candidates import fit_effects, fit_nominal
+from brace_drake.fit.gauss_newton import LeastSquaresSolution
+from brace_drake.gap.candidates import finish_fit, fit_nominal
 from brace_drake.gap.causes import try_causes
 from brace_drake.gap.contenders import best_fits
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.lead_back import lead_back, replace_second, strays
+from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.screen import race
 from brace_drake.gap.verdict import misfit
 from tests.synthetic_bench import DEVICE, SyntheticBench
@@ -24,19 +27,24 @@ class TestBesideAnchors(unittest.TestCase):
     def setUpClass(cls):
         cls.bench, cls.cards = SyntheticBench(), effects_for(DEVICE)
         anchors, lag = cls.cards["anchor_error"], cls.cards["force_lag"]
-        displaced = 3e-4 * np.random.default_rng(1).standard_normal(36)
-        uses = [(anchors, displaced), (lag, np.array([0.02]))]
+        rng = np.random.default_rng(1)
+        cls.displaced = 3e-4 * rng.standard_normal(36)
+        uses = [(anchors, cls.displaced), (lag, np.array([0.02]))]
         cls.evaluator = cls.bench.evaluator(uses)
         nominal = fit_nominal(cls.evaluator)
         ground = Ground(cls.evaluator, nominal)
         cls.stray = best_fits(race(ground, [anchors], quiet, places=0))[0]
 
-    def pair(self, name):
-        """Anchors and another effect, fitted."""
-        second = self.cards[name]
-        values = [self.cards["anchor_error"].off(), second.starts()[0]]
+    def pair_with(self, second):
+        """True anchors and another effect, as a search might leave them."""
         effects = [self.cards["anchor_error"], second]
-        return fit_effects(self.evaluator, effects, values)
+        values = [self.displaced, second.starts()[0]]
+        problem = CandidateProblem(self.evaluator, effects, values)
+        z = problem.join(self.bench.subject, values)
+        (residual,) = problem.batch([z])
+        columns = problem.columns(z, base=residual)
+        end = LeastSquaresSolution(z, residual, columns, 1, True)
+        return replace(finish_fit(problem, end), refined=True)
 
     def test_the_second_effect_leads_anchors_back(self):
         names = "force_bias", "force_lag", "viscous_leg"
@@ -50,7 +58,7 @@ class TestBesideAnchors(unittest.TestCase):
 
     def test_one_that_leaves_less_takes_the_place_of_a_second_effect(self):
         lag, delay = self.cards["force_lag"], self.cards["command_delay"]
-        wrong = self.pair("command_delay")
+        wrong = self.pair_with(delay)
         found = replace_second(self.evaluator, wrong, [lag], quiet)
         self.assertEqual([f.effects[-1].key for f in found], ["force_lag"])
         self.assertLess(misfit(self.evaluator, found[0]), 0.1)

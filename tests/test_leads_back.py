@@ -44,12 +44,14 @@ def answer(evaluator):
     return decide(evaluator, nominal, fits, null)
 
 
-class TestRegistry(unittest.TestCase):
+class OnTheBench(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.bench = SyntheticBench()
         cls.cards = effects_for(DEVICE)
 
+
+class TestRegistry(OnTheBench):
     def check(self, card, sign=1.0):
         """A search among an effect's impostors ends with the effect."""
         names = {card.name, *card.impostors}
@@ -66,6 +68,18 @@ class TestRegistry(unittest.TestCase):
         told = found == {card.name} or found in ALIKE
         self.assertTrue(told, sorted(found))
 
+    def test_every_effect_leads_back_to_itself_among_its_impostors(self):
+        for key, card in self.cards.items():
+            with self.subTest(effect=key):
+                self.check(card)
+
+    def test_an_effect_of_the_other_sign_leads_back_to_itself_too(self):
+        for name in ("posture_drift", "force_scale", "force_bias"):
+            with self.subTest(effect=name):
+                self.check(self.cards[name], -1.0)
+
+
+class TestAnswers(OnTheBench):
     def test_no_effect_leads_to_none(self):
         self.assertFalse(answer(self.bench.evaluator(())).gap)
 
@@ -76,16 +90,6 @@ class TestRegistry(unittest.TestCase):
             part = answer(self.bench.evaluator(uses, without_torso))
             self.assertEqual(part.gap, whole.gap)
             self.assertLess(part.probability, whole.probability)
-
-    def test_every_effect_leads_back_to_itself_among_its_impostors(self):
-        for key, card in self.cards.items():
-            with self.subTest(effect=key):
-                self.check(card)
-
-    def test_an_effect_of_the_other_sign_leads_back_to_itself_too(self):
-        for name in ("posture_drift", "force_scale", "force_bias"):
-            with self.subTest(effect=name):
-                self.check(self.cards[name], -1.0)
 
     def test_two_effects_at_once_lead_back_to_both(self):
         names = "command_delay", "force_bias"
