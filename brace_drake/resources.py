@@ -1,4 +1,4 @@
-"""The only module that knows where models, scenarios and compiled code lie."""
+"""Where models, scenarios and compiled code lie; all of the twin asks here."""
 
 import os
 from pathlib import Path

@@ -26,6 +26,39 @@ class TestEnd(unittest.TestCase):
         self.assertEqual(self.search(most, False), (False, False))
         self.assertEqual(self.search(most, True), (True, False))
 
+    def test_what_was_cut_beside_anchors_is_no_success_and_costs_no_more(self):
+        found = SecondEffects.__new__(SecondEffects)
+        found._evaluator = SimpleNamespace(replays=100)
+        found._begun, found.is_cut, found._stray = 100, False, None
+        found._is_settled, found._all = lambda: False, list
+        found._null = SimpleNamespace(misfit_threshold=0.1)
+
+        def lead_back(strayed, say):
+            found._evaluator.replays += second_effect._DEAR + 1
+
+        found._lead_back = lead_back
+        with mock.patch.object(second_effect, "is_near_floor", lambda *_: True):
+            self.assertFalse(found.try_at_rest([], lambda *_: None))
+            self.assertFalse(found._is_done())
+        self.assertFalse(found.is_cut)
+
+    def test_beside_one_effect_others_are_tried_once(self):
+        found = SecondEffects.__new__(SecondEffects)
+        leader = SimpleNamespace(effects=("a",))
+        found._evaluator = found._leader = found._nominal = None
+        found._all, found._is_half = lambda: [leader], lambda fit: True
+        found._is_done = lambda limit=0.0: False
+        found._is_rough = lambda fit: False
+        tried = []
+        found._try_beside = lambda beside, many, say: tried.append(many)
+        with (
+            mock.patch.object(second_effect, "plausible", lambda fits: fits),
+            mock.patch.object(second_effect, "Ground"),
+        ):
+            found._try_all_beside(lambda *_: None, of_many=False)
+            found._try_all_beside(lambda *_: None)
+        self.assertEqual(tried, [False, True])
+
     def test_pairs_set_out_afresh_as_long_as_they_halve_what_is_left(self):
         twin = SimpleNamespace(subject=[SimpleNamespace(nominal=5.0)])
         ground = SimpleNamespace(

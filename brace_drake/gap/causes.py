@@ -60,12 +60,14 @@ def try_causes(
         at_rest, many = _divide(many, lambda c: c.at_rest)
         flexible = _race_flexible(ground, at_rest, _part(say, 0.1, 0.2))
     runners = []
+    least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
     if any(is_almost_near_floor(evaluator, f) for f in flexible):
-        # Of the others only one that may explain it too needs a search.
+        # Of the others only who may explain it too needs a search.
         simple, others = _divide(simple, lambda c: c.at_rest)
         part = _part(say, 0.2, 0.3)
-        runners = race(ground, others, part, places=1, bar=most)
-    least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
+        runners = race(
+            ground, others, part, places=1, bar=most, most=most, least=least
+        )
     part = _part(say, 0.2, 0.4)
     runners += race(ground, simple, part, most=most, least=least)
     say("contenders", 0.4)

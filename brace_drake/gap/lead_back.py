@@ -9,12 +9,13 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.errors import BraceError
-from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.contenders import best_fits, try_refine
+from brace_drake.gap.candidates import CandidateFit, fit_effects
+from brace_drake.gap.contenders import best_fits, refine
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ground import Ground
+from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.screen import line_up, race
-from brace_drake.gap.verdict import refined
+from brace_drake.gap.verdict import is_exact, refined
 
 # What a second effect has to promise to leave, of what the leader leaves and
 # what its parameters cost.
@@ -74,20 +75,22 @@ def lead_back(
         best.promise - usual > _PROMISED * (beside.there - usual)
     ):
         return []
-    (first, _), second = best.problem.split(best.z)[1]
-    say(f"cause {leader.name}+{second[0].key}", 0.6)
-    afresh = replace(
-        best.fit(),
-        subject=np.array([p.nominal for p in evaluator.twin.subject]),
-        values=(first.off(), second[1]),
-        spread=None,
-    )
-    pair = try_refine(evaluator, afresh)
+    (first, _), (second, values) = best.problem.split(best.z)[1]
+    say(f"cause {leader.name}+{second.key}", 0.6)
+    try:
+        pair = fit_effects(evaluator, (first, second), (first.off(), values))
+    except (BraceError, ValueError):
+        return []
     bar = usual + _CONTENDER * max(0.0, best.promise - usual)
-    near = {r.card.key: r.card for r in runners if r.promise <= bar}
-    near.pop(second[0].key)
-    others = replace_second(evaluator, pair, list(near.values()), say)
-    return [*others, pair]
+    good = [r.card for r in runners if r.promise <= bar]
+    others = {card.key: card for card in good if card is not second}
+    rivals = replace_second(
+        evaluator,
+        pair,
+        list(others.values()),
+        lambda what, share: say(what, 0.6 + 0.4 * share),
+    )
+    return [*rivals, pair]
 
 
 def replace_second(
@@ -99,15 +102,18 @@ def replace_second(
     """The pair with others in the place of its second effect, those refined
     that leave less.
     """
-    if not (cards and pair.refined):
+    if not cards or is_exact(evaluator, pair):
         return []
-    solution = pair.solution
-    kept = len(pair.subject) + int(pair.effects[0].is_continuous.sum())
+    first, values = pair.uses[0]
+    problem = CandidateProblem(evaluator, [first], [values])
+    kept, solution = len(problem.scales), pair.solution
     alone = replace(
         pair,
-        effects=pair.effects[:1],
-        values=pair.values[:1],
-        scales=pair.scales[:kept],
+        effects=(first,),
+        values=(values,),
+        scales=problem.scales,
+        # Of the two; alone it is not known.
+        excess=np.inf,
         solution=replace(
             solution,
             z=solution.z[:kept],
@@ -119,5 +125,5 @@ def replace_second(
     except BraceError:
         return []
     found = best_fits(race(beside, cards, say, must_explain=True))
-    good = [f for f in found if f.excess < pair.excess]
-    return refined([try_refine(evaluator, f) for f in good])
+    found = refine(evaluator, found, beside.there, most=pair.excess)
+    return [f for f in refined(found) if f.excess < pair.excess]

@@ -1,4 +1,4 @@
-"""Ways from one pair of effects to another, or to one of its two."""
+"""Ways to a pair of effects: afresh, from another one, or to one of its two."""
 
 from __future__ import annotations
 

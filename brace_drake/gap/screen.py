@@ -83,6 +83,15 @@ def race(
     return runners
 
 
+def _excess(ground: Ground, runner: Runner) -> float:
+    """Sum of squares above noise where a search stands; with what the leader's
+    parameters cost, where that counts.
+    """
+    mine = runner.residual[: ground.rows]
+    noise = ground.noise + ground.added_noise(runner.problem, runner.z)
+    return float(mine @ mine) - noise
+
+
 def _highest(bar: float, card: Effect) -> float:
     """The promise from which a card may come below the bar."""
     return bar if card.is_flexible else _BENDS * bar
@@ -198,7 +207,7 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
             found.append(runner)
             if card.is_continuous.sum() > _FEW_WAYS:
                 if step(ground, runner, 1):
-                    runner.promise = runner.fit().excess
+                    runner.promise = _excess(ground, runner)
                 break
             if card.run_parameters or _ENOUGH < far < 1.0 / _ENOUGH:
                 break

@@ -79,15 +79,33 @@ class SecondEffects:
         self._cards, self._seed = cards, seed
         self._evaluator, self._nominal = ground.evaluator, ground.leader
         self._singles, self._found = list(fits), []
-        # Beside which second effects were tried.
+        # Beside which second effects were tried, and what was led back.
         self._leader: CandidateFit | None = None
         self._stray: CandidateFit | None = None
         self._begun, self._spent = ground.evaluator.replays, 0
         self._most = largest_excess(self._evaluator, self._nominal, 2)
         self.is_cut = False
 
+    def try_at_rest(self, fits: Sequence[CandidateFit], say: Say) -> bool:
+        """Second effects beside what shows in the leg lengths at rest, where
+        these are off: whatever else there is, this is part of it.
+
+        What it costs is no part of what the other searches may.
+
+        Args:
+            fits: Of effects of dozens of parameters that show there.
+            say: Progress, shares of this search.
+
+        Returns:
+            Whether a pair explains the gap to the floor.
+        """
+        self._lead_back(strays(fits), say)
+        self._begun = self._evaluator.replays
+        return self._is_done()
+
     def try_pairs(self, say: Say) -> bool:
-        """The pairs that are foreseen from the ways of single effects.
+        """Pairs beside the single effect that explains, if one does, then
+        those that are foreseen from the ways of single effects.
 
         Args:
             say: Progress, shares of this search.
@@ -95,7 +113,7 @@ class SecondEffects:
         Returns:
             Whether one explains the gap to the floor.
         """
-        if self._is_settled():
+        if self._is_settled() and not self._is_done():
             # What is little beside a large effect shows only beside it.
             self._try_all_beside(say, of_many=False)
         if not self._is_done():
@@ -105,20 +123,23 @@ class SecondEffects:
         return is_done
 
     def _try_foreseen(self, say: Say) -> None:
+        """Pairs foreseen, then the best of them with one of its two alone."""
         bar = self._bar()
-        if np.isfinite(bar):
+        if np.isfinite(bar) and len(plausible(self._all())[0].effects) == 1:
             # As the race has left them: then all are equally unfinished.
-            bar = _HALF * min(f.excess for f in best_fits(self._runners))
+            left = [f.excess for f in best_fits(self._runners)]
+            bar = _HALF * min(left, default=np.inf)
         foreseen = foresee_pairs(self._ground, self._runners)[:_SEARCHED]
         found = search_pairs(self._ground, foreseen, say, bar, self._most)
         self._keep(found, self._nominal.excess, bar)
-        afresh = iter(foreseen[:_AFRESH])
-        while not self._is_settled() and (pair := next(afresh, None)):
+        for pair in foreseen[:_AFRESH]:
+            if self._is_settled():
+                break
             runners = set_out_afresh(self._ground, pair, self._most, say)
             self._keep(runners, self._nominal.excess)
-        least = _HALF * min(f.excess for f in self._singles)
+        least = min((f.excess for f in self._singles), default=np.inf)
         for pair in refined(self._found)[:1]:
-            self._found += try_without_one(self._ground, pair, least)
+            self._found += try_without_one(self._ground, pair, _HALF * least)
 
     def search(
         self, fits: Sequence[CandidateFit], say: Say
@@ -138,9 +159,9 @@ class SecondEffects:
         if not self._is_done():
             self._try_all_beside(say)
         strayed = strays([f for f in self._all() if self._is_half(f)])
-        if not self.is_cut:
+        if strayed and not self._is_done():
             self._lead_back(strayed, say)
-        if strayed and not (self.is_cut or self._is_settled()):
+        if strayed and not (self._is_done() or self._is_settled()):
             self._keep_single(strayed[0])
         return self._best_of_each()
 
@@ -151,23 +172,10 @@ class SecondEffects:
                 search_best(self._ground, [runner], say, most=self._most)
                 self._keep([runner], pair.excess)
 
-    def try_at_rest(self, fits: Sequence[CandidateFit], say: Say) -> bool:
-        """Second effects beside what shows in the leg lengths at rest, where
-        these are off: whatever else there is, this is part of it.
-
-        Args:
-            fits: Of effects of dozens of parameters that show there.
-            say: Progress, shares of this search.
-
-        Returns:
-            Whether a pair explains the gap to the floor.
-        """
-        self._lead_back(strays(fits), say)
-        self._spent = self._evaluator.replays - self._begun
-        return self._is_done()
-
     def _lead_back(self, strayed: Sequence[CandidateFit], say: Say) -> None:
-        """The best of those that went astray, with a second effect."""
+        """The best of those that went astray, with a second effect, unless it
+        was tried before or the gap is explained.
+        """
         best = next(iter(strayed), self._stray)
         if best is not self._stray and not self._is_settled():
             self._stray = best
@@ -200,12 +208,12 @@ class SecondEffects:
         leader = next(iter(singles), self._nominal)
         if not self._is_half(leader):
             return
+        is_tried, self._leader = leader is self._leader, leader
         try:
             beside = Ground(self._evaluator, leader)
         except BraceError:
             return
-        if leader is not self._leader:
-            self._leader = leader
+        if not is_tried:
             self._try_beside(beside, False, lambda w, s: say(w, 0.3 + 0.3 * s))
         enough = not of_many or self._is_done(_ENOUGH)
         if not (enough or self._is_rough(leader)):
@@ -252,6 +260,7 @@ class SecondEffects:
         good = [f for f in best_fits(runners) if f.excess <= bar]
         good = refine(self._evaluator, good, there, self._most)
         self._found += refined(good)
+        # The nominal fit is no pair, so never caught.
         best = min(good, key=lambda f: f.excess, default=self._nominal)
         if is_caught(self._evaluator, self._nominal, best, self._null):
             self._found += restart(self._evaluator, best, self._seed)
