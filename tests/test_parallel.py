@@ -186,6 +186,14 @@ class TestCluster(unittest.TestCase):
                 killed.append(done)
                 os.kill(victim, signal.SIGKILL)
 
+        def who(i):
+            time.sleep(pause)
+            return os.getpid()
+
+        # On a busy machine one may begin long after the other.
+        end = time.monotonic() + 120.0
+        while victim not in self.remote.map(who, [(i,) for i in range(10)]):
+            self.assertLess(time.monotonic(), end)
         killed = []
         found = self.remote.map(work, [(i,) for i in range(60)], kill_once)
         self.assertEqual(
