@@ -12,7 +12,7 @@ OUT := out/demo
 # What builds the package is pinned as what it needs.
 PINNED := -c constraints.txt --build-constraint constraints.txt
 
-PARTS := test_link test_l test_a-k test_m-z
+PARTS := test_link test_l test_a-k test_m-r test_s-z
 
 .PHONY: demo test $(PARTS) lint types docs bench wheel clean
 
@@ -26,8 +26,9 @@ test: lint
 test_link: FILES := test_link_*.py
 test_a-k: FILES := test_[a-k]*.py
 test_l: FILES := test_l[!i]*.py
-test_m-z: FILES := test_[m-z]*.py
-test_a-k test_l test_m-z: SLOWER := nice -n 10
+test_m-r: FILES := test_[m-r]*.py
+test_s-z: FILES := test_[s-z]*.py
+test_a-k test_l test_m-r test_s-z: SLOWER := nice -n 10
 
 $(PARTS): $(STAMP)
 	OPENBLAS_NUM_THREADS=1 $(SLOWER) $(BIN)/python -m unittest discover \
