@@ -90,10 +90,12 @@ def try_causes(
     if is_exact(evaluator, nominal):
         return [*fits, *flexible], null, False
     second = SecondEffects(ground, cards, fits, runners, null, seed)
-    part = _part(say, 0.4, 0.45)
-    if flexible and not is_done() and second.try_at_rest(flexible, part):
-        return [*fits, *flexible, *second.search([], say)], null, False
-    if not is_done() and second.try_pairs(_part(say, 0.45, 0.55)):
+    is_found = False
+    if flexible and not is_done():
+        is_found = second.try_at_rest(flexible, _part(say, 0.4, 0.45))
+    if not (is_found or is_done()):
+        is_found = second.try_pairs(_part(say, 0.45, 0.55))
+    if is_found:
         return [*fits, *flexible, *second.search([], say)], null, False
     if not is_near():
         flexible += _race_flexible(ground, many, _part(say, 0.55, 0.6))
