@@ -22,7 +22,7 @@ from brace_drake import laws
 from brace_drake.campaign import CheckCampaign, LoadCampaign, WriteCampaign
 from brace_drake.cli.main import main
 from brace_drake.errors import BraceError, OutputError
-from brace_drake.hardware.words import Cause, DeviceState
+from brace_drake.hardware.words import Cause
 from brace_drake.operation.journal import Journal
 from brace_drake.operation.record import columns_of
 from brace_drake.operation.recorder import Recorder
@@ -39,10 +39,16 @@ from brace_drake.report import page as report_page
 from brace_drake.resources import policy_path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import SaveScenario
+from tests.emulated_devices import (
+    PATIENT,
+    NoKeys,
+    assert_device_stops,
+    emulated,
+    short_push,
+)
+from tests.emulated_devices import SCENARIO as BENCH
 from tests.shared_data import EXAMPLE
 from tests.test_campaign_read import make_campaign
-from tests.test_link_port import PATIENT, _NoKeys, emulated, short_push
-from tests.test_link_port import SCENARIO as BENCH
 
 ROOT = Path(__file__).resolve().parents[1]
 DEVICE = "bench stage 2"
@@ -222,12 +228,11 @@ class TestFullDiskAtTheDevice(Folder):
             path = device.terminal.path
             with Recorder(path, BENCH, PATIENT, out) as recorder:
                 # What is compiled at first use is compiled by now.
-                recorder.Record(short_push(0.1), "fit", 0, _NoKeys())
+                recorder.Record(short_push(0.1), "fit", 0, NoKeys())
                 motion = short_push(20.0)
                 with room_for(60_000), self.assertRaises(OutputError):
-                    recorder.Record(motion, "fit", 0, _NoKeys())
-            self.assertEqual(device.firmware.state, DeviceState.STOPPED)
-            self.assertEqual(device.firmware.trip.cause, Cause.HOST_ERROR)
+                    recorder.Record(motion, "fit", 0, NoKeys())
+            assert_device_stops(self, device, Cause.HOST_ERROR)
         _, run = LoadCampaign(out).runs
         self.assertGreater(len(run.time_s), 50)
         np.testing.assert_allclose(np.diff(run.time_s), 0.005, atol=1e-9)
@@ -455,7 +460,7 @@ class TestClock(Folder):
             ) as recorder,
         ):
             for _ in range(2):
-                recorder.Record(short_push(0.4), "fit", 0, _NoKeys())
+                recorder.Record(short_push(0.4), "fit", 0, NoKeys())
         runs = LoadCampaign(self.folder).runs
         self.assertEqual(len(runs), 2)
         for run in runs:

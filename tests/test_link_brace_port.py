@@ -22,7 +22,7 @@ from brace_drake.simulate_brace import RecordBrace, SimulateBrace
 from brace_drake.twin.motion_library import SafeMotion
 from brace_drake.twin.motion_parts import ramp
 from tests.commands import run_command
-from tests.test_link_port import emulated, wait_for
+from tests.emulated_devices import PATIENT_LIMITS, emulated, wait_for
 
 RINGS = (1, 2, 3)
 
@@ -42,7 +42,7 @@ def push(depth, ring=2):
 @contextlib.contextmanager
 def emulated_brace(scenario):
     limits = LoadLimits(None, scenario.stages)
-    make = "tests.test_link_port.BenchPlant"
+    make = "tests.emulated_devices.BenchPlant"
     with (
         mock.patch(make, lambda scenario, uses: BracePlant(scenario, uses)),
         emulated(scenario=scenario, limits=limits) as device,
@@ -59,7 +59,7 @@ class TestPort(unittest.TestCase):
         SaveScenario(cls.scenario, cls.file)
         # A machine that tests share is late at times.
         cls.limits = cls.folder / "limits.yaml"
-        cls.limits.write_text("stale: 5.0\nlost_messages: 1000\n")
+        cls.limits.write_text(PATIENT_LIMITS)
 
     def write_reference(self, run):
         file = self.folder / f"{run.name}.csv"

@@ -22,8 +22,13 @@ from brace_drake.twin.motion_library import MakeMotion, SafeMotion
 from brace_drake.twin.motion_parts import ramp
 from brace_drake.twin.reference_file import format_reference
 from tests.commands import run_command
+from tests.emulated_devices import (
+    PATIENT_LIMITS,
+    assert_device_stops,
+    emulated,
+    wait_for,
+)
 from tests.learning_tasks import random_policy, short_task
-from tests.test_link_port import emulated, wait_for
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -39,7 +44,7 @@ class Folder(unittest.TestCase):
         self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
         # A machine that tests share is late at times.
         self.limits = self.folder / "limits.yaml"
-        self.limits.write_text("stale: 5.0\n")
+        self.limits.write_text(PATIENT_LIMITS)
 
 
 class TestTwin(Folder):
@@ -114,7 +119,7 @@ class TestTwin(Folder):
             self.assertEqual(process.returncode, 2)
             self.assertRegex(errors, r"still: stopped: alarm in leg\d_length_m")
             self.assertNotIn("Traceback", errors)
-            self.assertEqual(device.firmware.trip.cause, Cause.HOST_STOP)
+            assert_device_stops(self, device, Cause.HOST_STOP)
 
     def test_a_device_like_the_twin_raises_none(self):
         with emulated() as device, self.twin(device) as process:

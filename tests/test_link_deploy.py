@@ -33,14 +33,21 @@ from brace_drake.operation.spread import Spread
 from brace_drake.operation.station import OpenDevice
 from brace_drake.twin.motion_library import MakeMotion
 from tests.commands import run_command
-from tests.test_link_port import PATIENT, SCENARIO, emulated, wait_for
+from tests.emulated_devices import (
+    PATIENT,
+    PATIENT_LIMITS,
+    SCENARIO,
+    assert_device_stops,
+    emulated,
+    wait_for,
+)
 
 
 class TestDeploy(unittest.TestCase):
     def test_a_dry_run_never_arms(self):
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
             limits = Path(folder) / "limits.yaml"
-            limits.write_text("stale: 5.0\n")
+            limits.write_text(PATIENT_LIMITS)
             status, out, error = run_command(
                 "deploy", "--port", device.terminal.path, "--dry-run",
                 "--limits", limits, "--out", Path(folder) / "o",
@@ -82,7 +89,9 @@ class TestDeploy(unittest.TestCase):
                     RunController(
                         link, control, PATIENT, np.zeros((5000, 3)), False
                     )
-            self.assertNotEqual(device.firmware.state, DeviceState.ARMED)
+            self.assertTrue(
+                wait_for(lambda: device.firmware.state != DeviceState.ARMED)
+            )
 
     def test_a_law_that_fails_stops_the_device_and_is_told(self):
         class Broken(HostControl):
@@ -103,9 +112,7 @@ class TestDeploy(unittest.TestCase):
                         link, Broken(SCENARIO), PATIENT, np.zeros((5000, 3)),
                         False,
                     )  # fmt: skip
-            self.assertTrue(
-                wait_for(lambda: device.firmware.state == DeviceState.STOPPED)
-            )
+            assert_device_stops(self, device, Cause.HOST_ERROR)
 
     def test_a_run_that_is_stopped_leaves_its_ticks_and_the_cause(self):
         class Pressed:
@@ -130,7 +137,7 @@ class TestDeploy(unittest.TestCase):
             mock.patch("brace_drake.operation.deploy.check_dry_run"),
         ):
             limits, out = Path(folder) / "limits.yaml", Path(folder) / "o"
-            limits.write_text("stale: 5.0\n")
+            limits.write_text(PATIENT_LIMITS)
             status, _, error = run_command(
                 "deploy", "--port", device.terminal.path, "--countdown", 0,
                 "--motion", "push", "--limits", limits, "--out", out,
@@ -140,7 +147,7 @@ class TestDeploy(unittest.TestCase):
             with open(out / "ticks.csv", newline="") as text:
                 ticks = [int(row["tick"]) for row in csv.DictReader(text)]
             timing = json.loads((out / "timing.json").read_text())
-        self.assertEqual(device.firmware.trip.cause, Cause.STOP_KEY)
+            assert_device_stops(self, device, Cause.STOP_KEY)
         # A second to settle, then each tick until the key.
         self.assertEqual(ticks, list(range(len(ticks))))
         self.assertGreater(len(ticks), 500)

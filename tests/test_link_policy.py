@@ -30,8 +30,8 @@ from brace_drake.scenario.bench import BenchScenario
 from brace_drake.systems.stiffness_limiter import StiffnessLimiter
 from brace_drake.twin.reference import reference_at_ticks
 from tests.commands import run_command
+from tests.emulated_devices import PATIENT, PATIENT_LIMITS, emulated
 from tests.learning_tasks import random_policy, short_task
-from tests.test_link_port import PATIENT, emulated
 
 # A motion fast enough that the stiffness matters.
 TASK = short_task(40, motion_time=2.0)
@@ -182,7 +182,7 @@ class TestDeploy(unittest.TestCase):
     def deploy(self, folder, device, *more):
         limits = Path(folder) / "limits.yaml"
         wide = "".join(f"{name}: {value}\n" for name, value in WIDE.items())
-        limits.write_text("stale: 5.0\n" + wide)
+        limits.write_text(PATIENT_LIMITS + wide)
         # A machine that tests share is late at times, which a dry run tells.
         late = mock.patch("brace_drake.operation.deploy.check_dry_run")
         with late as checked:

@@ -1,6 +1,5 @@
 """A device on a pseudo-terminal: strangers, disconnects, kills, recordings."""
 
-import contextlib
 import os
 import signal
 import subprocess
@@ -16,9 +15,6 @@ from unittest import mock
 import numpy as np
 
 from brace_drake.campaign import CheckCampaign, LoadCampaign
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.describe import describe_device
-from brace_drake.emulator.device import EmulatedDevice
 from brace_drake.errors import LimitsError, LinkError, StoppedError
 from brace_drake.hardware.clock import ClockSync
 from brace_drake.hardware.firmware import Firmware
@@ -31,14 +27,20 @@ from brace_drake.operation.columns import columns_of
 from brace_drake.operation.journal import Journal
 from brace_drake.operation.recorder import Recorder
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.motion_library import SafeMotion
-from brace_drake.twin.motion_parts import ramp
 from tests.commands import run_command
+from tests.emulated_devices import (
+    PATIENT,
+    PATIENT_LIMITS,
+    SCENARIO,
+    NoKeys,
+    assert_device_stops,
+    emulated,
+    open_recorder,
+    short_push,
+    wait_for,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
-SCENARIO = BenchScenario(time_step=5e-4)
-# A machine that tests share is late at times.
-PATIENT = DEFAULT._replace(stale=5.0)
 
 
 class Pty:
@@ -53,60 +55,6 @@ class Pty:
     def __exit__(self, *_):
         os.close(self.master)
         os.close(self._slave)
-
-
-@contextlib.contextmanager
-def emulated(
-    prepare=lambda device: None, scenario=SCENARIO, limits=DEFAULT, uses=()
-):
-    """An emulated device that runs in a thread of its own."""
-    device = EmulatedDevice(
-        BenchPlant(scenario, uses),
-        describe_device(scenario, "test-1"),
-        limits,
-        host_paced=1.0,
-    )
-    prepare(device)
-    thread = threading.Thread(target=device.run, daemon=True)
-    thread.start()
-    try:
-        yield device
-    finally:
-        device.stop()
-        thread.join(5.0)
-
-
-def short_push(seconds=1.0):
-    time_s = np.arange(round(200 * seconds)) / 200.0
-    samples = ramp(time_s, 0.1, 0.6, -0.004)
-    return SafeMotion("push", "4 mm", True, "push", time_s, samples)
-
-
-def open_recorder(device, out):
-    """A recorder of what an emulated device does."""
-    return Recorder(device.terminal.path, SCENARIO, PATIENT, out)
-
-
-class _NoKeys:
-    is_terminal = False
-
-    def pressed(self):
-        return False
-
-
-def wait_for(condition, seconds=5.0):
-    ends = time.monotonic() + seconds
-    while time.monotonic() < ends:
-        if condition():
-            return True
-        time.sleep(0.01)
-    return False
-
-
-def assert_watchdog_stops(test, device):
-    firmware = device.firmware
-    test.assertTrue(wait_for(lambda: firmware.state == DeviceState.STOPPED))
-    test.assertEqual(firmware.trip.cause, Cause.WATCHDOG)
 
 
 class TestPorts(unittest.TestCase):
@@ -217,21 +165,24 @@ class TestDisconnect(unittest.TestCase):
         device.plug(False)
 
     def test_unplugging_ends_the_motion_and_keeps_what_was_recorded(self):
-        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+        with (
+            emulated(patience=1.0) as device,
+            tempfile.TemporaryDirectory() as folder,
+        ):
             out = Path(folder) / "c"
             with open_recorder(device, out) as recorder:
-                recorder.Record(short_push(), "fit", 0, _NoKeys())
+                recorder.Record(short_push(), "fit", 0, NoKeys())
                 pull = threading.Thread(target=self.pull, args=(device, out))
                 pull.start()
                 with self.assertRaises(StoppedError) as caught:
-                    recorder.Record(short_push(20.0), "fit", 0, _NoKeys())
+                    recorder.Record(short_push(20.0), "fit", 0, NoKeys())
                 self.assertRegex(str(caught.exception), "gone|disconnected")
                 pull.join()
             campaign = LoadCampaign(out)
             whole, cut = campaign.runs
             self.assertEqual(len(whole.time_s), 200)
             self.assertGreater(len(cut.time_s), 50)
-            assert_watchdog_stops(self, device)
+            assert_device_stops(self, device, Cause.WATCHDOG)
 
 
 class TestRecording(unittest.TestCase):
@@ -239,8 +190,8 @@ class TestRecording(unittest.TestCase):
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "c"
             with open_recorder(device, out) as recorder:
-                recorder.Record(short_push(), "fit", 0, _NoKeys())
-                recorder.Record(short_push(), "fit", 0, _NoKeys())
+                recorder.Record(short_push(), "fit", 0, NoKeys())
+                recorder.Record(short_push(), "fit", 0, NoKeys())
             text = (out / "campaign.yaml").read_text()
             for words in ("identity: test-1", "firmware: emulated 1.0"):
                 self.assertIn(words, text)
@@ -255,7 +206,7 @@ class TestRecording(unittest.TestCase):
                 np.testing.assert_allclose(steps, 0.005, atol=1e-9)
 
     def test_the_stop_key_stops_and_a_stop_must_be_cleared(self):
-        class Pressed(_NoKeys):
+        class Pressed(NoKeys):
             def pressed(self):
                 self.calls = getattr(self, "calls", 0) + 1
                 return self.calls > 60
@@ -265,7 +216,7 @@ class TestRecording(unittest.TestCase):
             with Recorder(path, SCENARIO, PATIENT, folder) as recorder:
                 with self.assertRaisesRegex(StoppedError, "stop key"):
                     recorder.Record(short_push(20.0), "fit", 0, Pressed())
-            self.assertEqual(device.firmware.trip.cause, Cause.STOP_KEY)
+            assert_device_stops(self, device, Cause.STOP_KEY)
             with self.assertRaisesRegex(LinkError, "stop key.*--clear"):
                 Recorder(path, SCENARIO, PATIENT, folder)
             Recorder(path, SCENARIO, PATIENT, folder, clear=True).link.Close()
@@ -331,10 +282,13 @@ class TestKill(unittest.TestCase):
             self.assertEqual(begin // 4096, end // 4096)
 
     def test_record_killed_leaves_a_campaign_valid_to_its_last_second(self):
-        with emulated() as device, tempfile.TemporaryDirectory() as folder:
+        with (
+            emulated(patience=1.0) as device,
+            tempfile.TemporaryDirectory() as folder,
+        ):
             out = Path(folder) / "c"
             limits = Path(folder) / "limits.yaml"
-            limits.write_text("stale: 5.0\n")
+            limits.write_text(PATIENT_LIMITS)
             record = subprocess.Popen(
                 [sys.executable, "-m", "brace_drake.cli.main", "record",
                  "--port", device.terminal.path, "--motion", "push",
@@ -355,7 +309,7 @@ class TestKill(unittest.TestCase):
             (run,) = LoadCampaign(out).runs
             self.assertLess(killed - file.stat().st_mtime, 1.0)
             self.assertGreater(len(run.time_s), 20)
-            assert_watchdog_stops(self, device)
+            assert_device_stops(self, device, Cause.WATCHDOG)
 
 
 class TestCounting(unittest.TestCase):

@@ -199,7 +199,8 @@ class EmulatedDevice:
         firmware = self.firmware
         while firmware.state == DeviceState.ARMED and not firmware.has_answer:
             waited = time.perf_counter() - begun
-            if not self._is_patient or waited > self.host_paced:
+            gives_up = not self._is_patient or waited > self.host_paced
+            if gives_up or self._stop.is_set():
                 break
             self._Take(self.terminal.read(0.01))
         # A host that has gone is not waited for again at each tick.
