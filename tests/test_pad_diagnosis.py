@@ -59,6 +59,16 @@ class TestDiagnosis(unittest.TestCase):
         document = self.diagnose(both)
         effects = sorted(document["verdict"]["effects"])
         self.assertEqual(effects, ["hardening", "relaxation"])
+        found = {row["effect"]: row["validation"] for row in document["causes"]}
+        name = document["causes"][0]["effect"]
+        pair, shrink = found.pop(name), document["shrink"]
+        self.assertAlmostEqual(pair["gap"], shrink["after"], places=9)
+        # What is there predicts new runs to the noise, half of it does not.
+        self.assertLess(pair["lower95"], 1.02)
+        self.assertGreater(pair["upper95"], 0.98)
+        for name in effects:
+            self.assertGreater(found[name]["lower95"], pair["upper95"])
+            self.assertLess(found[name]["gap"], shrink["before"])
 
     def test_a_biased_sensor_shows_off_the_tissue(self):
         document = self.diagnose(lambda m, t: linear(m, t) + 0.3)

@@ -617,6 +617,19 @@ class ReportTest(unittest.TestCase):
         ]
         self.assertEqual(chosen, [False, True, False])
 
+    def test_what_a_cause_leaves_on_new_runs_is_shown_where_it_is_known(self):
+        diagnosis = make_diagnosis()
+        first, second = diagnosis["causes"][:2]
+        first["validation"] = {"gap": 1.234, "lower95": 1.1, "upper95": 1.377}
+        second["validation"] = None
+        told = [
+            row["validation"]
+            for row in make_view(diagnosis, [])["which"]["causes"][:2]
+        ]
+        self.assertEqual(told[0], {"gap": "1.23", "interval": "1.10 to 1.38"})
+        self.assertEqual(told[1], {"gap": "–", "interval": ""})
+        self.assertIn("1.10 to 1.38", render_page(diagnosis, []))
+
     def test_diagnosis_is_left_as_it_was(self):
         diagnosis = make_diagnosis()
         kept = copy.deepcopy(diagnosis)

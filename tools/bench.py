@@ -161,7 +161,9 @@ def main():
     parser.add_argument("--learning", action="store_true", help="learning only")
     parser.add_argument("--contact", action="store_true", help="contact only")
     parser.add_argument(
-        "--scale", action="store_true", help="scaling of a diagnosis only"
+        "--scale",
+        action="store_true",
+        help="a diagnosis alone, and how it grows",
     )
     args = parser.parse_args()
     if args.scale:

@@ -1,7 +1,7 @@
-"""How the cost of a diagnosis grows: causes, runs, subjects, workers.
+"""Where the time of a diagnosis goes, and how it grows.
 
     python tools/bench_scale.py                    # all of the table
-    python tools/bench_scale.py --rows causes,runs
+    python tools/bench_scale.py --rows causes,runs,subjects,workers
     python tools/bench_scale.py --campaign DIR --rows whole
 
 Each row is a process of its own with compiled laws. CPU time counts all of its
@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
 # The example's own cause stays in every library.
 KEPT = "relaxation"
-ROWS = "causes,runs,subjects,workers"
+ROWS = "whole,causes,runs,subjects,workers"
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,7 @@ class Task:
         runs: Fit runs; None: all.
         subjects: Campaigns, one after the other in one process.
         jobs: Threads.
+        in_stages: Whether each stage has a line too.
     """
 
     label: str
@@ -46,12 +47,36 @@ class Task:
     runs: int | None = None
     subjects: int = 1
     jobs: int = 1
+    in_stages: bool = False
+
+
+class StageClock:
+    """Time of each stage of a diagnosis, from what it says that it does.
+
+    Attributes:
+        stages: CPU s and wall s by name, in the order of their beginnings.
+    """
+
+    def __init__(self):
+        self.stages: dict[str, list[float]] = {}
+        self._name, self._since = "", (0.0, 0.0)
+
+    def say(self, what: str, share: float) -> None:
+        """The diagnosis begins something; to be handed over as progress."""
+        now = time.process_time(), time.monotonic()
+        if self._name:
+            spent = self.stages.setdefault(self._name, [0.0, 0.0])
+            for i in range(2):
+                spent[i] += now[i] - self._since[i]
+        if what.startswith("cause "):
+            what = "two effects" if "+" in what else "single effects"
+        self._name, self._since = what, now
 
 
 def make_tasks(rows: list[str], campaign: str) -> Iterator[Task]:
     """The rows of the table."""
     if "whole" in rows:
-        yield Task("whole campaign", campaign)
+        yield Task("whole campaign", campaign, in_stages=True)
     for causes in (1, 6, 12, None) if "causes" in rows else ():
         yield Task(f"causes: {causes or 'all'}", campaign, causes=causes)
     for runs in (1, 2, None) if "runs" in rows else ():
@@ -84,7 +109,7 @@ def cut_runs(campaign, count: int):
 
 
 def run_task(task: Task, answer) -> None:
-    """Diagnoses; sends CPU s, wall s, peak MB, and the verdict."""
+    """Diagnoses; sends CPU s, wall s, peak MB, the verdict, the stages."""
     from brace_drake.campaign import LoadCampaign
     from brace_drake.gap.diagnose import diagnose
     from brace_drake.gap.document import MakeDocument
@@ -94,15 +119,20 @@ def run_task(task: Task, answer) -> None:
     campaign = LoadCampaign(task.campaign)
     if task.runs is not None:
         campaign = cut_runs(campaign, task.runs)
+    clock = StageClock()
     cpu, wall = time.process_time(), time.monotonic()
     for _ in range(task.subjects):
-        document = MakeDocument(diagnose(campaign, task.jobs))
+        diagnosis = diagnose(campaign, task.jobs, progress=clock.say)
+        clock.say("document", 1.0)
+        document = MakeDocument(diagnosis)
+        clock.say("end", 1.0)
     cpu, wall = time.process_time() - cpu, time.monotonic() - wall
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    answer.send((cpu, wall, peak, ", ".join(document["verdict"]["effects"])))
+    found = ", ".join(document["verdict"]["effects"])
+    answer.send((cpu, wall, peak, found, clock.stages))
 
 
-def measure(task: Task) -> tuple[float, float, float, str]:
+def measure(task: Task) -> tuple[float, float, float, str, dict]:
     """A row, from a process of its own."""
     here, there = multiprocessing.Pipe(duplex=False)
     context = multiprocessing.get_context("spawn")
@@ -122,9 +152,11 @@ def print_table(rows: list[str], campaign: str) -> None:
     head = ("CPU s", "wall s", "peak MB")
     print(f"{'diagnosis':28}" + "".join(f"{h:>9}" for h in head) + "  found")
     for task in make_tasks(rows, campaign):
-        cpu, wall, peak, found = measure(task)
+        cpu, wall, peak, found, stages = measure(task)
         numbers = f"{cpu:9.1f}{wall:9.1f}{peak:9.0f}"
         print(f"{task.label:28}{numbers}  {found or 'nothing'}", flush=True)
+        for name, spent in stages.items() if task.in_stages else ():
+            print(f"  {name:26}{spent[0]:9.1f}{spent[1]:9.1f}", flush=True)
 
 
 def main() -> None:

@@ -30,6 +30,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                     0.0,
                     verdict.closed_amplitude(d.evaluator, d.nominal, fit),
                 ),
+                "validation": _validation(d, fit),
                 "searched": fit.solution.jacobian is not None,
                 "converged": fit.refined,
                 "identifiable": not _is_tied(d, fit),
@@ -57,12 +58,22 @@ def _absent_row(d: Diagnosis, card: Effect) -> dict:
         "title": card.title,
         "excess": verdict.misfit(d.evaluator, d.nominal),
         "explained": 0.0,
+        "validation": None,
         "searched": False,
         "converged": False,
         "identifiable": True,
         "decision": "nothing of it in the leg lengths at rest",
         "parameters": [],
     }
+
+
+def _validation(d: Diagnosis, fit) -> dict | None:
+    """What it leaves on runs that it has not seen; None where not replayed."""
+    for prediction in d.predictions:
+        if prediction.fit is fit:
+            low, high = prediction.interval
+            return {"gap": prediction.gap, "lower95": low, "upper95": high}
+    return None
 
 
 def _is_tied(d: Diagnosis, fit) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from brace_drake.gap.causes import try_causes
 from brace_drake.gap.devices import Device, MakeDevice, check_room
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ladder import climb, holds_at_rest
+from brace_drake.gap.prediction import Prediction, predict_runs
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
 from brace_drake.gap.run_parameters import adapt_to_runs, has_run_parameters
 from brace_drake.gap.shrink import RunComparison, compare_runs
@@ -45,6 +46,7 @@ class Diagnosis:
     floor_ratios: dict[str, float]
     seed: int
     is_cut: bool = False
+    predictions: Sequence[Prediction] = ()
 
 
 def diagnose(
@@ -116,4 +118,5 @@ def diagnose(
         ratios,
         seed,
         is_cut,
+        predict_runs(validation, nominal, fits, rate, seed),
     )

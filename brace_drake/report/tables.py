@@ -60,6 +60,13 @@ def _ratio(value: float, nominal: float) -> float:
     return value / nominal if nominal != 0.0 else math.nan
 
 
+def _validation(told: dict) -> dict:
+    """What a cause leaves on validation runs, and between which values."""
+    low, high = times(told.get("lower95")), times(told.get("upper95"))
+    interval = "" if NOTHING in (low, high) else f"{low} to {high}"
+    return {"gap": times(told.get("gap")), "interval": interval}
+
+
 def cause_row(cause: dict, verdict: dict) -> dict:
     """One candidate of the ranking."""
     effect = text(cause, "effect") or NOTHING
@@ -70,6 +77,7 @@ def cause_row(cause: dict, verdict: dict) -> dict:
         "explained": percent(cause.get("explained")),
         "width": bar_width(cause.get("explained")),
         "excess": times(cause.get("excess")),
+        "validation": _validation(part(cause, "validation")),
         "parameters": [parameter_row(p) for p in rows(cause, "parameters")],
         "decision": text(cause, "decision"),
         "chosen": is_chosen(cause, verdict),
