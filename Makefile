@@ -9,8 +9,9 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 EXAMPLE := tests/data/example
 OUT := out/demo
-# What builds the package is pinned as what it needs; modules are compiled as
-# they are used, which few of those installed are.
+# What builds the package is pinned as what it needs. Modules are compiled when
+# first used, which few of those installed are, and are then kept.
+unexport PYTHONDONTWRITEBYTECODE
 PINNED := -c constraints.txt --build-constraint constraints.txt
 
 PARTS := test_link test_a-c test_d-k test_l test_m-q test_s test_r test_t-z
