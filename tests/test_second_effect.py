@@ -4,7 +4,8 @@ import unittest
 from types import SimpleNamespace
 from unittest import mock
 
-from brace_drake.gap import document, pair_moves, second_effect
+from brace_drake.effects.registry import find_effect
+from brace_drake.gap import document, pair_moves, screen, second_effect
 from brace_drake.gap.pair_moves import set_out_afresh
 from brace_drake.gap.second_effect import SecondEffects
 
@@ -47,7 +48,7 @@ class TestEnd(unittest.TestCase):
         leader = SimpleNamespace(effects=("a",))
         found._evaluator = found._leader = found._nominal = None
         found._all, found._is_half = lambda: [leader], lambda fit: True
-        found._is_done = lambda limit=0.0: False
+        found._is_done = lambda: False
         found._is_rough = lambda fit: False
         tried = []
         found._try_beside = lambda beside, many, say: tried.append(many)
@@ -91,6 +92,32 @@ class TestEnd(unittest.TestCase):
             self.assertEqual(line_up.call_args.args[3].tolist(), [5.0])
             self.assertEqual(step.call_count, steps)
             self.assertEqual(kept, [runner])
+
+    def test_a_promise_of_few_or_of_a_breath_is_half_of_what_a_search_takes(
+        self,
+    ):
+        promises = {
+            "force_bias": 1.9,
+            "breathing": 1.9,
+            "ring_mass": 2.1,
+            "anchor_error": 1.1,
+            "encoder_offset": 0.9,
+        }
+        cards = [find_effect(name) for name in promises]
+        ground = SimpleNamespace(is_exact=False)
+        with (
+            mock.patch.object(
+                screen,
+                "line_up",
+                lambda _, card: [
+                    SimpleNamespace(card=card, promise=promises[card.name])
+                ],
+            ),
+            mock.patch.object(screen, "search_best") as search,
+        ):
+            screen.race(ground, cards, bar=1.0)
+        names = [runner.card.name for runner in search.call_args.args[1]]
+        self.assertEqual(names, ["encoder_offset", "force_bias", "breathing"])
 
     def test_a_diagnosis_says_so(self):
         for is_cut in (True, False):

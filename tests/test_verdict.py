@@ -87,6 +87,19 @@ class TestVerdict(unittest.TestCase):
         self.assertEqual(len(verdict(50.0, single, poor).winner.effects), 1)
         self.assertEqual(len(verdict(50.0, single, good).winner.effects), 2)
 
+    def test_what_the_noises_level_may_be_off_hides_no_second_effect(self):
+        single = fit(0.14, "force_bias")
+        for rest, number in ((0.03, 2), (0.1, 1), (0.139, 1)):
+            with self.subTest(rest=rest):
+                pair = fit(rest, "force_bias", "ring_mass")
+                found = verdict(50.0, single, pair).winner
+                self.assertEqual(len(found.effects), number)
+        # No level of noise is off by more than that.
+        single = fit(0.9, "force_bias")
+        pair = fit(0.3, "force_bias", "ring_mass")
+        found = verdict(50.0, single, pair).winner
+        self.assertEqual(len(found.effects), 1)
+
     def test_what_is_no_draw_neither_explains_nor_rivals(self):
         drawn = fit(0.01, "anchor_error", scattered=False)
         self.assertTrue(verdict(50.0, drawn).outside_library)

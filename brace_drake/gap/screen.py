@@ -35,7 +35,8 @@ _COARSE, _COARSE_OF_MANY = 0.01, 0.5
 # that many times too strong or too weak.
 _RESCALED, _ENOUGH, _WEAKEST = 2, 0.4, 0.05
 # One straight way foresees about half of what a search takes, or less: it
-# knows of one mixture of parameters, and of no bend in what the subject's do.
+# knows of one mixture of parameters, and of no bend in what the subject's do;
+# nor does a first step know a breath whose rate is not yet right.
 _BENDS = 2.0
 # Of more parameters than this one straight way says nothing.
 _FEW_WAYS = 4
@@ -61,8 +62,9 @@ def race(
         cards: One effect each.
         say: Progress.
         places: So many are searched whatever they promise.
-        bar: Of effects of dozens of parameters who promises to leave more is
-            not searched, of others who promises to leave by far more.
+        bar: Of effects of dozens of parameters that are drawn alike who
+            promises to leave more is not searched, of others who promises to
+            leave by far more.
         most, must_explain, least: See `search_best`.
 
     Returns:
@@ -94,7 +96,7 @@ def _excess(ground: Ground, runner: Runner) -> float:
 
 def _highest(bar: float, card: Effect) -> float:
     """The promise from which a card may come below the bar."""
-    return bar if card.is_flexible else _BENDS * bar
+    return bar if card.spread is not None else _BENDS * bar
 
 
 def search_best(

@@ -34,9 +34,6 @@ from brace_drake.gap.verdict import (
 
 # Beside one that explains most, two have to leave half as much.
 _HALF = 0.5
-# Mean square, in floors, up to which nothing is left that would be worth the
-# search over second effects of dozens of parameters.
-_ENOUGH = 0.5
 # Pairs that are searched inside the twin, of all that are foreseen.
 _SEARCHED = 4
 # Replays of all runs after which no other search is begun.
@@ -215,7 +212,7 @@ class SecondEffects:
             return
         if not is_tried:
             self._try_beside(beside, False, lambda w, s: say(w, 0.3 + 0.3 * s))
-        enough = not of_many or self._is_done(_ENOUGH)
+        enough = not of_many or self._is_done()
         if not (enough or self._is_rough(leader)):
             self._try_beside(beside, True, lambda w, s: say(w, 0.6 + 0.4 * s))
 
@@ -228,14 +225,13 @@ class SecondEffects:
             for f in refined(self._all())
         )
 
-    def _is_done(self, limit: float = 0.0) -> bool:
-        """Whether what is left is little, `limit` floors at most."""
+    def _is_done(self) -> bool:
+        """Whether what is left is what surrogates leave too."""
         if self._evaluator.replays > self._begun + _DEAR:
             self.is_cut = not self._is_settled()
             return True
-        enough = max(limit, self._null.misfit_threshold)
         return self._is_settled() and is_near_floor(
-            self._evaluator, self._all(), enough
+            self._evaluator, self._all(), self._null.misfit_threshold
         )
 
     def _is_rough(self, leader: CandidateFit) -> bool:

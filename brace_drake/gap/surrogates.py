@@ -16,7 +16,7 @@ _REPLICATES = 6
 _DRAWS = 400
 # The level of the instruments' noise is trusted to 5 %, its square to 10 %: a
 # repeat of one run shows no less (see `prepare`).
-_NOISE_TRUST = 0.10
+NOISE_TRUST = 0.10
 # Effects of more parameters have priors that keep them from chance.
 _FEW = 8
 # What any effect may gain where the twin is not exact.
@@ -45,7 +45,7 @@ class NullDistribution:
         noise level of real instruments may be off unnoticed.
         """
         spread = np.quantile(self.misfit, 0.99) - np.median(self.misfit)
-        return float(spread) + 4.0 * self.numerical + _NOISE_TRUST
+        return float(spread) + 4.0 * self.numerical + NOISE_TRUST
 
     @property
     def gain_threshold(self) -> float:

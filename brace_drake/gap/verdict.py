@@ -15,7 +15,7 @@ from brace_drake.gap.probability import (
     sure_of_outside,
     with_less_known,
 )
-from brace_drake.gap.surrogates import NullDistribution
+from brace_drake.gap.surrogates import NOISE_TRUST, NullDistribution
 
 # An explanation must take away this much of the gap's amplitude: more where
 # instruments and nominal numbers are given exactly, so that only the law of the
@@ -274,9 +274,12 @@ def simplest_of_fewest(
         richer = simplest(evaluator, by_number[number])
         is_less = is_flexible(best) and not is_flexible(richer)
         pays = 1.0 if is_less else _SECOND_PAYS
-        pays *= left_over(evaluator, best)
-        if left_over(evaluator, richer) < pays and (
-            misfit(evaluator, richer) <= _NEAR_FLOOR
+        # What the noise's level may be off is left by both.
+        rest = misfit(evaluator, richer)
+        off = min(max(0.0, rest), NOISE_TRUST)
+        left = left_over(evaluator, richer) - off
+        if left < pays * (left_over(evaluator, best) - off) and (
+            rest <= _NEAR_FLOOR
         ):
             best = richer
     return best
