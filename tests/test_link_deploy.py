@@ -92,6 +92,7 @@ class TestDeploy(unittest.TestCase):
             self.assertTrue(
                 wait_for(lambda: device.firmware.state != DeviceState.ARMED)
             )
+            self.assertNotEqual(device.firmware.trip.cause, Cause.WATCHDOG)
 
     def test_a_law_that_fails_stops_the_device_and_is_told(self):
         class Broken(HostControl):

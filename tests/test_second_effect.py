@@ -104,7 +104,8 @@ class TestEnd(unittest.TestCase):
             "encoder_offset": 0.9,
         }
         cards = [find_effect(name) for name in promises]
-        ground = SimpleNamespace(is_exact=False)
+        leader = SimpleNamespace(effects=())
+        ground = SimpleNamespace(is_exact=False, leader=leader)
         with (
             mock.patch.object(
                 screen,

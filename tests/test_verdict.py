@@ -94,6 +94,11 @@ class TestVerdict(unittest.TestCase):
                 pair = fit(rest, "force_bias", "ring_mass")
                 found = verdict(50.0, single, pair).winner
                 self.assertEqual(len(found.effects), number)
+        # What noise might gain is no second effect.
+        pair = fit(0.03, "force_bias", "ring_mass")
+        rough = SimpleNamespace(misfit_threshold=0.1, gain_threshold=0.2)
+        found = verdict(50.0, single, pair, null=rough).winner
+        self.assertEqual(len(found.effects), 1)
         # No level of noise is off by more than that.
         single = fit(0.9, "force_bias")
         pair = fit(0.3, "force_bias", "ring_mass")

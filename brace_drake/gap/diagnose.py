@@ -103,6 +103,8 @@ def diagnose(
     repaired = verdict.winner
     if has_run_parameters(repaired):
         repaired = adapt_to_runs(validation, repaired)
+    compared = compare_runs(validation, nominal, repaired)
+    rivals = fits if verdict.gap else []
     return Diagnosis(
         campaign,
         device,
@@ -114,9 +116,9 @@ def diagnose(
         table,
         ladder,
         compare_runs(evaluator, nominal, verdict.winner),
-        compare_runs(validation, nominal, repaired),
+        compared,
         ratios,
         seed,
         is_cut,
-        predict_runs(validation, nominal, fits, rate, seed),
+        predict_runs(validation, compared, verdict.winner, rivals, rate, seed),
     )

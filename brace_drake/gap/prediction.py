@@ -6,12 +6,21 @@ not on others; so what a cause leaves there is its score, whatever its freedom.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.run_parameters import has_run_parameters
-from brace_drake.gap.shrink import compare_runs, rms_interval, total_gap
+from brace_drake.gap.shrink import (
+    RunComparison,
+    repair_runs,
+    rms_interval,
+    total_gap,
+)
 
 # A replay of each costs little, of all the pairs that were tried much.
 _MOST = 8
@@ -34,32 +43,48 @@ class Prediction:
 
 def predict_runs(
     validation: Evaluator,
-    nominal: CandidateFit,
-    fits: list[CandidateFit],
+    compared: Sequence[RunComparison],
+    winner: CandidateFit | None,
+    fits: Sequence[CandidateFit],
     rate: float,
     seed: int,
 ) -> list[Prediction]:
-    """Predictions by the causes that leave least on the fit runs.
+    """Predictions by the winner and by causes that leave least on the fit runs.
 
     Args:
         validation: Over runs that no fit has seen.
-        nominal: The nominal fit.
-        fits: Of causes. Those with parameters of single runs predict nothing:
-            they would have to be fitted to these runs.
+        compared: Those runs, replayed before and after the winner's repair.
+        winner: None where there is none.
+        fits: Of causes that were searched or not. Not searched ones predict
+            nothing, nor do those with parameters of single runs, which would
+            have to be fitted to these runs, nor those whose twin breaks down.
         rate: Hz.
         seed: Of the intervals.
     """
-    if not validation.prepared:
+    if not compared:
         return []
+    found = []
+    if winner is not None:
+        found.append(_measure(winner, compared, rate, seed))
     able = [
         f
         for f in sorted(fits, key=lambda f: f.excess)
         if f.solution.jacobian is not None and not has_run_parameters(f)
     ]
-    found = []
     for fit in able[:_MOST]:
-        replayed = compare_runs(validation, nominal, fit)
-        squares = [c.normalised("after").mean(axis=1) for c in replayed]
-        interval = rms_interval(squares, rate, seed)
-        found.append(Prediction(fit, total_gap(replayed, "after"), interval))
+        if fit is winner:
+            continue
+        try:
+            replayed = repair_runs(validation, compared, fit)
+        except BraceError:
+            continue
+        prediction = _measure(fit, replayed, rate, seed)
+        if np.isfinite(prediction.gap):
+            found.append(prediction)
     return found
+
+
+def _measure(fit, replayed, rate, seed) -> Prediction:
+    squares = [c.normalised("after").mean(axis=1) for c in replayed]
+    interval = rms_interval(squares, rate, seed)
+    return Prediction(fit, total_gap(list(replayed), "after"), interval)

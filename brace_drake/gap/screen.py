@@ -72,8 +72,9 @@ def race(
         leader leaves nothing to explain.
     """
     runners = []
+    leader = f"{ground.leader.name}+" if ground.leader.effects else ""
     for i, card in enumerate(cards):
-        say(f"cause {card.key}", 0.6 * i / len(cards))
+        say(f"cause {leader}{card.key}", 0.6 * i / len(cards))
         runners += line_up(ground, card)
     if ground.is_exact:
         return runners

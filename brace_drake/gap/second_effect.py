@@ -270,7 +270,7 @@ class SecondEffects:
         others = self._others(leader, flexible)
         bar = self._bar()
         if flexible:
-            # With so much freedom they have to promise much.
+            # With so much freedom those drawn alike have to promise much.
             bar = min(bar, _HALF * leader.excess)
         found = race(
             beside, others, say, bar=bar, most=self._most, must_explain=True

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,16 +51,30 @@ def compare_runs(
 
     def one(prepared):
         before = evaluator.simulate(prepared, nominal.subject, ())
-        after, dither = None, 0.0
-        if winner is not None:
-            uses = winner.uses
-            after = evaluator.simulate(prepared, winner.subject, uses)
-            dither = (
-                1.0 / NUM_DITHERS if is_dithered(evaluator.twin, uses) else 0.0
-            )
-        return RunComparison(prepared, before, after, dither)
+        return RunComparison(prepared, before, None)
 
-    return evaluator.map(one, [(p,) for p in evaluator.prepared])
+    compared = evaluator.map(one, [(p,) for p in evaluator.prepared])
+    if winner is None:
+        return compared
+    return repair_runs(evaluator, compared, winner)
+
+
+def repair_runs(
+    evaluator: Evaluator, compared: Sequence[RunComparison], fit: CandidateFit
+) -> list[RunComparison]:
+    """The same runs, with a fit's replays as those after the repair.
+
+    Raises:
+        BraceError: Its twin breaks down in one of them.
+    """
+    is_noisy = is_dithered(evaluator.twin, fit.uses)
+    dither = 1.0 / NUM_DITHERS if is_noisy else 0.0
+
+    def one(run):
+        after = evaluator.simulate(run.prepared, fit.subject, fit.uses)
+        return replace(run, after=after, dither=dither)
+
+    return evaluator.map(one, [(run,) for run in compared])
 
 
 def _rms(squares: np.ndarray) -> float:

@@ -36,7 +36,8 @@ _NEAR_FLOOR_ROUGH = 0.5
 _UNFINISHED = 2.0
 # What the coarse plant step of a race may put in, as a share of the gap.
 _UNFINISHED_SHARE = 0.25
-# Two effects have to leave this share of what one leaves.
+# Two effects have to leave this share of what one leaves, the noise's level
+# being right.
 _SECOND_PAYS = 0.25
 # Mean square, in floors, up to which a twin of the right effect is trusted to
 # follow a recording: a tenth of the floor's amplitude and a bit.
@@ -195,7 +196,7 @@ def decide(
         short = best / smallest_share(evaluator)
         sure = with_less_known(sure_of_outside(short), evaluator.recorded)
         return Verdict(True, None, True, (), sure)
-    winner = simplest_of_fewest(evaluator, good)
+    winner = simplest_of_fewest(evaluator, good, null)
     number = len(winner.effects)
     rivals = [
         f
@@ -258,10 +259,14 @@ def is_almost_near_floor(evaluator: Evaluator, fit: CandidateFit) -> bool:
 
 
 def simplest_of_fewest(
-    evaluator: Evaluator, fits: Sequence[CandidateFit]
+    evaluator: Evaluator,
+    fits: Sequence[CandidateFit],
+    null: NullDistribution,
 ) -> CandidateFit:
     """The simplest fit of one effect, or of two where the second one pays.
 
+    It does where two leave less than a quarter of what one leaves, both less
+    what the level of the noise may be off, and gain more than noise would.
     Beside one of dozens of parameters, which can cover much of any gap, two of
     few need only leave less.
     """
@@ -274,13 +279,13 @@ def simplest_of_fewest(
         richer = simplest(evaluator, by_number[number])
         is_less = is_flexible(best) and not is_flexible(richer)
         pays = 1.0 if is_less else _SECOND_PAYS
+        gains = gain(evaluator, best, richer) > null.gain_threshold
         # What the noise's level may be off is left by both.
         rest = misfit(evaluator, richer)
         off = min(max(0.0, rest), NOISE_TRUST)
         left = left_over(evaluator, richer) - off
-        if left < pays * (left_over(evaluator, best) - off) and (
-            rest <= _NEAR_FLOOR
-        ):
+        is_little = left < pays * (left_over(evaluator, best) - off)
+        if is_little and (gains or is_less) and rest <= _NEAR_FLOOR:
             best = richer
     return best
 
