@@ -14,7 +14,7 @@ OUT := out/demo
 unexport PYTHONDONTWRITEBYTECODE
 PINNED := -c constraints.txt --build-constraint constraints.txt
 
-PARTS := test_link test_a-c test_d-k test_l test_m-q test_s test_r test_t-z
+PARTS := test_link test_m-q test_d-k test_l test_t-z test_a-c test_r test_s
 
 .PHONY: demo test $(PARTS) lint types docs bench wheel clean
 

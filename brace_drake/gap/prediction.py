@@ -55,9 +55,9 @@ def predict_runs(
         validation: Over runs that no fit has seen.
         compared: Those runs, replayed before and after the winner's repair.
         winner: None where there is none.
-        fits: Of causes that were searched or not. Not searched ones predict
-            nothing, nor do those with parameters of single runs, which would
-            have to be fitted to these runs, nor those whose twin breaks down.
+        fits: Of causes. Who was not searched predicts nothing, nor who has
+            parameters of single runs, which would have to be fitted to these
+            runs, nor whose twin breaks down.
         rate: Hz.
         seed: Of the intervals.
     """

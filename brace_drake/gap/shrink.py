@@ -70,11 +70,14 @@ def repair_runs(
     is_noisy = is_dithered(evaluator.twin, fit.uses)
     dither = 1.0 / NUM_DITHERS if is_noisy else 0.0
 
-    def one(run):
-        after = evaluator.simulate(run.prepared, fit.subject, fit.uses)
-        return replace(run, after=after, dither=dither)
+    def one(prepared):
+        return evaluator.simulate(prepared, fit.subject, fit.uses)
 
-    return evaluator.map(one, [(run,) for run in compared])
+    replays = evaluator.map(one, [(c.prepared,) for c in compared])
+    return [
+        replace(c, after=after, dither=dither)
+        for c, after in zip(compared, replays, strict=True)
+    ]
 
 
 def _rms(squares: np.ndarray) -> float:
