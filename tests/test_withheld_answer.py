@@ -15,6 +15,7 @@ from brace_drake.withheld.answer import (
     AnswerError,
     answer_cases,
 )
+from brace_drake.withheld.make import make_cases
 from brace_drake.withheld.seals import SEALS, check_seal
 from tests.commands import run_command
 
@@ -52,6 +53,23 @@ class TestMake(unittest.TestCase):
         # Every machine has its imperfections, but they must not show.
         self.assertGreater(decoy["rms"], 0.0)
         self.assertLess(decoy["rms"], 0.3)
+
+    def test_cases_do_not_depend_on_how_many_are_made_at_a_time(self):
+        def drawn(path, kind, rng):
+            return {"kind": kind, "number": int(rng.integers(10**9))}
+
+        truths = []
+        for jobs in (1, 3):
+            with (
+                tempfile.TemporaryDirectory() as folder,
+                mock.patch("brace_drake.withheld.make._make_case", drawn),
+            ):
+                vault = Path(folder) / "vault.json"
+                make_cases(Path(folder) / "cases", vault, 7, seed=1, jobs=jobs)
+                kept = json.loads(vault.read_text())["cases"]
+                truths.append({n: c["truth"] for n, c in kept.items()})
+        self.assertEqual(len({t["number"] for t in truths[0].values()}), 7)
+        self.assertEqual(truths[0], truths[1])
 
     def test_readings_come_in_steps_of_their_instruments(self):
         runs = LoadCampaign(self.cases / "case000").runs

@@ -26,16 +26,20 @@ from brace_drake.withheld.shares import wilson_interval
 from tests.commands import run_command
 
 
-def truth(kind, effects, blocks, severity="small", floors=1.0):
-    """A truth as `make` seals it."""
+def truth(kind, effects, blocks, severity="small", floors=1.0, beside=()):
+    """A truth as `make` seals it; `beside`: floors of each beside the other."""
     outside = kind == "outside"
+    floors = {"faults": None if kind == "none" else {"refitted": floors}}
+    if beside:
+        pairs = zip(effects, beside, strict=True)
+        floors["beside"] = {name: {"refitted": size} for name, size in pairs}
     return {
         "kind": kind,
         "severity": None if kind == "none" else severity,
         "effects": [] if outside else effects,
         "outside": effects if outside else [],
         "blocks": blocks,
-        "floors": {"faults": None if kind == "none" else {"refitted": floors}},
+        "floors": floors,
     }
 
 
@@ -51,7 +55,7 @@ def verdict(effects=(), blocks=(), outside=False, rivals=(), p=0.9):
     }
 
 
-# Truth, verdict and closed share of seven cases.
+# Truth, verdict and closed share of eight cases.
 TABLE = (
     (truth("none", [], []), verdict(p=0.8), None),
     (truth("none", [], []), verdict(["backlash"], ["actuation"]), None),
@@ -71,9 +75,24 @@ TABLE = (
         None,
     ),
     (
-        truth("pair", ["ring_mass", "reflex"], ["mechanism", "torso"]),
+        truth(
+            "pair",
+            ["ring_mass", "reflex"],
+            ["mechanism", "torso"],
+            beside=(4.0, 0.5),
+        ),
         verdict(["reflex", "ring_mass"], ["torso", "mechanism"]),
         0.7,
+    ),
+    (
+        truth(
+            "pair",
+            ["backlash", "reflex"],
+            ["actuation", "torso"],
+            beside=(4.0, 0.1),
+        ),
+        verdict(["backlash"], ["actuation"]),
+        0.95,
     ),
     (
         truth("outside", ["tremor"], ["torso"]),
@@ -127,6 +146,18 @@ class TestCases(unittest.TestCase):
         self.assertEqual(case.truth()["blocks"], ["actuation"])
         json.dumps(case.truth(), allow_nan=False)
 
+    def test_a_pair_without_one_of_its_faults_is_the_other(self):
+        names = ("viscous_leg", "posture_drift")
+        pair = tuple(f for f in FAULTS if f.name in names)
+        case = build_case(
+            np.random.default_rng(0), "pair", pair, "small", lambda _: 8
+        )
+        drag, drift = pair
+        self.assertEqual(case.without(drag).legs, case.decoy.legs)
+        self.assertEqual(case.without(drag).torso, case.flaws.torso)
+        self.assertEqual(case.without(drift).legs, case.flaws.legs)
+        self.assertEqual(case.without(drift).torso, case.decoy.torso)
+
 
 class WithFiles(unittest.TestCase):
     """A folder of seals, a vault and answers of TABLE."""
@@ -165,23 +196,26 @@ class TestScore(WithFiles):
         counts = {
             name: (s["hits"], s["count"]) for name, s in found["shares"].items()
         }
-        self.assertEqual(counts["answered right"], (4, 7))
+        self.assertEqual(counts["answered right"], (4, 8))
         self.assertEqual(counts["false alarms"], (1, 2))
         self.assertEqual(counts["singles: first answer"], (1, 3))
         self.assertEqual(counts["detectable singles: first answer"], (1, 2))
         self.assertEqual(counts["detectable singles: coverage"], (2, 2))
-        self.assertEqual(counts["pairs: both named"], (1, 1))
+        self.assertEqual(counts["pairs: both named"], (1, 2))
+        self.assertEqual(counts["pairs, each detectable: both named"], (1, 1))
         self.assertEqual(counts["outside: recall"], (1, 1))
         self.assertEqual(counts["outside: precision"], (1, 1))
-        self.assertEqual(counts["blocks"], (3, 5))
+        self.assertEqual(counts["library effects called outside"], (0, 5))
+        self.assertEqual(counts["blocks: exactly those at fault"], (3, 6))
+        self.assertEqual(counts["detectable gaps: blocks at fault"], (4, 5))
         self.assertEqual(found["answers_per_case"], 1.5)
         self.assertAlmostEqual(found["gap_closed_median"], 0.8)
-        wrong = 2 * 0.9**2 + 0.6**2
+        wrong = 3 * 0.9**2 + 0.6**2
         right = 3 * 0.1**2 + 0.2**2
-        self.assertAlmostEqual(found["brier_score"], (wrong + right) / 7)
-        log = 2 * math.log(0.1) + math.log(0.4)
+        self.assertAlmostEqual(found["brier_score"], (wrong + right) / 8)
+        log = 3 * math.log(0.1) + math.log(0.4)
         log += 3 * math.log(0.9) + math.log(0.8)
-        self.assertAlmostEqual(found["log_score"], -log / 7)
+        self.assertAlmostEqual(found["log_score"], -log / 8)
         self.assertEqual(found["confusion"]["small"]["reflex"], {"none": 1})
 
     def test_table_and_picture_are_written(self):

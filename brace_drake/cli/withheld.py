@@ -88,6 +88,7 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
         help="makes repeatable cases, which are then not blind (default:"
         " entropy of the operating system)",
     )
+    AddJobCount(parser, "cases at a time (default: all cores)")
 
 
 def _add_answer(parts: argparse._SubParsersAction) -> None:
@@ -157,6 +158,7 @@ def RunMake(args: argparse.Namespace) -> int:
             args.cases,
             args.seed,
             lambda done: bar.update(done - bar.n),
+            args.jobs,
         )
     print(f"cases: {out}, promised by {out / SEALS}")
     print(f"truth: {args.vault}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -55,6 +56,11 @@ class Case:
             "parameters": self.changes,
             "subject": self.subject._asdict(),
         }
+
+    def without(self, fault: Fault) -> Flaws:
+        """The flaws with one of the faults left out."""
+        left = (c for name, c in self.changes.items() if name != fault.name)
+        return _with_all(self.decoy, left)
 
 
 def draw_kinds(rng: np.random.Generator, count: int) -> list[str]:
@@ -132,7 +138,12 @@ def build_case(
         if "legs.limit" in change:
             change = {"legs.limit": strength * largest_command(subject)}
         changes[fault.name] = change
-    flaws = decoy
-    for change in changes.values():
-        flaws = with_flaws(flaws, change)
+    flaws = _with_all(decoy, changes.values())
     return Case(kind, faults, severity, subject, decoy, flaws, changes)
+
+
+def _with_all(flaws: Flaws, changes: Iterable[dict]) -> Flaws:
+    """Flaws with each of the changes."""
+    for change in changes:
+        flaws = with_flaws(flaws, change)
+    return flaws

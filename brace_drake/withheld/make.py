@@ -12,6 +12,7 @@ import yaml
 from brace_drake.campaign import Campaign, Run, WriteCampaign
 from brace_drake.errors import OutputError
 from brace_drake.output import HoldFolder, MakeFolder, WriteJson, WriteText
+from brace_drake.parallel.workers import Workers
 from brace_drake.withheld.cases import (
     Case,
     build_case,
@@ -85,12 +86,21 @@ def largest_command(motions: list[Motion]) -> Callable[[Subject], float]:
 
 
 def size_of(case: Case, motions: list[Motion]) -> dict:
-    """Sizes in floors of the faults and, apart from them, of the decoy."""
+    """Sizes in floors of the faults and, apart from them, of the decoy; of two
+    faults also what each adds beside the other.
+    """
     decoy = measure(motions, case.subject, Flaws(), case.decoy, refit=False)
     sizes = {"decoy": decoy._asdict(), "faults": None}
     if case.faults:
         gap = measure(motions, case.subject, case.decoy, case.flaws)
         sizes["faults"] = gap._asdict()
+    if len(case.faults) > 1:
+        sizes["beside"] = {
+            f.name: measure(
+                motions, case.subject, case.without(f), case.flaws
+            )._asdict()
+            for f in case.faults
+        }
     return sizes
 
 
@@ -100,6 +110,7 @@ def make_cases(
     count: int,
     seed: int | None = None,
     progress: Callable[[int], None] = lambda done: None,
+    jobs: int = 1,
 ) -> None:
     """Writes `count` cases, their seals, and the vault.
 
@@ -110,6 +121,7 @@ def make_cases(
         seed: For repeatable cases, which are not blind; by default the
             operating system's entropy, which is not kept.
         progress: Told how many cases are done.
+        jobs: Cases at a time; they do not depend on it.
 
     Raises:
         OutputError: A place is taken or the vault lies among the cases.
@@ -126,26 +138,27 @@ def make_cases(
     source = np.random.SeedSequence(entropy)
     kinds_rng, *children = source.spawn(count + 1)
     kinds = draw_kinds(np.random.default_rng(kinds_rng), count)
+    tasks = [
+        (out / f"case{i:03d}", kind, np.random.default_rng(child))
+        for i, (kind, child) in enumerate(zip(kinds, children, strict=True))
+    ]
+    with Workers(jobs) as workers:
+        made = workers.map(_make_case, tasks, progress)
     truths, seals = {}, {}
-    for i, (kind, child) in enumerate(zip(kinds, children, strict=True)):
-        name = f"case{i:03d}"
-        truth = _make_case(out / name, name, kind, np.random.default_rng(child))
+    for (path, *_), truth in zip(tasks, made, strict=True):
         salt = new_salt()
-        truths[name] = {"salt": salt, "truth": truth}
-        seals[name] = seal(truth, salt)
-        progress(i + 1)
+        truths[path.name] = {"salt": salt, "truth": truth}
+        seals[path.name] = seal(truth, salt)
     # The vault first: seals without a truth would be worthless.
     WriteJson(vault, {"format": VAULT_FORMAT, "cases": truths})
     vault.chmod(0o600)
     WriteText(out / SEALS, yaml.safe_dump({"seals": seals}))
 
 
-def _make_case(
-    path: Path, name: str, kind: str, rng: np.random.Generator
-) -> dict:
+def _make_case(path: Path, kind: str, rng: np.random.Generator) -> dict:
     motions = make_motions(rng)
     faults, severity = draw_faults(rng, kind)
     case = build_case(rng, kind, faults, severity, largest_command(motions))
-    WriteCampaign(record_campaign(case, motions, name, rng), path)
+    WriteCampaign(record_campaign(case, motions, path.name, rng), path)
     floors = size_of(case, motions)
-    return {"name": name, **case.truth(), "floors": floors}
+    return {"name": path.name, **case.truth(), "floors": floors}

@@ -70,6 +70,7 @@ def score(judged: list[Judged], least: float) -> dict:
     pair = [j for j in judged if j.kind == "pair"]
     none = [j for j in judged if j.kind == "none"]
     outside = [j for j in judged if j.kind == "outside"]
+    wrong = [j for j in judged if j.kind != "none"]
     accused = [j for j in judged if j.given == "outside"]
     shares = {
         "answered right": share_of([j.right for j in judged]),
@@ -79,13 +80,22 @@ def score(judged: list[Judged], least: float) -> dict:
         "detectable singles: first answer": share_of([j.right for j in clear]),
         "detectable singles: coverage": share_of([j.covered for j in clear]),
         "pairs: both named": share_of([j.right for j in pair]),
+        "pairs, each detectable: both named": share_of(
+            [j.right for j in pair if j.is_each_detectable(least)]
+        ),
         "pairs: at least one named": share_of(
             [bool(j.named & set(j.truth["effects"])) for j in pair]
         ),
         "outside: recall": share_of([j.right for j in outside]),
         "outside: precision": share_of([j.kind == "outside" for j in accused]),
-        "blocks": share_of(
-            [j.blocks_right for j in judged if j.kind != "none"]
+        "library effects called outside": share_of(
+            [j.given == "outside" for j in single + pair]
+        ),
+        "blocks: exactly those at fault": share_of(
+            [j.blocks_right for j in wrong]
+        ),
+        "detectable gaps: blocks at fault": share_of(
+            [j.accuses_rightly for j in wrong if j.is_detectable(least)]
         ),
     }
     for severity in SEVERITIES:

@@ -73,8 +73,17 @@ class Judged:
     @property
     def blocks_right(self) -> bool:
         """Whether exactly the right blocks are accused."""
-        blocks = self.verdict["blocks"] if self.verdict else []
-        return set(blocks) == set(self.truth["blocks"])
+        return self.accused == set(self.truth["blocks"])
+
+    @property
+    def accuses_rightly(self) -> bool:
+        """Whether a block is accused, and none that is innocent."""
+        return bool(self.accused) and self.accused <= set(self.truth["blocks"])
+
+    @property
+    def accused(self) -> set[str]:
+        """Blocks where the verdict says that the gap lies."""
+        return set(self.verdict["blocks"]) if self.verdict else set()
 
     @property
     def probability(self) -> float | None:
@@ -85,3 +94,12 @@ class Judged:
         """Whether the gap stands out by so many floors, subject refitted."""
         faults = self.truth["floors"]["faults"]
         return faults is not None and faults["refitted"] >= least
+
+    def is_each_detectable(self, least: float) -> bool:
+        """Whether each of two effects stands out so far beside the other;
+        not where their truth does not tell.
+        """
+        beside = self.truth["floors"].get("beside")
+        return bool(beside) and all(
+            size["refitted"] >= least for size in beside.values()
+        )
