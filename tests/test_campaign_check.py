@@ -602,6 +602,17 @@ class TestSigns(CheckTest):
         self.edit_channel("ring2_force_y_N", np.negative, run=2)
         self.assertEqual(CheckCampaign(self.path), [])
 
+    def test_a_run_that_is_called_free_and_presses_is_told(self):
+        campaign = make_campaign()
+        pushed = campaign.runs[0].channels["ring2_force_y_N"]
+        self.assertGreater(np.ptp(pushed), 4.0)
+        runs = tuple(replace(r, contact=False) for r in campaign.runs)
+        self.rewrite(replace(campaign, runs=runs))
+        told = [p for p in CheckCampaign(self.path) if "torso" in p.message]
+        self.assertEqual({p.severity for p in told}, {"warning"})
+        self.assertEqual({p.column for p in told}, {"ring2_force_y_N"})
+        self.assertIn(campaign.runs[0].file, {p.file for p in told})
+
     def test_a_torso_that_moves_by_itself_is_no_wrong_sign(self):
         campaign = make_campaign()
         channels = dict(campaign.runs[0].channels)

@@ -13,6 +13,7 @@ from brace_drake.campaign.columns import (
 )
 from brace_drake.campaign.dropouts import fill_dropouts, lost_rows
 from brace_drake.campaign.findings import error, quoted, warning
+from brace_drake.campaign.free_runs import check_free
 from brace_drake.campaign.manifest import Manifest, parse_manifest
 from brace_drake.campaign.manifest_runs import (
     MANIFEST,
@@ -172,7 +173,7 @@ def _check_samples(
         if limits is not None and not found:
             found = check_saturation(columns[name], channel, limits, file)
         problems += found
-    return problems + _check_directions(columns, entry, manifest)
+    return problems + _check_forces(columns, entry, manifest)
 
 
 def _default_limits(manifest: Manifest) -> Limits | None:
@@ -188,10 +189,12 @@ def _default_limits(manifest: Manifest) -> Limits | None:
     return Limits(command=manifest.control.get("force_limit_N"))
 
 
-def _check_directions(
+def _check_forces(
     columns: Columns, entry: RunEntry, manifest: Manifest
 ) -> list[Problem]:
-    """Force signs, on the rows where every known channel has a number."""
+    """Forces against motion and contact, on the rows where every known
+    channel has a number.
+    """
     channels = manifest.channels
     if any(not c.is_optional and n not in columns for n, c in channels.items()):
         return []
@@ -205,9 +208,11 @@ def _check_directions(
     period = float(np.median(np.diff(known["time_s"])))
     if period <= 0.0:
         return []
-    return check_signs(
-        manifest.device, known, 1.0 / period, entry.contact, entry.file
-    )
+    rate, file = 1.0 / period, entry.file
+    found = check_signs(manifest.device, known, rate, entry.contact, file)
+    if not entry.contact:
+        found += check_free(manifest.device, known, rate, file)
+    return found
 
 
 def _check_repeats(

@@ -102,16 +102,21 @@ def format_fit(found: dict) -> str:
     )
     for p in found["parameters"]:
         flag = "  at its limit" if p["at_limit"] else ""
+        error = "unknown"
+        if p["standard_error"] is not None:
+            error = f"{p['standard_error']:.2g}"
         lines.append(
             f"{p['name']:{width}}  {p['value']:11.5g}"
-            f" {p['standard_error']:10.2g} {p['nominal']:10.5g}{flag}"
+            f" {error:>10} {p['nominal']:10.5g}{flag}"
         )
     correlation = np.array(found["correlation"])
     np.fill_diagonal(correlation, 0.0)
     i, j = np.unravel_index(np.argmax(np.abs(correlation)), correlation.shape)
+    condition = found["condition_number"]
+    sharp = "unknown" if condition is None else f"{condition:.1f}"
     lines.append(
         f"mean square {found['mean_square']:.4f} floors,"
-        f" condition {found['condition_number']:.1f}, strongest correlation"
+        f" condition {sharp}, strongest correlation"
         f" {correlation[i, j]:.2f} ({names[i]}, {names[j]}),"
         f" {found['solver']}: {found['evaluations']} evaluations"
     )

@@ -65,6 +65,8 @@ class _Cost:
         residual, jacobian = self._evaluate(start)
         self.count = len(residual)
         hessian = jacobian.T @ jacobian / self.count
+        # Of what no run tells, any step is as good.
+        hessian[np.diag_indices_from(hessian)] += np.diag(hessian) == 0.0
         ridge = 1e-9 * np.trace(hessian) / len(start)
         factor = np.linalg.cholesky(hessian + ridge * np.eye(len(start)))
         self.z_of_w = np.linalg.inv(factor).T
