@@ -3,12 +3,13 @@
 import json
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
+from brace_drake.campaign import LoadCampaign, WriteCampaign
 from brace_drake.cli.main import main
 from brace_drake.effects.registry import find_effect
 from brace_drake.gap.diagnose import diagnose
@@ -44,6 +45,23 @@ def form_of(value):
     if isinstance(value, list):
         return set().union(*map(form_of, value)) or {()}
     return {()}
+
+
+def make_poor(campaign):
+    """20 Hz, no marker, no repeat, a sample lost, the steps cut short."""
+    runs = []
+    for run in campaign.runs:
+        if run.repeat_of is not None:
+            continue
+        end = -1 if run.motion != "stairs" else len(run.time_s) // 2
+        channels = {
+            name: values[:end:10].copy()
+            for name, values in run.channels.items()
+            if not name.startswith("torso")
+        }
+        channels["ring2_force_y_N"][40] = np.nan
+        runs.append(replace(run, channels=channels))
+    return replace(campaign, runs=tuple(runs), rate_hz=20.0)
 
 
 class TestExample(unittest.TestCase):
@@ -115,6 +133,22 @@ class TestExample(unittest.TestCase):
                     TRUTH[p["name"]],
                     delta=4.0 * p["standard_error"],
                 )
+
+    def test_a_poor_recording_is_answered_and_with_less_confidence(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path, out = Path(folder) / "poor", Path(folder) / "out"
+            WriteCampaign(make_poor(LoadCampaign(EXAMPLE)), path)
+            self.assertEqual(
+                main(["diagnose", str(path), "--out", str(out)]), 0
+            )
+            document = json.loads((out / "diagnosis.json").read_text())
+        whole, poor = self.document["verdict"], document["verdict"]
+        self.assertLess(poor["probability"], whole["probability"])
+        if poor["effects"] != whole["effects"]:
+            self.assertLess(poor["probability"], 0.5)
+        warnings = "\n".join(document["warnings"])
+        for told in ("torso_y_m", "filled by a straight line", "repeated"):
+            self.assertIn(told, warnings)
 
     def test_the_gap_closes_on_the_validation_run(self):
         shrink = self.document["shrink"]

@@ -198,7 +198,10 @@ class TestNextRun(unittest.TestCase):
             fit("force_lag", 3.0, refined=False),
         ]
         d = SimpleNamespace(
-            fits=fits, verdict=verdict(fits[1], ("viscous_leg", "force_lag"))
+            fits=fits,
+            evaluator=None,
+            null=None,
+            verdict=verdict(fits[1], ("viscous_leg", "force_lag")),
         )
         names = [r.name for r in open_rivals(d)]
         self.assertEqual(names, ["hardening", "viscous_leg"])

@@ -4,11 +4,13 @@ import json
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
 from brace_drake.campaign.write import WriteCampaign
 from brace_drake.cli.main import main
+from brace_drake.errors import BraceError
 from tests.pad_recordings import (
     ARM,
     linear,
@@ -49,6 +51,17 @@ class TestDiagnosis(unittest.TestCase):
             if not row["acquitted"]
         ]
         self.assertEqual(accused, ["contact"])
+
+    def test_a_repair_that_breaks_down_on_new_runs_keeps_the_verdict(self):
+        with mock.patch(
+            "brace_drake.gap.diagnose.repair_runs",
+            side_effect=BraceError("the twin breaks down"),
+        ):
+            document = self.diagnose(relaxing)
+        self.assertEqual(document["verdict"]["effects"], ["relaxation"])
+        self.assertIsNone(document["shrink"]["closed"])
+        warnings = " ".join(document["warnings"])
+        self.assertIn("breaks down on the validation runs", warnings)
 
     def test_hardening_and_relaxation_together_are_both_named(self):
         def both(motion, time):

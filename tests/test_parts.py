@@ -13,7 +13,10 @@ class TestParts(unittest.TestCase):
         makefile = (TESTS.parent / "Makefile").read_text()
         parts = re.search(r"^PARTS := (.*)$", makefile, re.M).group(1).split()
         found = dict(re.findall(r"^(\S+): FILES := (\S+)$", makefile, re.M))
-        self.assertEqual(set(found), set(parts))
+        self.assertEqual(set(found), {"test_link", *parts})
+        recipe = re.search(r"^test: lint\n((?:\t.*\n)+)", makefile, re.M)[1]
+        self.assertIn(" test_link ", recipe)
+        self.assertIn(" $(PARTS)", recipe)
         for path in TESTS.rglob("test_*.py"):
             self.assertEqual(path.parent, TESTS)
             with self.subTest(file=path.name):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.errors import BraceError
+from brace_drake.gap.diagnose import _compare_new
 from brace_drake.gap.prediction import _MOST, predict_runs
 from brace_drake.gap.shrink import RunComparison
 
@@ -45,6 +46,13 @@ def cause(error, excess=0.0, searched=True, of_runs=()):
         effects=(SimpleNamespace(run_parameters=of_runs),),
         solution=SimpleNamespace(jacobian=np.eye(1) if searched else None),
     )
+
+
+class TestNewRuns(unittest.TestCase):
+    def test_without_any_there_is_nothing_to_adapt_to(self):
+        nothing = SimpleNamespace(prepared=[], map=lambda function, tasks: [])
+        breathing = cause(0.0, of_runs=("phase",))
+        self.assertEqual(_compare_new(nothing, cause(1.0), breathing), [])
 
 
 class TestPredictions(unittest.TestCase):

@@ -33,5 +33,54 @@ class TestMissing(unittest.TestCase):
         )
 
 
+def floors_of(campaign):
+    """Floors of a campaign, and the ratios that its repeats have set."""
+    twin = MakeDevice(campaign).twin
+    subject = np.array([p.nominal for p in twin.subject])
+    return estimate_floors(twin, campaign, subject, 0)
+
+
+def with_run(campaign, name, **changes):
+    """A campaign with one of its runs changed."""
+    runs = [
+        replace(r, **changes) if r.file == name else r for r in campaign.runs
+    ]
+    return replace(campaign, runs=tuple(runs))
+
+
+class TestFloors(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.campaign = LoadCampaign(EXAMPLE)
+        _, cls.ratios = floors_of(cls.campaign)
+
+    def test_a_copy_of_a_run_is_no_repeat_of_it(self):
+        push = next(r for r in self.campaign.runs if r.file == "push.csv")
+        copied = with_run(
+            self.campaign, "push_repeat.csv", channels=push.channels
+        )
+        floors, ratios = floors_of(copied)
+        self.assertEqual(ratios, {})
+        self.assertTrue(np.all(floors[True].rms > 0.0))
+
+    def test_readings_of_what_is_held_back_set_no_floor(self):
+        held = next(r for r in self.campaign.runs if r.split == "validation")
+        torn = {
+            name: values
+            if "desired" in name or name.startswith("time")
+            else np.round(values, 1)
+            for name, values in held.channels.items()
+        }
+        turned = replace(self.campaign, runs=self.campaign.runs[::-1])
+        self.assertEqual(turned.runs[0].file, held.file)
+        whole, _ = floors_of(turned)
+        found, _ = floors_of(with_run(turned, held.file, channels=torn))
+        np.testing.assert_array_equal(found[True].rms, whole[True].rms)
+        repeat = replace(held, file="again.csv", repeat_of=held.file)
+        repeat = replace(repeat, split="fit", channels=torn)
+        found = replace(self.campaign, runs=(*self.campaign.runs, repeat))
+        self.assertEqual(floors_of(found)[1], self.ratios)
+
+
 if __name__ == "__main__":
     unittest.main()

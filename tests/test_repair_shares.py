@@ -1,6 +1,8 @@
 """Shares of repaired blocks on recordings whose gap is known."""
 
 import unittest
+from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 
@@ -48,6 +50,16 @@ class TestShares(unittest.TestCase):
         self.assertEqual(rows["contact"]["or"], ["sensing"])
         total = sum(row["share"] for row in rows.values())
         self.assertAlmostEqual(total, 1.0, places=12)
+
+    def test_of_no_gap_there_are_no_shares(self):
+        noise = SimpleNamespace(solution=SimpleNamespace(residual=None))
+        with mock.patch(
+            "brace_drake.gap.repair_shares._excess_pieces",
+            lambda *_: {frozenset(): np.array([0.5, -1.0])},
+        ):
+            card = SimpleNamespace(block="contact")
+            winner = SimpleNamespace(effects=[card])
+            self.assertEqual(share_repairs(None, noise, winner, (), 0), [])
 
     def test_noise_that_dithers_leave_is_no_part_of_the_gap(self):
         card = find_effect("coulomb_friction")

@@ -649,6 +649,32 @@ class OpenTest(unittest.TestCase):
         ]
         return make_view(diagnosis, [])["notes"]
 
+    def test_the_next_run_says_how_far_it_sets_explanations_apart(self):
+        diagnosis = make_diagnosis()
+        diagnosis["next_experiment"] |= {
+            "file": "next_run.csv",
+            "pairs": [
+                {"effects": ["hysteresis", "relaxation"], "separation": 144.0}
+            ],
+        }
+        text = " ".join(parse(render_page(diagnosis, [])).text)
+        self.assertRegex(text, r"hysteresis\s+,\s+relaxation\s*: 12\b")
+        self.assertIn("next_run.csv", text)
+
+    def test_with_nothing_added_there_is_no_after(self):
+        diagnosis = make_diagnosis()
+        diagnosis["verdict"] |= {"effects": [], "outside_library": True}
+        shrink = diagnosis["shrink"]
+        shrink |= {"after": shrink["before"], "closed": None}
+        shrink["closed_interval"] = None
+        for row in shrink["channels"]:
+            row |= {"after": row["before"], "closed": None}
+        view = make_view(diagnosis, [])["how_far"]
+        self.assertEqual({r["after"] for r in view["channels"]}, {"–"})
+        text = "".join(parse(render_page(diagnosis, [])).text)
+        self.assertIn("Nothing was added to the twin", text)
+        self.assertNotIn("of the excess closed", text)
+
     def test_a_part_of_the_verdict_is_not_open(self):
         notes = self.make_notes(clearance=0.8, viscous_leg=0.2)
         self.assertEqual((notes["unconverged"], notes["left_early"]), ([], []))

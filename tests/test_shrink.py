@@ -31,6 +31,18 @@ class TestRmsInterval(unittest.TestCase):
         expected = 2.0 * 1.96 * 0.5 * np.sqrt(2.0 / BLOCKS)
         self.assertAlmostEqual(self.width(squares) / expected, 1.0, delta=0.2)
 
+    def test_a_value_counts_as_much_in_a_short_block_or_beside_others(self):
+        # One large value at the end, in a block of its own, and a run of more
+        # channels: a draw with k times that value, m blocks of one channel and
+        # the others of three has the mean (100 k + 100 m + 300 n) / all.
+        last = np.append(np.ones(800), 100.0)[:, None]
+        wide = np.ones((800, 3))
+        low, high = rms_interval([last, wide], RATE, 0)
+        self.assertGreater(high, 1.0)
+        # With five of them, and 12 blocks of 1: 1.3.
+        self.assertLess(high, np.sqrt((500.0 + 1200.0) / (5.0 + 1200.0)))
+        self.assertEqual(low, 1.0)
+
     def test_the_same_seed_draws_the_same(self):
         squares = self.generator.standard_normal(5000) ** 2
         first, again = (rms_interval([squares], RATE, 7) for _ in range(2))

@@ -56,6 +56,16 @@ class TestVerdict(unittest.TestCase):
         self.assertEqual(found.ambiguous_with, ("ring_mass",))
         self.assertLess(found.probability, 0.5)
 
+    def test_what_leaves_as_little_before_its_search_has_ended_is_tied_too(
+        self,
+    ):
+        rival = fit(0.012, "ring_mass", refined=False)
+        found = verdict(50.0, fit(0.01, "force_gain"), rival)
+        self.assertEqual(found.ambiguous_with, ("ring_mass",))
+        many = fit(0.012, "anchor_error", refined=False, scattered=False)
+        found = verdict(50.0, fit(0.01, "force_gain"), many)
+        self.assertEqual(found.ambiguous_with, ())
+
     def test_what_is_not_recorded_makes_every_answer_less_sure(self):
         for gap, fits in (
             (0.05, [fit(0.04, "force_bias")]),

@@ -33,16 +33,32 @@ def ring_poses(twin: BenchTwin, lengths: np.ndarray):
     return poses, jacobians
 
 
-def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
-    """Controller, actuation, mechanism, contact, torso and sensing."""
-    numbers, names = twin.numbers, twin.channels
+class _Blocks:
+    """The bench's blocks, each alone: what it is fed and what it answers.
 
-    def run_controller(prepared, x):
+    Args:
+        twin: Whose nominal numbers they have.
+        rate: Of the recordings, Hz.
+    """
+
+    def __init__(self, twin: BenchTwin, rate: float):
+        self._twin, self._rate, self._numbers = twin, rate, twin.numbers
+
+    def controller(self, prepared, x):
+        """Logged commands and virtual position minus the controller's."""
+        out = self._run_controller(prepared, x)
+        commands = self._slow(x[:, _COMMANDS] - out[:, 0:6])
+        scale = prepared.floor.rms
+        virtual = (x[:, _VIRTUAL] - out[:, 6]) / scale[_VIRTUAL]
+        return _always(np.concatenate([(commands / scale[0]).ravel(), virtual]))
+
+    def _run_controller(self, prepared, x):
+        numbers, rate = self._numbers, self._rate
         motion, times = prepared.motion, np.arange(len(x)) / rate
         every, settled = motion.ticks_per_sample, motion.settled_ticks
         ticks = np.arange(len(motion.desired)) - settled
         # While it settles it reads what the recording begins with.
-        at = np.clip(ticks / twin.scenario.control.rate, 0.0, times[-1])
+        at = np.clip(ticks / self._twin.scenario.control.rate, 0.0, times[-1])
         readings = np.zeros((len(ticks), 12))
         readings[:, 0:9] = CubicSpline(times, x[:, 6:15])(at)
         memory = bench_tick.make_memory(numbers.rest)
@@ -57,37 +73,31 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
         )
         return out[settled // every :]
 
-    def controller_residual(prepared, x):
-        out = run_controller(prepared, x)
-        commands = low_pass(x[:, _COMMANDS] - out[:, 0:6], _CUTOFF_HZ, rate)
-        scale = prepared.floor.rms
-        virtual = (x[:, _VIRTUAL] - out[:, 6]) / scale[_VIRTUAL]
-        return _always(np.concatenate([(commands / scale[0]).ravel(), virtual]))
+    def actuation(self, prepared, x):
+        """Commands minus what the recorded motion and force ask for."""
+        # The inner part, away from the ends that the low pass folds.
+        inner = slice(int(0.5 * self._rate), -int(0.5 * self._rate))
+        return _always(self._balance(prepared, x)[inner].ravel())
 
-    def balance(prepared, x):
-        """Commands that the recorded motion and force ask for, minus those."""
-        poses, jacobians = ring_poses(
-            twin, low_pass(x[:, _LENGTHS], _CUTOFF_HZ, rate)
-        )
-        velocity = np.gradient(poses, 1.0 / rate, axis=0)
-        acceleration = np.gradient(velocity, 1.0 / rate, axis=0)
+    def _balance(self, prepared, x):
+        numbers = self._numbers
+        poses, jacobians = self._slow_poses(x)
+        velocity = np.gradient(poses, 1.0 / self._rate, axis=0)
+        acceleration = np.gradient(velocity, 1.0 / self._rate, axis=0)
         wrench = acceleration * numbers.control[MASS]
         wrench[:, 2] += numbers.ring[4]
         if prepared.run.contact:
-            wrench[:, 0:3] += low_pass(x[:, _FORCE], _CUTOFF_HZ, rate)
+            wrench[:, 0:3] += self._slow(x[:, _FORCE])
         forces = np.linalg.solve(
             np.transpose(jacobians, (0, 2, 1)), wrench[..., None]
         )[..., 0]
         rates = np.einsum("nij,nj->ni", jacobians, velocity)
         asked = forces + numbers.viscous * rates
-        return low_pass(x[:, _COMMANDS], _CUTOFF_HZ, rate) - asked
+        return self._slow(x[:, _COMMANDS]) - asked
 
-    def actuation_residual(prepared, x):
-        # The inner part, away from the ends that the low pass folds.
-        inner = slice(int(0.5 * rate), -int(0.5 * rate))
-        return _always(balance(prepared, x)[inner].ravel())
-
-    def mechanism_residual(prepared, x):
+    def mechanism(self, prepared, x):
+        """First leg lengths minus those of the ring at rest."""
+        numbers = self._numbers
         lengths, rates, J = np.empty(6), np.empty(6), np.empty((6, 6))
         blocks.calc_ring_kinematics(
             np.array([1.0, 0, 0, 0]),
@@ -101,16 +111,17 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
         )
         return _always(x[0, _LENGTHS] - lengths)
 
-    def contact_residual(prepared, x):
+    def contact(self, prepared, x):
+        """Force along y minus that of the pads at the recorded places."""
         if not prepared.run.contact:
             return None
-        poses, _ = ring_poses(twin, low_pass(x[:, _LENGTHS], _CUTOFF_HZ, rate))
-        relative = poses[:, 1] - low_pass(x[:, _MARKER], _CUTOFF_HZ, rate)[:, 1]
-        speed = np.gradient(relative, 1.0 / rate)
-        force = low_pass(x[:, 13], _CUTOFF_HZ, rate)
+        poses, _ = self._slow_poses(x)
+        relative = poses[:, 1] - self._slow(x[:, _MARKER])[:, 1]
+        speed = np.gradient(relative, 1.0 / self._rate)
+        force = self._slow(x[:, _FORCE_Y])
 
         def residual(subject):
-            law = with_subject(numbers, subject).contact
+            law = with_subject(self._numbers, subject).contact
             total = np.zeros(len(x))
             for s in (1.0, -1.0):
                 d, d_dot = law[5] - s * relative, -s * speed
@@ -120,55 +131,67 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
 
         return residual
 
-    def torso_residual(prepared, x):
+    def torso(self, prepared, x):
+        """Marker along y minus what the measured force makes of a torso."""
         if not prepared.run.contact:
             return None
 
         def residual(subject):
-            changed = with_subject(numbers, subject)
+            changed = with_subject(self._numbers, subject)
             mass, stiffness, damping = (
                 changed.torso[0],
                 changed.posture[1],
                 changed.posture[4],
             )
             system = ([1.0 / mass], [1.0, damping / mass, stiffness / mass])
-            b, a, _ = cont2discrete(system, 1.0 / rate, method="foh")
-            predicted = lfilter(np.ravel(b), a, x[:, 13])
-            return low_pass(x[:, 16] - predicted, _CUTOFF_HZ, rate)
+            b, a, _ = cont2discrete(system, 1.0 / self._rate, method="foh")
+            predicted = lfilter(np.ravel(b), a, x[:, _FORCE_Y])
+            return self._slow(x[:, _TORSO_Y] - predicted)
 
         return residual
 
-    def sensing_residual(prepared, x):
+    def sensing(self, prepared, x):
+        """Force that is read where there is nothing to press on."""
         if prepared.run.contact:
             return None
-        return _always(low_pass(x[:, _FORCE], 1.0, rate).ravel())
+        return _always(low_pass(x[:, _FORCE], 1.0, self._rate).ravel())
 
+    def _slow_poses(self, x):
+        return ring_poses(self._twin, self._slow(x[:, _LENGTHS]))
+
+    def _slow(self, values):
+        return low_pass(values, _CUTOFF_HZ, self._rate)
+
+
+def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
+    """Controller, actuation, mechanism, contact, torso and sensing."""
+    block, names = _Blocks(twin, rate), twin.channels
     return [
         Rung(
             "controller",
             "leg lengths, force, reference",
             "commands, virtual position",
-            controller_residual,
+            block.controller,
             (*names[_COMMANDS], names[_VIRTUAL]),
         ),
         Rung(
             "actuation",
             "commands, motion and force of the ring",
             "balance of the leg forces",
-            actuation_residual,
+            block.actuation,
             names[_COMMANDS],
         ),
         Rung(
             "mechanism",
             "rest pose of the ring",
             "leg lengths at rest",
-            mechanism_residual,
+            block.mechanism,
         ),
         Rung(
             "contact",
             "motion of ring and torso",
             "force between them",
-            contact_residual,
+            block.contact,
             names[_MARKER],
             ("contact_stiffness_N_m", "contact_damping_N_s_m", "preload_m"),
         ),
@@ -176,7 +199,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "torso",
             "force on the torso",
             "motion of the torso",
-            torso_residual,
+            block.torso,
             names[_MARKER],
             (
                 "torso_mass_kg",
@@ -184,7 +207,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
                 "posture_damping_y_N_s_m",
             ),
         ),
-        Rung("sensing", "no contact", "force reading", sensing_residual),
+        Rung("sensing", "no contact", "force reading", block.sensing),
     ]
 
 

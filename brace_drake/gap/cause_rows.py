@@ -13,10 +13,12 @@ from brace_drake.gap.uncertainty import EstimateTable, ParameterEstimate
 
 
 def cause_rows(d: Diagnosis) -> list[dict]:
-    """Every candidate, best first, with its parameters and the decision."""
+    """Every candidate with its parameters and the decision, best first; then
+    pairs of which one effect does as well, then who was not searched.
+    """
     rows = []
     winner = d.verdict.winner
-    for fit in sorted(d.fits, key=lambda f: f.excess):
+    for fit in sorted(d.fits, key=lambda f: _rank(d, f)):
         is_winner = fit is winner
         estimates = d.table if is_winner else None
         rows.append(
@@ -39,6 +41,17 @@ def cause_rows(d: Diagnosis) -> list[dict]:
             }
         )
     return rows + [_absent_row(d, card) for card in _absent(d)]
+
+
+def _rank(d: Diagnosis, fit) -> tuple[bool, bool, float]:
+    is_searched = fit.solution.jacobian is not None
+    return not is_searched, _part_as_good(d, fit) is not None, fit.excess
+
+
+def _part_as_good(d: Diagnosis, fit):
+    if fit is d.verdict.winner:
+        return None
+    return verdict.part_as_good(d.evaluator, fit, d.fits, d.null)
 
 
 def _absent(d: Diagnosis) -> list[Effect]:
@@ -87,6 +100,9 @@ def _decision(d: Diagnosis, fit, is_winner: bool) -> str:
         return "no gap to explain"
     if _is_tied(d, fit):
         return "as good as the first on these data"
+    part = _part_as_good(d, fit)
+    if part is not None:
+        return f"leaves as much as {part.name} alone"
     gain = verdict.gain(d.evaluator, d.nominal, fit)
     if gain <= d.null.gain_threshold:
         return "gains no more than noise would"

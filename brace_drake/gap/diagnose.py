@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.campaign.recording import Campaign
-from brace_drake.errors import CampaignError
+from brace_drake.errors import BraceError, CampaignError
 from brace_drake.gap.candidates import CandidateFit, fit_nominal
 from brace_drake.gap.causes import try_causes
 from brace_drake.gap.devices import Device, MakeDevice, check_room
@@ -17,7 +17,11 @@ from brace_drake.gap.ladder import climb, holds_at_rest
 from brace_drake.gap.prediction import Prediction, predict_runs
 from brace_drake.gap.prepare import estimate_floors, prepare_runs
 from brace_drake.gap.run_parameters import adapt_to_runs, has_run_parameters
-from brace_drake.gap.shrink import RunComparison, compare_runs
+from brace_drake.gap.shrink import (
+    RunComparison,
+    compare_runs,
+    repair_runs,
+)
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.uncertainty import EstimateTable, estimate_table
 from brace_drake.gap.verdict import Verdict, decide
@@ -100,10 +104,7 @@ def diagnose(
         ),
         jobs,
     )
-    repaired = verdict.winner
-    if has_run_parameters(repaired):
-        repaired = adapt_to_runs(validation, repaired)
-    compared = compare_runs(validation, nominal, repaired)
+    compared = _compare_new(validation, nominal, verdict.winner)
     rivals = fits if verdict.gap else []
     return Diagnosis(
         campaign,
@@ -122,3 +123,20 @@ def diagnose(
         is_cut,
         predict_runs(validation, compared, verdict.winner, rivals, rate, seed),
     )
+
+
+def _compare_new(
+    validation: Evaluator, nominal: CandidateFit, winner: CandidateFit | None
+) -> list[RunComparison]:
+    """Runs that no fit has seen, before the repair and after it; before it
+    alone where the repaired twin breaks down on them.
+    """
+    compared = compare_runs(validation, nominal, None)
+    if winner is None or not compared:
+        return compared
+    try:
+        if has_run_parameters(winner):
+            winner = adapt_to_runs(validation, winner)
+        return repair_runs(validation, compared, winner)
+    except BraceError:
+        return compared

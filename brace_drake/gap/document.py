@@ -27,7 +27,7 @@ from brace_drake.gap.next_run import NextRun, describe_next
 from brace_drake.gap.phases import PHASES, motion_phases
 from brace_drake.gap.repair_shares import share_repairs
 from brace_drake.gap.run_parameters import has_run_parameters
-from brace_drake.gap.shrink import RunComparison
+from brace_drake.gap.shrink import RunComparison, is_repaired
 from brace_drake.gap.shrink_part import shrink_part
 from brace_drake.gap.suspects import suspected_blocks
 from brace_drake.gap.uncertainty import EstimateTable
@@ -194,11 +194,25 @@ def _warnings(d: Diagnosis) -> list[str]:
         )
     if not d.validation_runs:
         found.append("no validation run: how far the gap shrinks is unknown")
+    elif d.verdict.winner is not None and not is_repaired(d.validation_runs):
+        found.append(
+            "the repaired twin breaks down on the validation runs: how far the"
+            " gap shrinks is unknown"
+        )
     if has_run_parameters(d.verdict.winner):
         found.append(
             "what each run has of its own, such as the phase of a breath, was"
             " estimated on the validation runs themselves; all else was not"
         )
+    winner = d.verdict.winner
+    if winner is not None:
+        rest = verdict.misfit(d.evaluator, winner)
+        if rest > d.null.misfit_threshold:
+            found.append(
+                f"with the repair the fit runs are {np.sqrt(1.0 + rest):.2f}"
+                " times the floor off, more than noise: another, smaller effect"
+                " may hide in that"
+            )
     if d.is_cut:
         found.append(
             "the search for two effects at once ended at its limit of replays:"
@@ -208,6 +222,12 @@ def _warnings(d: Diagnosis) -> list[str]:
         f"{p.name} is at its limit {p.value:.4g} {p.unit}"
         for p in d.table.parameters
         if p.at_limit
+    ]
+    found += [
+        f"{p.name}: the fit runs say nothing of it, {p.value:.4g} {p.unit} is"
+        " where the fit began"
+        for p in d.table.parameters
+        if p.standard_error is None
     ]
     return found
 

@@ -60,7 +60,8 @@ class Ground:
         self._square = float(self.residual @ self.residual)
         step = _minimise(self._gram, self._slope, *self._room)
         inside = (step > self._room[0]) & (step < self._room[1])
-        self.basis = np.linalg.qr(self.sensitivities[:, inside])[0]
+        seen = np.linalg.norm(self.sensitivities, axis=0) > 0.0
+        self.basis = np.linalg.qr(self.sensitivities[:, inside & seen])[0]
         moved = self.residual + self.sensitivities @ np.where(inside, 0, step)
         self.left = self.beyond(moved)
         self.noise = evaluator.count * evaluator.noise_level(

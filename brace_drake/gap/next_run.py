@@ -24,7 +24,7 @@ from brace_drake.gap.separation import (
     choose_best,
     separate_pairs,
 )
-from brace_drake.gap.verdict import refined
+from brace_drake.gap.verdict import part_as_good, refined
 from brace_drake.output import WriteText
 from brace_drake.scenario.bench import DEVICE
 from brace_drake.twin.motion_library import (
@@ -130,11 +130,14 @@ def open_rivals(d: Diagnosis) -> list[Rival]:
     """What the next run should tell apart, the best explanation first.
 
     The winner and what is tied with it; without a winner, where the cause
-    lies outside the library, the explanations that come nearest.
+    lies outside the library, the explanations that come nearest. Pairs of which
+    one effect does as well are none.
     """
     best: dict[str, CandidateFit] = {}
     seen: set[frozenset[str]] = set()
     for fit in refined(d.fits):
+        if part_as_good(d.evaluator, fit, d.fits, d.null) is not None:
+            continue
         if fit.is_scattered and fit.kinds not in seen:
             seen.add(fit.kinds)
             best["+".join(fit.identifiers)] = fit

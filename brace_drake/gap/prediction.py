@@ -17,6 +17,7 @@ from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.run_parameters import has_run_parameters
 from brace_drake.gap.shrink import (
     RunComparison,
+    is_repaired,
     repair_runs,
     rms_interval,
     total_gap,
@@ -64,7 +65,7 @@ def predict_runs(
     if not compared:
         return []
     found = []
-    if winner is not None:
+    if winner is not None and is_repaired(compared):
         found.append(_measure(winner, compared, rate, seed))
     able = [
         f
@@ -85,6 +86,6 @@ def predict_runs(
 
 
 def _measure(fit, replayed, rate, seed) -> Prediction:
-    squares = [c.normalised("after").mean(axis=1) for c in replayed]
+    squares = [c.normalised("after") for c in replayed]
     interval = rms_interval(squares, rate, seed)
     return Prediction(fit, total_gap(list(replayed), "after"), interval)

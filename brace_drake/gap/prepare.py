@@ -32,8 +32,8 @@ def noise_replicates(
 ) -> np.ndarray:
     """Deviations of noisy from exact replays, one for each seed (n, N, C).
 
-    Where a carried effect makes noise act as a dither, an exact replay is not
-    what noisy ones scatter about: then their mean is taken.
+    Where an effect makes noise act as a dither, an exact replay is not what
+    noisy ones scatter about: then their mean is taken.
     """
     exact = twin.simulate(motion, subject, uses)
     noisy = np.array(
@@ -42,7 +42,7 @@ def noise_replicates(
             for seed in seeds
         ]
     )
-    if len(seeds) > 1 and is_dithered(twin, ()):
+    if len(seeds) > 1 and is_dithered(twin, uses):
         free = len(seeds) / (len(seeds) - 1)
         return np.sqrt(free) * (noisy - noisy.mean(axis=0))
     return noisy - exact
@@ -80,7 +80,9 @@ def estimate_floors(
         ]
         samples = min(n.shape[1] for n in noise)
         noise = np.concatenate([n[:, :samples] for n in noise])
-        run = chosen[0]
+        # Of what is held back only how it moved is known here; where nothing
+        # else was recorded, its last digits too.
+        run = next((r for r in runs if r.split == "fit"), runs[0])
         noisy = twin.simulate(
             twin.motion(run), subject, (), np.random.default_rng([seed, 8])
         )
@@ -95,7 +97,7 @@ def _spread_choice(runs: Sequence[Run], count: int) -> list[Run]:
 
 
 def _checked_with_repeats(twin, campaign, floors):
-    by_file = {run.file: run for run in campaign.runs}
+    by_file = {run.file: run for run in campaign.split("fit")}
     applied: dict[str, float] = {}
     for contact, floor in floors.items():
         ratios = []
@@ -108,12 +110,16 @@ def _checked_with_repeats(twin, campaign, floors):
             difference = first[:samples] - second[:samples]
             ratio = repeat_ratio(difference, floor, campaign.rate_hz)
             both = original.has(twin.channels) & run.has(twin.channels)
+            # What is the same to the last digit is a copy, not a repeat.
+            both &= np.any(difference != 0.0, axis=0)
             ratios.append(np.where(both, ratio, np.nan))
         if not ratios:
             continue
-        ratio = np.mean(ratios, axis=0)
+        told = np.isfinite(ratios).sum(axis=0)
+        ratio = np.where(told > 0, np.nansum(ratios, axis=0), np.nan)
+        ratio = ratio / np.maximum(told, 1)
         # Standard error of a median of exponentials over half the samples.
-        error = 1.44 / np.sqrt(0.5 * samples * len(ratios))
+        error = 1.44 / np.sqrt(0.5 * samples * np.maximum(told, 1))
         off = np.isfinite(ratio) & (np.abs(ratio - 1.0) > _SIGNIFICANT * error)
         floors[contact] = floor.scaled(np.where(off, ratio, 1.0))
         for c in np.flatnonzero(off):

@@ -52,10 +52,13 @@ def share_repairs(
 
     Returns:
         Block, share, 95 % interval, what it takes alone, and under `or` the
-        blocks of rivals; last what the repairs leave.
+        blocks of rivals; last what the repairs leave. None where the gap is
+        no more than the noise, so that there is nothing to share.
     """
     blocks = list(dict.fromkeys(e.block for e in winner.effects))
     pieces = _excess_pieces(evaluator, nominal, winner, blocks)
+    if pieces[frozenset()].sum() <= 0.0:
+        return []
     shares, alone = _shares(pieces, np.ones(len(pieces[frozenset()])), blocks)
     draws = _resampled(pieces, blocks, seed)
     low, high = np.quantile(np.vstack([draws, shares]), [0.025, 0.975], axis=0)

@@ -80,6 +80,11 @@ def repair_runs(
     ]
 
 
+def is_repaired(comparisons: Sequence[RunComparison]) -> bool:
+    """Whether runs were replayed after a repair, and not only before it."""
+    return any(c.after is not None for c in comparisons)
+
+
 def _rms(squares: np.ndarray) -> float:
     return float(np.sqrt(max(0.0, float(np.mean(squares)))))
 
@@ -127,14 +132,13 @@ def closed_interval(
     comparisons: list[RunComparison], rate: float, seed: int
 ) -> tuple[float, float] | None:
     """95 % interval of the closed share by resampling blocks of time."""
-    both = [
-        _block_means(
-            [c.normalised(which).mean(axis=1) for c in comparisons], rate
-        )
+    before, after = (
+        _blocks([c.normalised(which) for c in comparisons], rate)
         for which in ("before", "after")
-    ]
+    )
     shares = []
-    for before, after in np.sqrt(_resampled(np.column_stack(both), seed)):
+    sums = np.column_stack([before[:, 0], after])
+    for before, after in np.sqrt(_resampled(sums, seed)):
         share = closed_share(before, after)
         if share is not None:
             shares.append(share)
@@ -150,29 +154,38 @@ def rms_interval(
     """95 % interval of a root mean square by resampling blocks of time.
 
     Args:
-        squares: Of each run (N,).
+        squares: Of each run (N,) or (N, channels).
         rate: Hz.
         seed: Of the draws.
     """
-    draws = np.sqrt(_resampled(_block_means(squares, rate)[:, None], seed))
+    draws = np.sqrt(_resampled(_blocks(squares, rate), seed))
     low, high = np.quantile(draws, [0.025, 0.975])
     return float(low), float(high)
 
 
-def _block_means(series: list[np.ndarray], rate: float) -> np.ndarray:
-    """Means over blocks of time of all runs (n,)."""
+def _blocks(series: list[np.ndarray], rate: float) -> np.ndarray:
+    """Sum and number of the values in each block of time of all runs (n, 2).
+
+    The last block of a run is shorter, and runs may have more channels than
+    others: a value counts as much wherever it is.
+    """
     length = max(1, round(_BLOCK_S * rate))
-    return np.array(
-        [
-            values[at : at + length].mean()
-            for values in series
-            for at in range(0, len(values), length)
-        ]
-    )
+    parts = [
+        values[at : at + length]
+        for values in series
+        for at in range(0, len(values), length)
+    ]
+    return np.array([(part.sum(), part.size) for part in parts])
 
 
-def _resampled(values: np.ndarray, seed: int) -> np.ndarray:
-    """Means of drawn rows, no less than 0 (draws, columns)."""
+def _resampled(blocks: np.ndarray, seed: int) -> np.ndarray:
+    """Means over drawn blocks, no less than 0 (draws, columns).
+
+    Args:
+        blocks: Sums, and in the last column numbers of values (n, columns + 1).
+        seed: Of the draws.
+    """
     generator = np.random.default_rng([seed, 23])
-    picks = generator.integers(len(values), size=(_RESAMPLES, len(values)))
-    return np.maximum(values[picks].mean(axis=1), 0.0)
+    picks = generator.integers(len(blocks), size=(_RESAMPLES, len(blocks)))
+    sums = blocks[picks].sum(axis=1)
+    return np.maximum(sums[:, :-1] / sums[:, -1:], 0.0)

@@ -12,7 +12,8 @@ def shrink_part(d: Diagnosis) -> dict | None:
     """Before, after and closed share on validation runs; None without."""
     if not d.validation_runs:
         return None
-    runs, repaired = d.validation_runs, d.verdict.winner is not None
+    runs = d.validation_runs
+    repaired = shrink.is_repaired(runs)
     after_key = "after" if repaired else "before"
     before = shrink.total_gap(runs, "before")
     after = shrink.total_gap(runs, after_key)

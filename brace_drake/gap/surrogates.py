@@ -76,7 +76,9 @@ def draw_null(
     """
     noise = _weighted_noise(evaluator, nominal, seed)
     n = len(nominal.subject)
-    basis, _ = np.linalg.qr(nominal.solution.jacobian)
+    columns = nominal.solution.jacobian
+    seen = np.linalg.norm(columns, axis=0) > 0.0
+    basis, _ = np.linalg.qr(columns[:, seen])
     bases = [
         _orthogonal_part(basis, fit, n)
         for fit in fits

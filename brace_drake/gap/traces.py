@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.report.traces import RunTrace
 
@@ -14,13 +16,14 @@ def MakeTraces(d: Diagnosis) -> list[RunTrace]:
             d.device.twin, c.prepared, d.nominal.subject
         )
         floor = c.prepared.floor
+        recorded = c.prepared.run.has(d.device.twin.channels)
         traces.append(
             RunTrace(
                 c.prepared.run.name,
                 c.prepared.run.split,
                 c.prepared.run.time_s - c.prepared.run.time_s[0],
                 d.device.twin.channels,
-                c.prepared.measured,
+                np.where(recorded, c.prepared.measured, np.nan),
                 c.before,
                 c.after,
                 floor.rms,

@@ -18,12 +18,16 @@ _AT_LIMIT = 1e-3
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """One fitted parameter with its doubt; `nominal` None for an effect's."""
+    """One fitted parameter with its doubt.
+
+    `standard_error` is None where the runs say nothing of the parameter: then
+    its interval is all that is allowed. `nominal` is None for an effect's.
+    """
 
     name: str
     unit: str
     value: float
-    standard_error: float
+    standard_error: float | None
     lower95: float
     upper95: float
     at_limit: bool
@@ -36,14 +40,15 @@ class EstimateTable:
 
     Attributes:
         parameters: Subject first, then the effects'.
-        correlation: Of the estimates.
-        condition_number: Of the scaled, weighted Jacobian.
+        correlation: Of the estimates; 0 with those that have none.
+        condition_number: Of the scaled, weighted Jacobian; None where it does
+            not tell all parameters.
         num_subject: How many of them are the subject's.
     """
 
     parameters: tuple[ParameterEstimate, ...]
     correlation: np.ndarray
-    condition_number: float
+    condition_number: float | None
     num_subject: int
 
 
@@ -59,7 +64,8 @@ def estimate_table(
     """
     rows = evaluator.ends[-1]
     jacobian = fit.solution.jacobian
-    q, triangle = np.linalg.qr(jacobian)
+    seen = np.linalg.norm(jacobian, axis=0) > 0.0
+    q, triangle = np.linalg.qr(jacobian[:, seen])
     inverse = np.linalg.pinv(triangle)
     score_covariance = _score_covariance(evaluator, fit, q[:rows], seed)
     # Prior rows, where there are any, are exact observations of unit variance.
@@ -67,13 +73,21 @@ def estimate_table(
     score_covariance += prior.T @ prior
     misfit = max(0.0, fit.excess / evaluator.count)
     covariance = inverse @ score_covariance @ inverse.T * (1.0 + misfit)
-    error = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.maximum(np.outer(error, error), 1e-300)
-    singular = np.linalg.svd(triangle, compute_uv=False)
+    known = np.sqrt(np.diag(covariance))
+    error = np.full(len(seen), np.inf)
+    error[seen] = known
+    correlation = np.eye(len(seen))
+    correlation[np.ix_(seen, seen)] = covariance / np.maximum(
+        np.outer(known, known), 1e-300
+    )
+    condition = None
+    if seen.all():
+        singular = np.linalg.svd(triangle, compute_uv=False)
+        condition = float(singular[0] / max(singular[-1], 1e-300))
     return EstimateTable(
         tuple(_estimates(evaluator, fit, error)),
         correlation,
-        float(singular[0] / max(singular[-1], 1e-300)),
+        condition,
         len(fit.subject),
     )
 
@@ -107,7 +121,7 @@ def _estimates(evaluator, fit, error):
             name,
             unit,
             value,
-            sigma,
+            sigma if np.isfinite(sigma) else None,
             # Beyond its limits the parameter has no meaning.
             max(low, value - _Z95 * sigma),
             min(high, value + _Z95 * sigma),

@@ -79,6 +79,23 @@ def gain(
     return (nominal.excess - fit.excess) / evaluator.count
 
 
+def part_as_good(
+    evaluator: Evaluator,
+    fit: CandidateFit,
+    fits: Sequence[CandidateFit],
+    null: NullDistribution,
+) -> CandidateFit | None:
+    """Some of a fit's effects that leave no more without the others, but for
+    what noise would gain; None where all are needed.
+    """
+    for part in refined(fits):
+        if not part.kinds < fit.kinds:
+            continue
+        if gain(evaluator, part, fit) <= null.gain_threshold:
+            return part
+    return None
+
+
 def closed_amplitude(
     evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit
 ) -> float:
@@ -208,8 +225,10 @@ def decide(
     limit = _TIED * left_over(evaluator, winner)
     near = {
         f.kinds: "+".join(f.identifiers)
-        for f in reversed(refined(rivals))
+        for f in sorted(rivals, key=lambda f: -f.excess)
         if left_over(evaluator, f) < limit
+        # Of dozens of parameters only the end of a search tells.
+        and (f.refined or not is_flexible(f))
     }
     second = min((left_over(evaluator, f) for f in rivals), default=np.inf)
     contrast = second / left_over(evaluator, winner)

@@ -16,7 +16,7 @@ _MOTIONS = {
     " 2 mm/s, three times",
     "mechanism": "stairs: ten steps over the full stroke, 2 s each",
     "contact": "stairs with holds of 10 s at three depths",
-    "torso": "quiet_hold of 60 s in contact",
+    "torso": "quiet_hold of 15 s in contact, three times",
     "sensing": "quiet_hold of 10 s without contact, then a slow push",
 }
 

@@ -179,8 +179,15 @@ def _make_how_far(
     ]
     validation = [t for t in traces if t.split == VALIDATION]
     closed, interval = _closed(shrink)
+    # With nothing added, after is before.
+    repaired = shrink.get("after") != shrink.get("before")
+    channels, therapist = shrink_rows(shrink), therapist_rows(shrink)
+    if not repaired:
+        for row in (*channels, *therapist):
+            row |= {"after": NOTHING, "interval": ""}
     return {
         "known": bool(shrink),
+        "repaired": repaired,
         "fitted": "only what each run has of its own"
         if has_run_parameters(verdict)
         else "nothing",
@@ -191,9 +198,9 @@ def _make_how_far(
         "floor": times(shrink.get("floor", 1.0)),
         "closed": closed,
         "interval": interval,
-        "channels": shrink_rows(shrink),
+        "channels": channels,
         "left": [left_row(r) for r in rows(diagnosis, "left")],
-        "therapist": therapist_rows(shrink),
+        "therapist": therapist,
         "figures": [f for f in figures if f["image"]],
         "validated": bool(validation),
         "left_out": max(0, len(validation) - _MOST_TRACES),
@@ -246,4 +253,16 @@ def _make_notes(diagnosis: dict, verdict: dict) -> dict:
         "left_early": [text(c, "effect") for c in far],
         "why": text(experiment, "why"),
         "motion": text(experiment, "motion"),
+        "file": text(experiment, "file"),
+        "apart": [
+            {
+                "effects": names(pair, "effects"),
+                "deviations": significant(_root(pair.get("separation")), 2),
+            }
+            for pair in rows(experiment, "pairs")
+        ],
     }
+
+
+def _root(square: object) -> float:
+    return math.sqrt(max(0.0, _or_zero(square)))
