@@ -11,11 +11,15 @@ import numpy as np
 from brace_drake.campaign.write import WriteCampaign
 from brace_drake.cli.main import main
 from brace_drake.errors import BraceError
+from brace_drake.gap.diagnose import diagnose
+from brace_drake.gap.next_run import WriteNextRun, choose_next_run
 from tests.pad_recordings import (
     ARM,
+    SUBJECT,
     linear,
     make_campaign,
     relaxing,
+    standard_linear_solid,
     stiffening,
 )
 
@@ -87,6 +91,30 @@ class TestDiagnosis(unittest.TestCase):
         document = self.diagnose(lambda m, t: linear(m, t) + 0.3)
         self.assertEqual(document["verdict"]["effects"], ["force_bias"])
         self.assertEqual(document["verdict"]["blocks"], ["sensing"])
+
+    def test_what_is_tied_is_set_apart_by_a_press_within_the_recorded(self):
+        def hardly_relaxing(motion, time):
+            return standard_linear_solid(
+                motion, time, **SUBJECT, arm=12.0, tau=1.4
+            )
+
+        campaign = make_campaign(hardly_relaxing, force_noise=0.05)
+        found = diagnose(campaign)
+        self.assertEqual(found.verdict.winner.identifiers, ("relaxation",))
+        self.assertEqual(found.verdict.ambiguous_with, ("hysteresis",))
+        chosen = choose_next_run(found)
+        (pair,) = chosen.pairs
+        names = {pair.first, pair.second}
+        self.assertEqual(names, {"relaxation", "hysteresis"})
+        self.assertGreater(np.sqrt(pair.separation), 3.0)
+        with tempfile.TemporaryDirectory() as folder:
+            path = WriteNextRun(chosen, Path(folder))
+            names = path.read_text().splitlines()[0].split(",")
+            table = np.loadtxt(path, delimiter=",", skiprows=1)
+        self.assertEqual(names, ["time_s", "displacement_m", "contact"])
+        pressed = [run.channels["displacement_m"] for run in campaign.runs]
+        self.assertLess(table[:, 1].max(), max(y.max() for y in pressed))
+        self.assertGreater(table[:, 1].min(), min(y.min() for y in pressed))
 
 
 if __name__ == "__main__":

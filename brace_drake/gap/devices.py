@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from brace_drake.campaign.recording import Campaign
+from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.errors import CampaignError, ScenarioError
 from brace_drake.gap.bench_attribution import attribute_bench
 from brace_drake.gap.bench_ladder import (
@@ -29,7 +29,11 @@ from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.leg_bench import MakeLegBenchScenario
 from brace_drake.scenario.pad_bench import MakePadBenchScenario
 from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.imposed_motions import leg_motions, pad_motions
 from brace_drake.twin.leg_bench_twin import LegBenchTwin
+from brace_drake.twin.motion_library import MOTIONS, RATE_HZ, MakeMotion
+from brace_drake.twin.motion_limits import exceeded_limit
+from brace_drake.twin.motion_set import MotionSet
 from brace_drake.twin.pad_bench_twin import PadBenchTwin
 
 
@@ -43,6 +47,8 @@ class Device:
         quantities: From (twin, recording) to series of what users ask for.
         motion_signals: From (twin, prepared run, subject values) to what phases
             of the motion are read from.
+        motions: From (twin, recorded runs, their rate in Hz) to motions that
+            the device may be asked for; None where none is known to be safe.
         attribute: From (evaluator, nominal fit, seed) to shares of the blocks
             in a gap that no effect explains; None where that is not known.
     """
@@ -51,6 +57,7 @@ class Device:
     rungs: list[Rung]
     quantities: Callable
     motion_signals: Callable
+    motions: Callable
     attribute: Callable | None = None
 
 
@@ -95,17 +102,36 @@ def check_room(twin) -> None:
 def _MakeBench(campaign: Campaign, scenario) -> Device:
     twin = BenchTwin(scenario or BenchScenario())
     rungs = bench_rungs(twin, campaign.rate_hz)
-    return Device(twin, rungs, bench_quantities, bench_signals, attribute_bench)
+    return Device(
+        twin,
+        rungs,
+        bench_quantities,
+        bench_signals,
+        _bench_motions,
+        attribute_bench,
+    )
+
+
+def _bench_motions(twin, runs: Sequence[Run], rate: float) -> MotionSet:
+    """The library's with and without the torso, as far as recorded."""
+    recorded = {run.contact for run in runs}
+    library = [MakeMotion(name) for name in MOTIONS]
+    chosen = [m for m in library if m.contact in recorded]
+    return MotionSet(RATE_HZ, chosen, exceeded_limit)
 
 
 def _MakeLegBench(campaign: Campaign, scenario) -> Device:
     twin = LegBenchTwin(scenario or MakeLegBenchScenario(campaign))
-    return Device(twin, leg_rungs(twin), leg_quantities, leg_signals)
+    return Device(
+        twin, leg_rungs(twin), leg_quantities, leg_signals, leg_motions
+    )
 
 
 def _MakePadBench(campaign: Campaign, scenario) -> Device:
     twin = PadBenchTwin(scenario or MakePadBenchScenario(campaign))
-    return Device(twin, pad_rungs(twin), pad_quantities, pad_signals)
+    return Device(
+        twin, pad_rungs(twin), pad_quantities, pad_signals, pad_motions
+    )
 
 
 _DEVICES = {

@@ -26,14 +26,7 @@ from brace_drake.gap.separation import (
 )
 from brace_drake.gap.verdict import part_as_good, refined
 from brace_drake.output import WriteText
-from brace_drake.scenario.bench import DEVICE
-from brace_drake.twin.motion_library import (
-    MOTIONS,
-    RATE_HZ,
-    MakeMotion,
-    SafeMotion,
-)
-from brace_drake.twin.motion_limits import exceeded_limit
+from brace_drake.twin.motion_set import MotionSet, PlannedMotion
 from brace_drake.twin.reference_file import format_reference
 
 FILE = "next_run.csv"
@@ -57,11 +50,11 @@ class NextRun:
     """The motion to run, and how far it would set rivals apart.
 
     Attributes:
-        motion: From the library.
+        motion: Safe for the device.
         pairs: Least separated first.
     """
 
-    motion: SafeMotion
+    motion: PlannedMotion
     pairs: tuple[PairSeparation, ...]
 
     @property
@@ -73,29 +66,33 @@ class NextRun:
 def choose_next_run(d: Diagnosis) -> NextRun | None:
     """The safe motion that separates a diagnosis' open causes best.
 
-    None where nothing is open, or on a device without a library of motions.
+    None where nothing is open, or no motion of the device is known to be safe.
     """
     rivals = open_rivals(d)
-    twin = d.device.twin
-    if len(rivals) < 2 or twin.device != DEVICE:
+    if len(rivals) < 2:
         return None
-    floors = {p.run.contact: p.floor for p in d.evaluator.prepared}
-    motions = [MakeMotion(name) for name in MOTIONS]
+    twin, runs = d.device.twin, [p.run for p in d.evaluator.prepared]
+    known = d.device.motions(twin, runs, d.campaign.rate_hz)
+    if known is None:
+        return None
     motions = [
         m
-        for m in motions
-        if m.contact in floors and all(_is_safe(twin, m, r) for r in rivals)
+        for m in known.motions
+        if all(_is_safe(twin, known, m, rival) for rival in rivals)
     ]
+    if not motions:
+        return None
+    floors = {p.run.contact: p.floor for p in d.evaluator.prepared}
     seed = d.seed + _SEED
     prepared = planned_runs(
-        twin, [m.run for m in motions], floors, RATE_HZ, seed
+        twin, [m.run for m in motions], floors, known.rate, seed
     )
     return best_of(d.evaluator, motions, prepared, rivals)
 
 
 def best_of(
     evaluator: Evaluator,
-    motions: Sequence[SafeMotion],
+    motions: Sequence[PlannedMotion],
     prepared: Sequence[PreparedRun],
     rivals: Sequence[Rival],
 ) -> NextRun | None:
@@ -153,21 +150,23 @@ def open_rivals(d: Diagnosis) -> list[Rival]:
     return [Rival(n, f.subject, f.uses) for n, f in fits.items()]
 
 
-def _is_safe(twin, motion: SafeMotion, rival: Rival) -> bool:
+def _is_safe(
+    twin, known: MotionSet, motion: PlannedMotion, rival: Rival
+) -> bool:
     uses = [(e, e.in_run(v[: len(e.parameters)], 0)) for e, v in rival.uses]
     subject = rival.subject
     try:
         log = twin.coarse().simulate(twin.motion(motion.run), subject, uses)
     except BraceError:
         return False
-    return exceeded_limit(twin, motion, subject, log) is None
+    return known.exceeded(twin, motion, subject, log) is None
 
 
 def describe_next(row: dict | None, found: NextRun | None) -> dict | None:
     """The document's `next_experiment`.
 
     Args:
-        row: What is known without a run from the library: why, and a motion
+        row: What is known without a safe motion: why, and a motion
             in words.
         found: From `choose_next_run`.
     """
@@ -176,7 +175,7 @@ def describe_next(row: dict | None, found: NextRun | None) -> dict | None:
     motion, worst = found.motion, found.pairs[0]
     floors = np.sqrt(worst.separation)
     text = (
-        f"{row['why']}; of the library's safe motions {motion.name}"
+        f"{row['why']}; of the safe motions {motion.name}"
         f" ({motion.meaning}) separates best: {worst.first} and"
         f" {worst.second} would differ there by {floors:.0f} standard"
         " deviations of the noise"
@@ -204,5 +203,5 @@ def WriteNextRun(found: NextRun | None, folder: Path) -> Path | None:
     if found is None:
         path.unlink(missing_ok=True)
         return None
-    WriteText(path, format_reference(found.motion.run))
+    WriteText(path, format_reference(found.motion.run, found.motion.columns))
     return path

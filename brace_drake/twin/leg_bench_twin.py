@@ -150,7 +150,7 @@ class LegBenchTwin(ReplayTwin):
         time, period = run.time_s - run.time_s[0], self.numbers.control[3]
         ticks = round(time[-1] / period) + 1
         at = np.minimum(np.arange(ticks) * period, time[-1])
-        closed = self._is_closed(run)
+        closed = self.is_closed(run)
         external = run.channels.get("external_force_N", np.zeros(len(time)))
         asked = np.zeros((ticks, 3))
         if not closed:
@@ -170,7 +170,7 @@ class LegBenchTwin(ReplayTwin):
     def _start(self, run: Run, asked: np.ndarray):
         """Initial state, and the two readings before it."""
         time, position = run.time_s - run.time_s[0], run.channels["position_m"]
-        command, closed = run.channels["force_command_N"], self._is_closed(run)
+        command, closed = run.channels["force_command_N"], self.is_closed(run)
         period, mass = self.numbers.control[3], self.numbers.mass[0]
         state = initial_state(time, position, command / mass)
         previous = state[0] - state[1] * period * np.array([1.0, 2.0])
@@ -183,7 +183,8 @@ class LegBenchTwin(ReplayTwin):
             previous = (position[:2] - 2.0 * period * velocity)[::-1].copy()
         return state, previous
 
-    def _is_closed(self, run: Run) -> bool:
+    def is_closed(self, run: Run) -> bool:
+        """Whether a position control acts on a run's reference."""
         return (
             self.numbers.is_closed_loop and "position_desired_m" in run.channels
         )
@@ -195,7 +196,7 @@ class LegBenchTwin(ReplayTwin):
         law; elsewhere the external force is a load beside the command.
         """
         external = run.channels.get("external_force_N")
-        if external is None or not self._is_closed(run):
+        if external is None or not self.is_closed(run):
             return True
         rest = run.channels["force_command_N"] - self.control_law(run)
         return bool(np.nanstd(rest - external) <= np.nanstd(rest))
@@ -217,7 +218,7 @@ class LegBenchTwin(ReplayTwin):
         In closed loop the command alone: the control law makes the position
         a linear function of it. In open loop the command is an input.
         """
-        closed = self._is_closed(run)
+        closed = self.is_closed(run)
         return np.array([closed, not closed])
 
     def _replay(self, numbers, motion, subject, uses, generator):

@@ -14,19 +14,24 @@ import numpy as np
 
 from brace_drake.campaign.recording import Run
 from brace_drake.errors import CampaignError, suggest
-from brace_drake.twin.motion_parts import product, ramp, sines, steps
+from brace_drake.twin.motion_parts import (
+    growing_sine,
+    multisine,
+    product,
+    ramp,
+    steps,
+)
 from brace_drake.twin.reference import COLUMNS
 
 RATE_HZ = 200.0
-# Of a multisine: amplitudes per rate, rates and phases with a low crest.
+# Of multisines, Hz.
 _RATES = np.array([0.15, 0.35, 0.6, 0.95, 1.45, 2.1])
-_PHASES = np.array([0.0, 2.1, 4.4, 1.2, 5.3, 3.0])
 _FAST = np.array([0.5, 1.1, 1.9, 2.7, 3.7, 4.9])
 
 
 @dataclass(frozen=True)
 class SafeMotion:
-    """A reference to run.
+    """A reference to run; see `PlannedMotion`.
 
     Attributes:
         name: Identifier.
@@ -44,6 +49,11 @@ class SafeMotion:
     kind: str
     time: np.ndarray
     samples: np.ndarray
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Channels of the reference."""
+        return COLUMNS
 
     @property
     def run(self) -> Run:
@@ -68,24 +78,16 @@ def _stairs(heights, hold, rise=0.5):
 
 
 def _reversal(mean, amplitude, rate):
-    """A sine about a mean, its amplitude growing to the end."""
-
-    def motion(t):
-        grow = ramp(t, 1.5, max(t[-1] - 1.5, 1.0), 1.0)
-        wave = sines(t, [amplitude], [rate], [-2.0 * np.pi * rate * 1.5])
-        return ramp(t, 0.0, 1.5, mean) + product(grow, wave)
-
-    return motion
+    return lambda t: growing_sine(t, mean, amplitude, rate, 1.5)
 
 
 def _multisine(mean, size, rates):
     """Sines of falling amplitude about a mean; at most `size` from it."""
 
     def motion(t):
-        amplitudes = 1.0 / rates
-        amplitudes *= size / amplitudes.sum()
-        wave = sines(t, amplitudes, rates, _PHASES)
-        return ramp(t, 0.0, 1.5, mean) + product(ramp(t, 0.5, 1.5, 1.0), wave)
+        grow = ramp(t, 0.5, 1.5, 1.0)
+        wave = multisine(t, size, rates)
+        return ramp(t, 0.0, 1.5, mean) + product(grow, wave)
 
     return motion
 

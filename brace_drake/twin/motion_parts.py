@@ -6,6 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+PEAK_SPEED = 1.875  # of a ramp, over its mean speed
+# Of a multisine with a low crest.
+_PHASES = np.array([0.0, 2.1, 4.4, 1.2, 5.3, 3.0])
+
 
 def ramp(
     time: np.ndarray, start: float, duration: float, height: float
@@ -57,3 +61,25 @@ def product(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.column_stack(
         [a * b, da * b + a * db, dda * b + 2.0 * da * db + a * ddb]
     )
+
+
+def growing_sine(
+    time: np.ndarray, mean: float, amplitude: float, rate: float, rise: float
+) -> np.ndarray:
+    """A ramp to a mean, then a sine about it that grows to the end (N, 3).
+
+    Args:
+        time: (N,), s.
+        mean, amplitude: Of the sine, m.
+        rate: Hz.
+        rise: Duration of the ramp, s.
+    """
+    grow = ramp(time, rise, max(time[-1] - rise, 1.0), 1.0)
+    wave = sines(time, [amplitude], [rate], [-2.0 * np.pi * rate * rise])
+    return ramp(time, 0.0, rise, mean) + product(grow, wave)
+
+
+def multisine(time: np.ndarray, size: float, rates: np.ndarray) -> np.ndarray:
+    """Six sines whose amplitudes fall as 1 / rate and add up to `size`, m."""
+    amplitudes = 1.0 / rates
+    return sines(time, amplitudes * size / amplitudes.sum(), rates, _PHASES)

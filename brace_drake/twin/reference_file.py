@@ -69,9 +69,14 @@ def LoadReference(path: str | Path, rings: tuple[int, ...] = (2,)) -> Run:
     return Run(path.name, contact, path.stem, None, "fit", channels)
 
 
-def format_reference(run: Run) -> str:
-    """A run's reference as CSV text, as `LoadReference` reads it."""
-    channels = {name: run.channels[name] for name in ("time_s", *COLUMNS)}
+def format_reference(run: Run, columns: tuple[str, ...] = COLUMNS) -> str:
+    """A run's reference as CSV text, as `LoadReference` reads that of a ring.
+
+    Args:
+        run: With a reference.
+        columns: Channels of the reference.
+    """
+    channels = {name: run.channels[name] for name in ("time_s", *columns)}
     channels[_CONTACT] = np.full(len(run.time_s), int(run.contact))
     return format_table(replace(run, channels=channels))
 
