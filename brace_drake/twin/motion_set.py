@@ -20,9 +20,14 @@ class PlannedMotion(Protocol):
         columns: Channels of the run that are imposed.
     """
 
-    name: str
-    meaning: str
-    contact: bool
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def meaning(self) -> str: ...
+
+    @property
+    def contact(self) -> bool: ...
 
     @property
     def run(self) -> Run: ...
