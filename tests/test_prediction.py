@@ -44,7 +44,7 @@ def cause(error, excess=0.0, searched=True, of_runs=()):
         uses=(),
         excess=excess,
         effects=(SimpleNamespace(run_parameters=of_runs),),
-        solution=SimpleNamespace(jacobian=np.eye(1) if searched else None),
+        is_searched=searched,
     )
 
 

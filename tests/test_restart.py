@@ -26,7 +26,7 @@ class Fit:
     names: tuple = ("force_bias", "saturation (drive)")
     refined: bool = True
     is_scattered: bool = True
-    solution: object = None
+    is_searched: bool = True
 
     @property
     def effects(self):
@@ -38,13 +38,12 @@ class Fit:
 
 
 def caught(excess, names=Fit.names, searched=True):
-    jacobian = np.eye(2) if searched else None
     return Fit(
         np.ones(6),
         (np.array([0.1]), np.array([8.0])),
         excess,
         names,
-        solution=SimpleNamespace(jacobian=jacobian),
+        is_searched=searched,
     )
 
 

@@ -87,6 +87,11 @@ class CandidateFit:
         return tuple(zip(self.effects, self.values, strict=True))
 
     @property
+    def is_searched(self) -> bool:
+        """Whether a search has moved it, beyond what a race foresees."""
+        return self.solution.jacobian is not None
+
+    @property
     def num_free(self) -> int:
         """Parameters beyond the subject's that were moved."""
         return len(self.scales) - len(self.subject)

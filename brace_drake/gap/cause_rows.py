@@ -33,7 +33,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                     verdict.closed_amplitude(d.evaluator, d.nominal, fit),
                 ),
                 "validation": _validation(d, fit),
-                "searched": fit.solution.jacobian is not None,
+                "searched": fit.is_searched,
                 "converged": fit.refined,
                 "identifiable": not _is_tied(d, fit),
                 "decision": _decision(d, fit, is_winner),
@@ -44,8 +44,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
 
 
 def _rank(d: Diagnosis, fit) -> tuple[bool, bool, float]:
-    is_searched = fit.solution.jacobian is not None
-    return not is_searched, _part_as_good(d, fit) is not None, fit.excess
+    return not fit.is_searched, _part_as_good(d, fit) is not None, fit.excess
 
 
 def _part_as_good(d: Diagnosis, fit):

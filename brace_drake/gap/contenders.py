@@ -29,10 +29,10 @@ _COARSE = 0.03
 def best_fits(runners: Sequence[Runner]) -> list[CandidateFit]:
     """One fit for each candidate, best first."""
     fits = sorted((r.fit() for r in runners), key=lambda f: f.excess)
-    searched = {f.name for f in fits if f.solution.jacobian is not None}
+    searched = {f.name for f in fits if f.is_searched}
     best: dict[str, CandidateFit] = {}
     for fit in fits:
-        if fit.name not in searched or fit.solution.jacobian is not None:
+        if fit.name not in searched or fit.is_searched:
             best.setdefault(fit.name, fit)
     return list(best.values())
 
@@ -61,7 +61,7 @@ def refine(
         _bar(ranked[0].excess, there, _COARSE * evaluator.count) if fits else 0
     )
     for place, fit in enumerate(ranked):
-        searched = fit.solution.jacobian is not None and not fit.refined
+        searched = fit.is_searched and not fit.refined
         if place < _MAX_CONTENDERS and searched and fit.excess <= most:
             if place == 0 or fit.excess <= min(bar, rivals):
                 fit = try_refine(evaluator, fit)
@@ -108,7 +108,7 @@ def polish(
         return fits
     for runner in other_choices(ground, best):
         other = runner.fit()
-        if other.solution.jacobian is not None and other.excess < best.excess:
+        if other.is_searched and other.excess < best.excess:
             other = try_refine(ground.evaluator, other)
         if other.refined and other.excess < best.excess:
             fits = [other if f is best else f for f in fits]

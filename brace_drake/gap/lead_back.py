@@ -33,7 +33,7 @@ def strays(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
         for f in fits
         if len(f.effects) == 1
         and f.spread is not None
-        and f.solution.jacobian is not None
+        and f.is_searched
         and not (f.refined and f.is_scattered)
     ]
     return sorted(found, key=lambda f: f.excess)

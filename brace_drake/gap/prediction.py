@@ -70,7 +70,7 @@ def predict_runs(
     able = [
         f
         for f in sorted(fits, key=lambda f: f.excess)
-        if f.solution.jacobian is not None and not has_run_parameters(f)
+        if f.is_searched and not has_run_parameters(f)
     ]
     for fit in able[:_MOST]:
         if fit is winner:

@@ -36,8 +36,7 @@ def is_caught(
 
     What drives leave that stick is no kink, and their search is dear.
     """
-    searched = pair.solution.jacobian is not None
-    if not searched or is_flexible(pair) or len(pair.effects) < 2:
+    if is_flexible(pair) or len(pair.effects) < 2 or not pair.is_searched:
         return False
     if is_dithered(evaluator.twin, pair.uses):
         return False

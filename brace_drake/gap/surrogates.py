@@ -82,7 +82,7 @@ def draw_null(
     bases = [
         _orthogonal_part(basis, fit, n)
         for fit in fits
-        if fit.num_free <= _FEW and fit.solution.jacobian is not None
+        if fit.num_free <= _FEW and fit.is_searched
     ]
     parts = _project(evaluator, noise, [basis, *bases])
     generator = np.random.default_rng([seed, 11])
