@@ -6,7 +6,7 @@ from unittest import mock
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.gap import document, pair_moves, screen, second_effect
-from brace_drake.gap.pair_moves import set_out_afresh
+from brace_drake.gap.pair_moves import make_simpler, set_out_afresh
 from brace_drake.gap.second_effect import SecondEffects
 
 
@@ -14,7 +14,7 @@ class TestEnd(unittest.TestCase):
     def search(self, replays, is_settled):
         found = SecondEffects.__new__(SecondEffects)
         found._evaluator = SimpleNamespace(replays=replays)
-        found._begun, found.is_cut = 100, False
+        found._begun, found.is_cut, found._nominal = 100, False, None
         found._null = SimpleNamespace(misfit_threshold=0.1)
         found._is_settled, found._all = lambda: is_settled, list
         with mock.patch.object(second_effect, "is_near_floor", lambda *_: True):
@@ -31,6 +31,7 @@ class TestEnd(unittest.TestCase):
         found = SecondEffects.__new__(SecondEffects)
         found._evaluator = SimpleNamespace(replays=100)
         found._begun, found.is_cut, found._stray = 100, False, None
+        found._nominal = None
         found._is_settled, found._all = lambda: False, list
         found._null = SimpleNamespace(misfit_threshold=0.1)
 
@@ -92,6 +93,31 @@ class TestEnd(unittest.TestCase):
             self.assertEqual(line_up.call_args.args[3].tolist(), [5.0])
             self.assertEqual(step.call_count, steps)
             self.assertEqual(kept, [runner])
+
+    def test_a_special_case_is_tried_with_the_values_of_the_general_one(self):
+        # Stribeck friction without its bump is Coulomb friction.
+        cards = [
+            find_effect(key)
+            for key in (
+                "coulomb_friction",
+                "coulomb_friction (without creep)",
+                "force_gain",
+            )
+        ]
+        rich = find_effect("stribeck_friction (without creep)")
+        zone = find_effect("force_deadzone")
+        pair = SimpleNamespace(
+            uses=((zone, [0.05]), (rich, [0.07, 0.0, 0.002])),
+            subject="subject",
+            spread=None,
+        )
+        with mock.patch.object(pair_moves, "make_runner", lambda *given: given):
+            made = list(make_simpler("ground", pair, cards))
+        ((ground, effects, values, subject, spread),) = made
+        self.assertEqual(ground, "ground")
+        self.assertEqual(effects, (zone, cards[1]))
+        self.assertEqual([list(v) for v in values], [[0.05], [0.07]])
+        self.assertEqual((subject, spread), ("subject", None))
 
     def test_a_promise_of_few_or_of_a_breath_is_half_of_what_a_search_takes(
         self,

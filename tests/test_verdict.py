@@ -154,13 +154,17 @@ class TestVerdict(unittest.TestCase):
         self.assertEqual(verdict(2.0, anchors, worse).winner, anchors)
 
     def test_where_drives_stick_a_bit_more_counts_as_the_floor(self):
-        def is_near(rest, name):
-            return is_near_floor(EVALUATOR, [fit(rest, name)], 0.1)
+        def is_near(rest, name, gap=9.0):
+            return is_near_floor(EVALUATOR, fit(gap), [fit(rest, name)], 0.1)
 
         self.assertTrue(is_near(0.09, "force_bias"))
         self.assertFalse(is_near(0.3, "force_bias"))
         self.assertTrue(is_near(0.3, "coulomb_friction"))
         self.assertFalse(is_near(0.6, "coulomb_friction"))
+        # Averaged over noise too, but no drive sticks with it.
+        self.assertFalse(is_near(0.3, "hysteresis"))
+        # Of a small gap friction takes nothing: something else may.
+        self.assertFalse(is_near(0.3, "coulomb_friction", gap=0.32))
 
     def test_probability_falls_with_rivals_and_with_what_is_left(self):
         of_contrast = [sure_of_effects(c, 0.0, 1) for c in (1.0, 3.0, 30.0)]

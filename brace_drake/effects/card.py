@@ -80,6 +80,8 @@ class Effect:
         devices: Where it applies.
         dithered: Whether the noise in the loop changes the mean motion, as
             with dry friction; the twin then averages over noisy replays.
+        sticks: Whether it holds a drive until noise lets it go: when it slips
+            is chance, and no replay follows a recording to the floor.
         spread: For effects of many alike parameters drawn from a common
             normal distribution: name and unit of its standard deviation,
             which is what is reported. None for all others.
@@ -106,6 +108,7 @@ class Effect:
     constants: Callable | None = None
     devices: tuple[str, ...] = ("bench stage 2",)
     dithered: bool = False
+    sticks: bool = False
     spread: tuple[str, str] | None = None
     form: str = ""
     run_parameters: tuple[EffectParameter, ...] = ()

@@ -63,6 +63,7 @@ CARD = Effect(
     laws={"drive": _law},
     num_states={"drive": 6},
     dithered=True,
+    sticks=True,
     generalises=("coulomb_friction",),
     signature="stick and slip: a jump of the ring after every reversal",
     impostors={

@@ -78,7 +78,8 @@ def try_causes(
 
     def is_near():
         known = [*fits, *flexible]
-        return is_near_floor(evaluator, known, null.misfit_threshold)
+        limit = null.misfit_threshold
+        return is_near_floor(evaluator, nominal, known, limit)
 
     def is_done():
         known = [*fits, *flexible]

@@ -81,6 +81,27 @@ def set_out_afresh(
     return [runner]
 
 
+def make_simpler(
+    ground: Ground, pair: CandidateFit, cards: Sequence[Effect]
+) -> Iterator[Runner]:
+    """The pair with a special case of either effect in its place, parameters
+    that both have as they are.
+    """
+    for (out, values), kept in itertools.permutations(pair.uses):
+        there = dict(zip(out.parameter_names, values, strict=False))
+        for card in cards:
+            if card.name not in out.generalises or card.form != out.form:
+                continue
+            off = zip(card.parameter_names, card.off(), strict=True)
+            mine = np.array([there.get(name, value) for name, value in off])
+            effects, both = zip(kept, (card, mine), strict=True)
+            runner = make_runner(
+                ground, effects, both, pair.subject, pair.spread
+            )
+            if runner is not None:
+                yield runner
+
+
 def make_richer(
     ground: Ground, pair: CandidateFit, cards: Sequence[Effect]
 ) -> Iterator[Runner]:

@@ -10,11 +10,12 @@ from brace_drake.effects.card import Effect
 from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, refine, try_refine
-from brace_drake.gap.evaluation import is_dithered
+from brace_drake.gap.evaluation import sticks
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.lead_back import lead_back, strays
 from brace_drake.gap.pair_moves import (
     make_richer,
+    make_simpler,
     set_out_afresh,
     try_without_one,
 )
@@ -160,7 +161,16 @@ class SecondEffects:
             self._lead_back(strayed, say)
         if strayed and not (self._is_done() or self._is_settled()):
             self._keep_single(strayed[0])
+        self._try_simpler(say)
         return self._best_of_each()
+
+    def _try_simpler(self, say: Say) -> None:
+        """Special cases of the best pair, which are compared with it."""
+        pairs = [f for f in refined(self._found) if len(f.effects) == 2]
+        for pair in pairs[:1]:
+            for runner in make_simpler(self._ground, pair, self._cards):
+                search_best(self._ground, [runner], say, most=self._most)
+                self._keep([runner], self._nominal.excess)
 
     def _try_richer(self, say: Say) -> None:
         pairs = [f for f in refined(self._found) if len(f.effects) == 2]
@@ -230,8 +240,9 @@ class SecondEffects:
         if self._evaluator.replays > self._begun + _DEAR:
             self.is_cut = not self._is_settled()
             return True
+        limit = self._null.misfit_threshold
         return self._is_settled() and is_near_floor(
-            self._evaluator, self._all(), self._null.misfit_threshold
+            self._evaluator, self._nominal, self._all(), limit
         )
 
     def _is_rough(self, leader: CandidateFit) -> bool:
@@ -241,7 +252,7 @@ class SecondEffects:
         of effects of dozens of parameters, and their search would be dear.
         """
         uses, twin = leader.uses, self._evaluator.twin
-        return self._is_settled() and is_dithered(twin, uses)
+        return self._is_settled() and sticks(twin, uses)
 
     def _bar(self) -> float:
         """Excess above which a pair is not worth its second effect."""

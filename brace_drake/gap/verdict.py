@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.evaluation import Evaluator, is_dithered
+from brace_drake.gap.evaluation import Evaluator, sticks
 from brace_drake.gap.probability import (
     sure_of_effects,
     sure_of_no_gap,
@@ -257,18 +257,21 @@ def is_exact(evaluator: Evaluator, fit: CandidateFit) -> bool:
 
 def is_near_floor(
     evaluator: Evaluator,
+    nominal: CandidateFit,
     fits: Sequence[CandidateFit],
     limit: float,
 ) -> bool:
     """Whether the best of fits leaves at most so many floors, mean square.
 
-    Or a bit more, where it cannot follow a recording as near as that.
+    Or a bit more, where it closes much of the gap and can follow a recording
+    no nearer.
     """
     best = next(iter(plausible(fits)), None)
     if best is None:
         return False
-    if is_dithered(evaluator.twin, best.uses):
-        limit = max(limit, _NEAR_FLOOR_ROUGH)
+    if sticks(evaluator.twin, best.uses):
+        if closes_half(evaluator, nominal, best):
+            limit = max(limit, _NEAR_FLOOR_ROUGH)
     return misfit(evaluator, best) <= limit
 
 
