@@ -12,9 +12,9 @@ from brace_drake.gap.causes import try_causes
 from brace_drake.gap.contenders import best_fits
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.lead_back import lead_back, replace_second, strays
+from brace_drake.gap.measures import misfit
 from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.screen import race
-from brace_drake.gap.verdict import misfit
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
 

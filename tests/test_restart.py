@@ -13,7 +13,7 @@ from brace_drake.gap.restart import is_caught, restart
 
 TWIN = SimpleNamespace(instruments_known=True, carried=(), has_loop=True)
 EVALUATOR = SimpleNamespace(count=100, twin=TWIN)
-NULL = SimpleNamespace(misfit_threshold=0.1, gain_threshold=0.03)
+NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,7 @@ class Fit:
     refined: bool = True
     is_scattered: bool = True
     is_searched: bool = True
+    freedom: int = 2
 
     @property
     def effects(self):

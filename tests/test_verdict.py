@@ -10,7 +10,7 @@ from brace_drake.gap.probability import sure_of_effects
 from brace_drake.gap.verdict import decide, is_near_floor, largest_rest
 
 COUNT = 1000
-NULL = SimpleNamespace(misfit_threshold=0.1, gain_threshold=0.03)
+NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)
 EVALUATOR = SimpleNamespace(
     count=COUNT,
     recorded=1.0,
@@ -79,7 +79,7 @@ class TestVerdict(unittest.TestCase):
             self.assertAlmostEqual(part.probability, expected)
 
     def test_no_gap_below_a_high_threshold_says_less(self):
-        high = SimpleNamespace(misfit_threshold=1.0, gain_threshold=0.03)
+        high = SimpleNamespace(misfit_threshold=1.0, least_gain=lambda n: 0.03)
         low = verdict(0.0, fit(0.0, "force_bias")).probability
         found = verdict(0.0, fit(0.0, "force_bias"), null=high)
         self.assertFalse(found.gap)
@@ -99,14 +99,22 @@ class TestVerdict(unittest.TestCase):
 
     def test_what_the_noises_level_may_be_off_hides_no_second_effect(self):
         single = fit(0.14, "force_bias")
-        for rest, number in ((0.03, 2), (0.1, 1), (0.139, 1)):
-            with self.subTest(rest=rest):
-                pair = fit(rest, "force_bias", "ring_mass")
+        for rest, second, number in (
+            (0.03, "ring_mass", 2),
+            (0.1, "ring_mass", 2),
+            (0.12, "ring_mass", 1),
+            (-0.02, "ring_mass", 2),
+            # Averaged over noise, which is no nearer.
+            (0.1, "hysteresis", 1),
+            (0.03, "hysteresis", 2),
+        ):
+            with self.subTest(rest=rest, second=second):
+                pair = fit(rest, "force_bias", second)
                 found = verdict(50.0, single, pair).winner
                 self.assertEqual(len(found.effects), number)
         # What noise might gain is no second effect.
         pair = fit(0.03, "force_bias", "ring_mass")
-        rough = SimpleNamespace(misfit_threshold=0.1, gain_threshold=0.2)
+        rough = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.2)
         found = verdict(50.0, single, pair, null=rough).winner
         self.assertEqual(len(found.effects), 1)
         # No level of noise is off by more than that.

@@ -9,6 +9,7 @@ from brace_drake.effects.registry import effects_for
 from brace_drake.gap import verdict
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.ladder import holds_at_rest
+from brace_drake.gap.measures import closed_amplitude, gains, misfit
 from brace_drake.gap.uncertainty import EstimateTable, ParameterEstimate
 
 
@@ -27,10 +28,10 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                 "chosen": is_winner,
                 "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
                 "title": " and ".join(e.title for e in fit.effects),
-                "excess": verdict.misfit(d.evaluator, fit),
+                "excess": misfit(d.evaluator, fit),
                 "explained": max(
                     0.0,
-                    verdict.closed_amplitude(d.evaluator, d.nominal, fit),
+                    closed_amplitude(d.evaluator, d.nominal, fit),
                 ),
                 "validation": _validation(d, fit),
                 "searched": fit.is_searched,
@@ -68,7 +69,7 @@ def _absent_row(d: Diagnosis, card: Effect) -> dict:
         "chosen": False,
         "block": card.block,
         "title": card.title,
-        "excess": verdict.misfit(d.evaluator, d.nominal),
+        "excess": misfit(d.evaluator, d.nominal),
         "explained": 0.0,
         "validation": None,
         "searched": False,
@@ -102,12 +103,11 @@ def _decision(d: Diagnosis, fit, is_winner: bool) -> str:
     part = _part_as_good(d, fit)
     if part is not None:
         return f"leaves as much as {part.name} alone"
-    gain = verdict.gain(d.evaluator, d.nominal, fit)
-    if gain <= d.null.gain_threshold:
+    if not gains(d.evaluator, d.nominal, fit, d.null):
         return "gains no more than noise would"
     if not fit.is_scattered:
         return "its many parameters do not look like a draw"
-    rest = 1.0 + max(0.0, verdict.misfit(d.evaluator, fit))
+    rest = 1.0 + max(0.0, misfit(d.evaluator, fit))
     return f"leaves {np.sqrt(rest):.1f} times the floor on the fit runs"
 
 

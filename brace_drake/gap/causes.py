@@ -12,14 +12,13 @@ from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, polish, refine
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ground import Ground
+from brace_drake.gap.measures import closes_half, is_exact
 from brace_drake.gap.screen import race
 from brace_drake.gap.second_effect import SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import (
-    closes_half,
     has_gap,
     is_almost_near_floor,
-    is_exact,
     is_near_floor,
     largest_excess,
 )
@@ -103,7 +102,8 @@ def try_causes(
     if not is_done():
         found = second.search(flexible, _part(say, 0.6, 0.78))
         return [*fits, *flexible, *found], null, second.is_cut
-    return [*fits, *flexible], null, False
+    small = second.try_small(_part(say, 0.6, 0.78))
+    return [*fits, *flexible, *small], null, False
 
 
 def _candidates(device: str, holds_at_rest: bool | None) -> list[Effect]:

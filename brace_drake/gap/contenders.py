@@ -11,8 +11,9 @@ from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit, fit_effects
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ground import Ground
+from brace_drake.gap.measures import is_exact
 from brace_drake.gap.runner import Runner, make_runner, step
-from brace_drake.gap.verdict import is_exact, refined
+from brace_drake.gap.verdict import refined
 
 # A rival that leaves this many times what the leader leaves is out.
 _CONTENDER = 1.5

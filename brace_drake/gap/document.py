@@ -23,6 +23,7 @@ from brace_drake.gap.cube import gap_cube
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.ladder import describe_unchecked
 from brace_drake.gap.leftover import describe_left
+from brace_drake.gap.measures import closed_amplitude, misfit
 from brace_drake.gap.next_run import NextRun, describe_next
 from brace_drake.gap.phases import PHASES, motion_phases
 from brace_drake.gap.repair_shares import share_repairs
@@ -107,7 +108,7 @@ def _nearest_block(d: Diagnosis) -> list[str]:
     return [
         fit.effects[0].block
         for fit in singles[:1]
-        if verdict.closed_amplitude(d.evaluator, d.nominal, fit) >= least
+        if closed_amplitude(d.evaluator, d.nominal, fit) >= least
     ]
 
 
@@ -206,7 +207,7 @@ def _warnings(d: Diagnosis) -> list[str]:
         )
     winner = d.verdict.winner
     if winner is not None:
-        rest = verdict.misfit(d.evaluator, winner)
+        rest = misfit(d.evaluator, winner)
         if rest > d.null.misfit_threshold:
             found.append(
                 f"with the repair the fit runs are {np.sqrt(1.0 + rest):.2f}"
@@ -238,9 +239,9 @@ def _receipt(d: Diagnosis) -> dict:
         "data_sha256": campaign_hash(d.campaign),
         "seed": d.seed,
         "time_step_s": d.device.twin.time_step,
-        "misfit": verdict.misfit(d.evaluator, d.nominal),
+        "misfit": misfit(d.evaluator, d.nominal),
         "misfit_threshold": d.null.misfit_threshold,
-        "gain_threshold": d.null.gain_threshold,
+        "gain_threshold": d.null.least_gain(1),
         "integration_error": d.null.numerical,
         "smallest_explained_share": verdict.smallest_share(d.evaluator),
         "probability_is": "from what the best rival and the winner leave,"

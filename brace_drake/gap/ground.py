@@ -8,9 +8,9 @@ from scipy.optimize import lsq_linear
 from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.evaluation import Evaluator
+from brace_drake.gap.measures import is_exact
 from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.separation import beyond
-from brace_drake.gap.verdict import is_exact
 
 # A promise looks at most this many times as far as the start.
 _REACH = 30.0
@@ -67,7 +67,8 @@ class Ground:
         self.noise = evaluator.count * evaluator.noise_level(
             leader.uses, coarse=True
         )
-        self.there = max(0.0, float(self.left @ self.left) - self.noise)
+        self.excess = float(self.left @ self.left) - self.noise
+        self.there = max(0.0, self.excess)
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
         """What of residuals or columns no change of the leader's fit takes."""

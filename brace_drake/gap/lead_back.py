@@ -13,9 +13,10 @@ from brace_drake.gap.candidates import CandidateFit, fit_effects
 from brace_drake.gap.contenders import best_fits, refine
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ground import Ground
+from brace_drake.gap.measures import is_exact
 from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.screen import line_up, race
-from brace_drake.gap.verdict import is_exact, refined
+from brace_drake.gap.verdict import refined
 
 # What a second effect has to promise to leave, of what the leader leaves and
 # what its parameters cost.

@@ -8,14 +8,10 @@ import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import try_refine
-from brace_drake.gap.evaluation import Evaluator, is_dithered
+from brace_drake.gap.evaluation import Evaluator, sticks
+from brace_drake.gap.measures import closed_amplitude, is_flexible
 from brace_drake.gap.surrogates import NullDistribution
-from brace_drake.gap.verdict import (
-    closed_amplitude,
-    explains,
-    is_flexible,
-    smallest_share,
-)
+from brace_drake.gap.verdict import explains, smallest_share
 
 # So far, in parts of each parameter: the subject's are known by a part, those
 # of the effects nearly.
@@ -38,7 +34,7 @@ def is_caught(
     """
     if is_flexible(pair) or len(pair.effects) < 2 or not pair.is_searched:
         return False
-    if is_dithered(evaluator.twin, pair.uses):
+    if sticks(evaluator.twin, pair.uses):
         return False
     closed = closed_amplitude(evaluator, nominal, pair)
     enough = closed >= smallest_share(evaluator)

@@ -185,11 +185,20 @@ def _search(
     return True
 
 
-def line_up(ground: Ground, card: Effect) -> list[Runner]:
+def line_up(
+    ground: Ground, card: Effect, least: float | None = None
+) -> list[Runner]:
     """The card beside the leader's effects, at each of its starts.
 
     A start that is far too strong or too weak, or of the wrong sign, is
     followed by one of the strength that it foresees.
+
+    Args:
+        ground: Where to set out from.
+        card: The effect.
+        least: What a start has to promise to take for that; as a rule some
+            of what there is, and nothing is tried twice beside a leader that
+            leaves nothing.
     """
     leader, found = ground.leader, []
     for values in card.starts():
@@ -214,9 +223,9 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
                 break
             if card.run_parameters or _ENOUGH < far < 1.0 / _ENOUGH:
                 break
-            if ground.is_exact:
+            if least is None and ground.is_exact:
                 return found
-            if runner.promise > _HOPELESS * ground.there:
+            if _is_hopeless(ground, runner.promise, least):
                 break
             factor = np.copysign(max(abs(far), _WEAKEST), far)
             rescaled = card.scaled(values, factor)
@@ -224,3 +233,9 @@ def line_up(ground: Ground, card: Effect) -> list[Runner]:
                 break
             values = rescaled
     return found
+
+
+def _is_hopeless(ground: Ground, promise: float, least: float | None) -> bool:
+    if least is None:
+        return promise > _HOPELESS * ground.there
+    return promise > ground.excess - least

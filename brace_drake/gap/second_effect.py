@@ -13,6 +13,7 @@ from brace_drake.gap.contenders import best_fits, refine, try_refine
 from brace_drake.gap.evaluation import sticks
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.lead_back import lead_back, strays
+from brace_drake.gap.measures import closes_half, is_flexible
 from brace_drake.gap.pair_moves import (
     make_richer,
     make_simpler,
@@ -23,9 +24,9 @@ from brace_drake.gap.pairs import foresee_pairs, search_pairs
 from brace_drake.gap.restart import is_caught, restart
 from brace_drake.gap.runner import Runner
 from brace_drake.gap.screen import race, search_best
+from brace_drake.gap.small_second import try_small_second
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.verdict import (
-    closes_half,
     explains,
     is_near_floor,
     largest_excess,
@@ -100,6 +101,23 @@ class SecondEffects:
         self._lead_back(strays(fits), say)
         self._begun = self._evaluator.replays
         return self._is_done()
+
+    def try_small(self, say: Say) -> list[CandidateFit]:
+        """Pairs of the single effect that explains, be it to the floor, with
+        a second one that takes little; none beside dozens of parameters.
+
+        Args:
+            say: Progress, shares of this search.
+        """
+        leader = next(iter(plausible(self._singles)), self._nominal)
+        if is_flexible(leader) or not self._does_explain(leader):
+            return []
+        try:
+            beside = Ground(self._evaluator, leader)
+        except BraceError:
+            return []
+        cards = self._others(leader, flexible=False)
+        return try_small_second(beside, cards, self._null, say)
 
     def try_pairs(self, say: Say) -> bool:
         """Pairs beside the single effect that explains, if one does, then
@@ -230,10 +248,10 @@ class SecondEffects:
         return [*self._singles, *self._found]
 
     def _is_settled(self) -> bool:
-        return any(
-            explains(self._evaluator, self._nominal, f, self._null)
-            for f in refined(self._all())
-        )
+        return any(self._does_explain(f) for f in refined(self._all()))
+
+    def _does_explain(self, fit: CandidateFit) -> bool:
+        return explains(self._evaluator, self._nominal, fit, self._null)
 
     def _is_done(self) -> bool:
         """Whether what is left is what surrogates leave too."""

@@ -8,7 +8,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.evaluation import Evaluator, sticks
+from brace_drake.gap.evaluation import Evaluator, is_dithered, sticks
+from brace_drake.gap.measures import (
+    EXACT_TO,
+    closed_amplitude,
+    closes_half,
+    gains,
+    is_flexible,
+    left_over,
+    misfit,
+)
 from brace_drake.gap.probability import (
     sure_of_effects,
     sure_of_no_gap,
@@ -26,9 +35,6 @@ MAJOR_REAL = 0.75
 # Mean square above the floor's, in floors, up to which a repaired twin counts
 # as good: what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
-# About half of the gap's amplitude: what a flexible effect has to close, and an
-# effect beside which a second one is looked for.
-_HALF = 0.5
 # Where drives stick replays come to no floor: up to here what is left is no
 # sign of another effect.
 _NEAR_FLOOR_ROUGH = 0.5
@@ -39,9 +45,9 @@ _UNFINISHED_SHARE = 0.25
 # Two effects have to leave this share of what one leaves, the noise's level
 # being right.
 _SECOND_PAYS = 0.25
-# Mean square, in floors, up to which a twin of the right effect is trusted to
-# follow a recording: a tenth of the floor's amplitude and a bit.
-_EXACT_TO = 0.02
+# What errors of the twin itself leave; an average over noise is no nearer than
+# the above.
+_ERRORS = 0.005
 # A threshold of misfit that campaigns recorded in full stay below.
 _WHOLE_THRESHOLD = 0.125
 # Rivals that leave less than this many times the winner's rest are tied.
@@ -67,18 +73,6 @@ class Verdict:
     probability: float
 
 
-def misfit(evaluator: Evaluator, fit: CandidateFit) -> float:
-    """Mean square above the floor's, in floors."""
-    return fit.excess / evaluator.count
-
-
-def gain(
-    evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit
-) -> float:
-    """What a fit takes off the nominal fit's mean square."""
-    return (nominal.excess - fit.excess) / evaluator.count
-
-
 def part_as_good(
     evaluator: Evaluator,
     fit: CandidateFit,
@@ -91,25 +85,9 @@ def part_as_good(
     for part in refined(fits):
         if not part.kinds < fit.kinds:
             continue
-        if gain(evaluator, part, fit) <= null.gain_threshold:
+        if not gains(evaluator, part, fit, null):
             return part
     return None
-
-
-def closed_amplitude(
-    evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit
-) -> float:
-    """Share of the gap's amplitude that a fit takes away, 1 at the floor."""
-    before = np.sqrt(1.0 + max(0.0, misfit(evaluator, nominal))) - 1.0
-    after = np.sqrt(1.0 + max(0.0, misfit(evaluator, fit))) - 1.0
-    return float(1.0 - after / before) if before > 0.0 else 0.0
-
-
-def closes_half(
-    evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit
-) -> bool:
-    """Whether a fit takes away about half of the gap's amplitude."""
-    return closed_amplitude(evaluator, nominal, fit) >= _HALF
 
 
 def has_gap(
@@ -119,10 +97,8 @@ def has_gap(
     null: NullDistribution,
 ) -> bool:
     """Whether the nominal fit leaves more than its own noise would."""
-    best = max((gain(evaluator, nominal, f) for f in refined(fits)), default=0)
-    return bool(
-        misfit(evaluator, nominal) > null.misfit_threshold
-        or best > null.gain_threshold
+    return misfit(evaluator, nominal) > null.misfit_threshold or any(
+        gains(evaluator, nominal, f, null) for f in refined(fits)
     )
 
 
@@ -178,7 +154,7 @@ def explains(
     """Whether a fit explains the gap: to the floor, as surrogates demand, or
     by far most of it; and not by an effect whose many parameters are no draw.
     """
-    if gain(evaluator, nominal, fit) <= null.gain_threshold:
+    if not gains(evaluator, nominal, fit, null):
         return False
     rest = misfit(evaluator, fit)
     most = largest_rest(evaluator, nominal, len(fit.effects))
@@ -240,21 +216,6 @@ def decide(
     return Verdict(True, winner, False, tuple(reversed(near.values())), sure)
 
 
-def is_flexible(fit: CandidateFit) -> bool:
-    """Whether one of the effects has dozens of parameters."""
-    return any(e.is_flexible for e in fit.effects)
-
-
-def left_over(evaluator: Evaluator, fit: CandidateFit) -> float:
-    """Mean square above the floor's and what no twin is exact to."""
-    return max(0.0, misfit(evaluator, fit)) + _EXACT_TO
-
-
-def is_exact(evaluator: Evaluator, fit: CandidateFit) -> bool:
-    """Whether a fit follows the recording as far as any twin is trusted to."""
-    return misfit(evaluator, fit) <= _EXACT_TO
-
-
 def is_near_floor(
     evaluator: Evaluator,
     nominal: CandidateFit,
@@ -301,15 +262,22 @@ def simplest_of_fewest(
         richer = simplest(evaluator, by_number[number])
         is_less = is_flexible(best) and not is_flexible(richer)
         pays = 1.0 if is_less else _SECOND_PAYS
-        gains = gain(evaluator, best, richer) > null.gain_threshold
-        # What the noise's level may be off is left by both.
+        does_gain = gains(evaluator, best, richer, null)
         rest = misfit(evaluator, richer)
-        off = min(max(0.0, rest), NOISE_TRUST)
-        left = left_over(evaluator, richer) - off
-        is_little = left < pays * (left_over(evaluator, best) - off)
-        if is_little and (gains or is_less) and rest <= _NEAR_FLOOR:
+        # What the noise's level may be off is left by both.
+        errors = _errors(evaluator, richer)
+        off = np.clip(rest, -NOISE_TRUST, NOISE_TRUST) - errors
+        left = max(errors, rest - off)
+        is_little = left < pays * (misfit(evaluator, best) - off)
+        if is_little and (does_gain or is_less) and rest <= _NEAR_FLOOR:
             best = richer
     return best
+
+
+def _errors(evaluator: Evaluator, fit: CandidateFit) -> float:
+    """Mean square that errors of the twin itself leave a fit."""
+    noisy = is_dithered(evaluator.twin, fit.uses)
+    return EXACT_TO if noisy else _ERRORS
 
 
 def simplest(

@@ -1,0 +1,73 @@
+"""A second effect that takes little, beside one that explains the gap.
+
+What one leaves may be well within what the level of the noise may be off, and
+still more than chance or the twin's own errors give to another effect: that
+another one takes it tells, not how much there is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from brace_drake.effects.card import Effect
+from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.contenders import best_fits, try_refine
+from brace_drake.gap.evaluation import is_dithered
+from brace_drake.gap.ground import Ground
+from brace_drake.gap.measures import gains
+from brace_drake.gap.runner import Runner, step
+from brace_drake.gap.screen import line_up
+from brace_drake.gap.surrogates import NullDistribution
+
+# Second effects that are searched, and steps of each.
+_PLACES, _STEPS = 3, 5
+# A straight way foresees half of what a search takes, or less.
+_FORESEEN = 0.5
+
+
+def try_small_second(
+    ground: Ground,
+    cards: Sequence[Effect],
+    null: NullDistribution,
+    say: Callable[[str, float], None],
+) -> list[CandidateFit]:
+    """The leader with the second effect that takes most, refined.
+
+    None where the leader or that effect is averaged over noise, and its
+    replays are no nearer than what is looked for.
+
+    Args:
+        ground: At the single effect that explains.
+        cards: Second effects.
+        null: What noise alone gives.
+        say: Progress, shares of this search.
+
+    Returns:
+        That fit, then those that were searched beside it; none where no effect
+        takes more than noise would.
+    """
+    evaluator, leader = ground.evaluator, ground.leader
+    if is_dithered(evaluator.twin, leader.uses):
+        return []
+    runners: list[Runner] = []
+    least = _FORESEEN * null.least_gain(1) * evaluator.count
+    for i, card in enumerate(cards):
+        if card.dithered:
+            continue
+        say(f"cause {leader.name}+{card.key}", 0.6 * i / len(cards))
+        runners += line_up(ground, card, least)
+    bar = ground.excess - least
+    best: dict[str, Runner] = {}
+    for runner in sorted(runners, key=lambda r: r.promise):
+        if runner.promise < bar:
+            best.setdefault(runner.card.key, runner)
+    searched = list(best.values())[:_PLACES]
+    for i, runner in enumerate(searched):
+        say(f"cause {runner.fit().name}", 0.6 + 0.1 * i)
+        step(ground, runner, _STEPS)
+    fits = [f for f in best_fits(searched) if f.is_searched]
+    if not fits or fits[0].excess > bar:
+        return []
+    fits[0] = try_refine(evaluator, fits[0])
+    is_found = fits[0].refined and gains(evaluator, leader, fits[0], null)
+    return fits if is_found else []
