@@ -92,6 +92,7 @@ class TestRestart(unittest.TestCase):
             (50.0, Fit.names, True, False),
             (60_000.0, Fit.names, True, False),
             (342.0, ("coulomb_friction", "force_bias"), True, False),
+            (342.0, ("hysteresis", "force_bias"), True, True),
             (342.0, ("anchor_error", "force_bias"), True, False),
         ):
             with self.subTest(excess=excess, names=names, searched=searched):

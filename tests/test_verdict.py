@@ -123,6 +123,24 @@ class TestVerdict(unittest.TestCase):
         found = verdict(50.0, single, pair).winner
         self.assertEqual(len(found.effects), 1)
 
+    def test_a_second_effect_that_took_little_is_less_sure(self):
+        def probability(rest, *others):
+            pair = fit(rest, "force_bias", "ring_mass")
+            found = verdict(9.0, fit(0.09, "force_bias"), pair, *others)
+            self.assertEqual(found.winner, pair)
+            return found.probability, found.ambiguous_with
+
+        sure = [probability(rest)[0] for rest in (0.055, 0.03, -0.1)]
+        self.assertEqual(sure, sorted(sure))
+        self.assertLess(sure[0], 0.75)
+        self.assertGreater(sure[2], 0.85)
+        # Another second effect that took next to nothing is no rival.
+        other = fit(0.088, "force_bias", "force_lag", refined=False)
+        self.assertEqual(probability(0.03, other), (sure[1], ()))
+        close = fit(0.031, "force_bias", "force_lag", refined=False)
+        _, tied = probability(0.03, close)
+        self.assertEqual(tied, ("force_bias+force_lag",))
+
     def test_what_is_no_draw_neither_explains_nor_rivals(self):
         drawn = fit(0.01, "anchor_error", scattered=False)
         self.assertTrue(verdict(50.0, drawn).outside_library)

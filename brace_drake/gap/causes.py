@@ -102,7 +102,7 @@ def try_causes(
     if not is_done():
         found = second.search(flexible, _part(say, 0.6, 0.78))
         return [*fits, *flexible, *found], null, second.is_cut
-    small = second.try_small(_part(say, 0.6, 0.78))
+    small = second.try_small(flexible, _part(say, 0.6, 0.78))
     return [*fits, *flexible, *small], null, False
 
 

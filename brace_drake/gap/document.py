@@ -242,6 +242,7 @@ def _receipt(d: Diagnosis) -> dict:
         "misfit": misfit(d.evaluator, d.nominal),
         "misfit_threshold": d.null.misfit_threshold,
         "gain_threshold": d.null.least_gain(1),
+        "gain_threshold_of_six_parameters": d.null.least_gain(6),
         "integration_error": d.null.numerical,
         "smallest_explained_share": verdict.smallest_share(d.evaluator),
         "probability_is": "from what the best rival and the winner leave,"

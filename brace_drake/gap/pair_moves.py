@@ -92,8 +92,11 @@ def make_simpler(
         for card in cards:
             if card.name not in out.generalises or card.form != out.form:
                 continue
-            off = zip(card.parameter_names, card.off(), strict=True)
-            mine = np.array([there.get(name, value) for name, value in off])
+            start = dict(
+                zip(card.parameter_names, card.starts()[0], strict=True)
+            )
+            # From no strength at all no way leads on.
+            mine = np.array([there.get(n) or v for n, v in start.items()])
             effects, both = zip(kept, (card, mine), strict=True)
             runner = make_runner(
                 ground, effects, both, pair.subject, pair.spread

@@ -85,7 +85,7 @@ def foresee_pairs(ground: Ground, singles: Sequence[Runner]) -> list[Foreseen]:
         taken = right[both] @ inverse @ right[both]
         if taken > best.get(names, (-1.0,))[0]:
             best[names] = taken, singles[i], singles[j]
-    total = float(ground.left @ ground.left) - ground.noise
+    total = ground.excess
     found = [(total - taken, i, j) for taken, i, j in best.values()]
     return sorted(found, key=lambda row: row[0])
 

@@ -22,7 +22,7 @@ from brace_drake.gap.pair_moves import (
 )
 from brace_drake.gap.pairs import foresee_pairs, search_pairs
 from brace_drake.gap.restart import is_caught, restart
-from brace_drake.gap.runner import Runner
+from brace_drake.gap.runner import Runner, step
 from brace_drake.gap.screen import race, search_best
 from brace_drake.gap.small_second import try_small_second
 from brace_drake.gap.surrogates import NullDistribution
@@ -42,6 +42,8 @@ _SEARCHED = 4
 _DEAR = 500
 # Pairs that set out afresh.
 _AFRESH = 2
+# Steps of the search of a special case.
+_STEPS = 5
 
 Say = Callable[[str, float], None]
 
@@ -102,14 +104,18 @@ class SecondEffects:
         self._begun = self._evaluator.replays
         return self._is_done()
 
-    def try_small(self, say: Say) -> list[CandidateFit]:
+    def try_small(
+        self, fits: Sequence[CandidateFit], say: Say
+    ) -> list[CandidateFit]:
         """Pairs of the single effect that explains, be it to the floor, with
         a second one that takes little; none beside dozens of parameters.
 
         Args:
+            fits: Of more single effects.
             say: Progress, shares of this search.
         """
-        leader = next(iter(plausible(self._singles)), self._nominal)
+        singles = plausible([*self._singles, *fits])
+        leader = next(iter(singles), self._nominal)
         if is_flexible(leader) or not self._does_explain(leader):
             return []
         try:
@@ -186,9 +192,15 @@ class SecondEffects:
         """Special cases of the best pair, which are compared with it."""
         pairs = [f for f in refined(self._found) if len(f.effects) == 2]
         for pair in pairs[:1]:
+            known = {f.name for f in pairs}
             for runner in make_simpler(self._ground, pair, self._cards):
-                search_best(self._ground, [runner], say, most=self._most)
-                self._keep([runner], self._nominal.excess)
+                name = runner.fit().name
+                say(f"cause {name}", 0.9)
+                if name in known:
+                    continue
+                # Where two have driven the subject to, its own way counts.
+                if step(self._ground, runner, _STEPS, own=True):
+                    self._keep([runner], self._nominal.excess)
 
     def _try_richer(self, say: Say) -> None:
         pairs = [f for f in refined(self._found) if len(f.effects) == 2]

@@ -43,7 +43,7 @@ def try_small_second(
         say: Progress, shares of this search.
 
     Returns:
-        That fit, then those that were searched beside it; none where no effect
+        Fits of those searched, up to that one refined; none where no effect
         takes more than noise would.
     """
     evaluator, leader = ground.evaluator, ground.leader
@@ -52,7 +52,7 @@ def try_small_second(
     runners: list[Runner] = []
     least = _FORESEEN * null.least_gain(1) * evaluator.count
     for i, card in enumerate(cards):
-        if card.dithered:
+        if is_dithered(evaluator.twin, [(card, ())]):
             continue
         say(f"cause {leader.name}+{card.key}", 0.6 * i / len(cards))
         runners += line_up(ground, card, least)
@@ -66,8 +66,11 @@ def try_small_second(
         say(f"cause {runner.fit().name}", 0.6 + 0.1 * i)
         step(ground, runner, _STEPS)
     fits = [f for f in best_fits(searched) if f.is_searched]
-    if not fits or fits[0].excess > bar:
-        return []
-    fits[0] = try_refine(evaluator, fits[0])
-    is_found = fits[0].refined and gains(evaluator, leader, fits[0], null)
-    return fits if is_found else []
+    for place, fit in enumerate(fits):
+        if fit.excess > bar:
+            break
+        # One of many parameters may take most and yet no more than it would.
+        fits[place] = try_refine(evaluator, fit)
+        if fits[place].refined and gains(evaluator, leader, fits[place], null):
+            return fits
+    return []

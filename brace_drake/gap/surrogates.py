@@ -33,11 +33,14 @@ class NullDistribution:
         misfit: Mean squares of the weighted noise minus 1, per surrogate.
         gain: Largest relative gain of any effect, per surrogate.
         numerical: Mean squares that halving the plant step would change.
+        is_known: Whether instruments and nominal numbers are, so that the twin
+            is as exact as a twin can be.
     """
 
     misfit: np.ndarray
     gain: np.ndarray
     numerical: float
+    is_known: bool = True
 
     @property
     def misfit_threshold(self) -> float:
@@ -58,8 +61,10 @@ class NullDistribution:
             freedom: Parameters that it has.
         """
         chance = float(np.quantile(self.gain, 0.99))
-        trust = np.clip(_GAIN_TRUST * freedom, _GAIN_TRUST_FROM, _GAIN_TRUST_TO)
-        return chance + 4.0 * self.numerical + float(trust)
+        trust = max(_GAIN_TRUST_FROM, _GAIN_TRUST * freedom)
+        if not self.is_known:
+            trust = _GAIN_TRUST_TO
+        return chance + 4.0 * self.numerical + min(trust, _GAIN_TRUST_TO)
 
 
 def draw_null(
@@ -105,7 +110,8 @@ def draw_null(
         gains = [float(s @ s) for s in scores[1:]]
         gain.append(max(gains, default=0.0) / evaluator.count)
     numerical = _numerical_error(evaluator, nominal)
-    return NullDistribution(np.array(misfit), np.array(gain), numerical)
+    known = evaluator.twin.instruments_known
+    return NullDistribution(np.array(misfit), np.array(gain), numerical, known)
 
 
 def _weighted_noise(evaluator, nominal, seed):

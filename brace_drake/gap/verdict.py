@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -50,6 +51,9 @@ _SECOND_PAYS = 0.25
 _ERRORS = 0.005
 # A threshold of misfit that campaigns recorded in full stay below.
 _WHOLE_THRESHOLD = 0.125
+# One that leaves so many times the least that two have to be preferred to is a
+# rival that leaves as much as they do.
+_PREFERRED = 2.0
 # Rivals that leave less than this many times the winner's rest are tied.
 _TIED = 1.5
 
@@ -198,16 +202,20 @@ def decide(
         and len(f.effects) in ((1, number) if is_flexible(f) else (number,))
         and (f.is_scattered or not f.refined)
     ]
-    limit = _TIED * left_over(evaluator, winner)
+    times_left = partial(_times_left, evaluator, winner)
     near = {
         f.kinds: "+".join(f.identifiers)
         for f in sorted(rivals, key=lambda f: -f.excess)
-        if left_over(evaluator, f) < limit
+        if times_left(f) < _TIED
         # Of dozens of parameters only the end of a search tells.
         and (f.refined or not is_flexible(f))
     }
-    second = min((left_over(evaluator, f) for f in rivals), default=np.inf)
-    contrast = second / left_over(evaluator, winner)
+    contrasts = [times_left(f) for f in rivals]
+    if number > 1:
+        # One that two were preferred to by little might be all there is.
+        ones = [f for f in good if len(f.effects) == 1]
+        contrasts += [_PREFERRED * _SECOND_PAYS * times_left(f) for f in ones]
+    contrast = min(contrasts, default=np.inf)
     rest = 0.0
     if misfit(evaluator, winner) > null.misfit_threshold:
         rest = 1.0 - closed_amplitude(evaluator, nominal, winner)
@@ -231,7 +239,9 @@ def is_near_floor(
     if best is None:
         return False
     if sticks(evaluator.twin, best.uses):
-        if closes_half(evaluator, nominal, best):
+        # Friction that the twin carries has taken its part before.
+        carried = sticks(evaluator.twin, ())
+        if carried or closes_half(evaluator, nominal, best):
             limit = max(limit, _NEAR_FLOOR_ROUGH)
     return misfit(evaluator, best) <= limit
 
@@ -263,21 +273,46 @@ def simplest_of_fewest(
         is_less = is_flexible(best) and not is_flexible(richer)
         pays = 1.0 if is_less else _SECOND_PAYS
         does_gain = gains(evaluator, best, richer, null)
+        errors = max(_errors(evaluator, f) for f in (best, richer))
+        off = _level_off(evaluator, richer)
+        if is_less:
+            off = max(0.0, off)
         rest = misfit(evaluator, richer)
-        # What the noise's level may be off is left by both.
-        errors = _errors(evaluator, richer)
-        off = np.clip(rest, -NOISE_TRUST, NOISE_TRUST) - errors
-        left = max(errors, rest - off)
-        is_little = left < pays * (misfit(evaluator, best) - off)
+        left = rest - off + errors
+        is_little = left < pays * (misfit(evaluator, best) - off + errors)
         if is_little and (does_gain or is_less) and rest <= _NEAR_FLOOR:
             best = richer
     return best
 
 
+def _level_off(evaluator: Evaluator, fit: CandidateFit) -> float:
+    """What the noise's level may be off if a fit is right, for all fits."""
+    return float(np.clip(misfit(evaluator, fit), -NOISE_TRUST, NOISE_TRUST))
+
+
 def _errors(evaluator: Evaluator, fit: CandidateFit) -> float:
     """Mean square that errors of the twin itself leave a fit."""
-    noisy = is_dithered(evaluator.twin, fit.uses)
-    return EXACT_TO if noisy else _ERRORS
+    twin = evaluator.twin
+    is_exact = twin.instruments_known and not is_dithered(twin, fit.uses)
+    return _ERRORS if is_exact else EXACT_TO
+
+
+def _times_left(
+    evaluator: Evaluator, winner: CandidateFit, fit: CandidateFit
+) -> float:
+    """What a fit leaves, in terms of what the winner leaves.
+
+    Where that is two effects, whose second one may take less than the noise's
+    level may be off, what this may be is taken from both; not beside dozens of
+    parameters, which can take as much.
+    """
+    if len(winner.effects) == 1 or is_flexible(fit):
+        return left_over(evaluator, fit) / left_over(evaluator, winner)
+    errors = max(_errors(evaluator, f) for f in (winner, fit))
+    off = _level_off(evaluator, winner) - errors
+    return max(errors, misfit(evaluator, fit) - off) / (
+        misfit(evaluator, winner) - off
+    )
 
 
 def simplest(
