@@ -9,6 +9,8 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from brace_drake.fit.triangle import calc_triangle
+
 # A Jacobian is kept while steps bring this share of what it promised, and take
 # this share of the cost: less where its columns are many, and dear.
 _KEPT_PROMISE = 0.7
@@ -91,13 +93,8 @@ def bounded_step(
     radius: np.ndarray,
 ) -> np.ndarray:
     """Least-squares step inside the limits and a box of given radius."""
-    triangle = _triangle(jacobian, residual)
+    triangle = calc_triangle([jacobian, residual])
     return _step_within(triangle, z, (lower, upper, radius))
-
-
-def _triangle(jacobian, residual) -> np.ndarray:
-    """The normal equations by QR, which keeps the small problem exact."""
-    return np.linalg.qr(np.column_stack([jacobian, residual]), mode="r")
 
 
 def _step_within(triangle, z, limits, share: float = 0.0) -> np.ndarray:
@@ -165,7 +162,7 @@ def solve_gauss_newton(
             jacobian = differentiate(z, residual)
         cost = float(residual @ residual)
         limits = lower, upper, radius
-        triangle = _triangle(jacobian, residual)
+        triangle = calc_triangle([jacobian, residual])
         step = _step_within(triangle, z, limits)
         left = residual + jacobian @ step
         promised = cost - float(left @ left)

@@ -15,6 +15,7 @@ from brace_drake.fit.gauss_newton import (
     bounded_step,
     solve_gauss_newton,
 )
+from brace_drake.fit.triangle import calc_triangle
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.scatter import looks_scattered, refit_spread
@@ -241,7 +242,7 @@ def shown_spread(
     problem: CandidateProblem, solution: LeastSquaresSolution
 ) -> float:
     """Spread that the alike parameters show, scaled, see `scatter`."""
-    triangle = np.linalg.qr(solution.jacobian, mode="r")
+    triangle = calc_triangle([solution.jacobian])
     inverse = np.linalg.pinv(triangle)
     alike = problem.alike
     rows = inverse[alike]

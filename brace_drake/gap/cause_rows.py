@@ -7,19 +7,26 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap import verdict
+from brace_drake.gap.decoys import decoy_gains
 from brace_drake.gap.diagnose import Diagnosis
+from brace_drake.gap.held_out import held_out_misfit
 from brace_drake.gap.ladder import holds_at_rest
-from brace_drake.gap.measures import closed_amplitude, gains, misfit
+from brace_drake.gap.measures import closed_amplitude, gain, gains, misfit
 from brace_drake.gap.uncertainty import EstimateTable, ParameterEstimate
 
 
 def cause_rows(d: Diagnosis) -> list[dict]:
-    """Every candidate with its parameters and the decision, best first; then
-    pairs of which one effect does as well, then who was not searched.
+    """Every candidate with its parameters and the decision: the winner, then
+    by what they leave on motions that they have not seen; then pairs of which
+    one effect does as well, then who was not searched.
     """
     rows = []
     winner = d.verdict.winner
-    for fit in sorted(d.fits, key=lambda f: _rank(d, f)):
+    left = [held_out_misfit(d.evaluator, f) for f in d.fits]
+    ranked = sorted(
+        zip(d.fits, left, strict=True), key=lambda row: _rank(d, *row)
+    )
+    for fit, held_out in ranked:
         is_winner = fit is winner
         estimates = d.table if is_winner else None
         rows.append(
@@ -29,6 +36,8 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                 "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
                 "title": " and ".join(e.title for e in fit.effects),
                 "excess": misfit(d.evaluator, fit),
+                "held_out": held_out,
+                "decoys": _decoys(d, fit),
                 "explained": max(
                     0.0,
                     closed_amplitude(d.evaluator, d.nominal, fit),
@@ -44,8 +53,14 @@ def cause_rows(d: Diagnosis) -> list[dict]:
     return rows + [_absent_row(d, card) for card in _absent(d)]
 
 
-def _rank(d: Diagnosis, fit) -> tuple[bool, bool, float]:
-    return not fit.is_searched, _part_as_good(d, fit) is not None, fit.excess
+def _rank(d: Diagnosis, fit, held_out: float | None):
+    left = misfit(d.evaluator, fit) if held_out is None else held_out
+    return (
+        fit is not d.verdict.winner,
+        not fit.is_searched,
+        _part_as_good(d, fit) is not None,
+        left,
+    )
 
 
 def _part_as_good(d: Diagnosis, fit):
@@ -70,6 +85,8 @@ def _absent_row(d: Diagnosis, card: Effect) -> dict:
         "block": card.block,
         "title": card.title,
         "excess": misfit(d.evaluator, d.nominal),
+        "held_out": None,
+        "decoys": None,
         "explained": 0.0,
         "validation": None,
         "searched": False,
@@ -87,6 +104,22 @@ def _validation(d: Diagnosis, fit) -> dict | None:
             low, high = prediction.interval
             return {"gap": prediction.gap, "lower95": low, "upper95": high}
     return None
+
+
+def _decoys(d: Diagnosis, fit) -> dict | None:
+    """Squares of the gap that it takes, and that the best of its decoys does;
+    None where it was not compared in earnest.
+    """
+    there = misfit(d.evaluator, d.nominal)
+    compared = [d.verdict.winner, *(p.fit for p in d.predictions)]
+    if there <= 0.0 or all(fit is not other for other in compared):
+        return None
+    gains = decoy_gains(d.evaluator, d.nominal, fit, d.seed)
+    return {
+        "number": len(gains),
+        "taken": gain(d.evaluator, d.nominal, fit) / there,
+        "best_decoy": float(gains[-1]) / there,
+    }
 
 
 def _is_tied(d: Diagnosis, fit) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from brace_drake.campaign.recording import Campaign
 from brace_drake.errors import BraceError, CampaignError
 from brace_drake.gap.candidates import CandidateFit, fit_nominal
 from brace_drake.gap.causes import try_causes
+from brace_drake.gap.decoys import loses_to_decoys
 from brace_drake.gap.devices import Device, MakeDevice, check_room
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ladder import climb, holds_at_rest
@@ -93,7 +95,8 @@ def diagnose(
         evaluator, nominal, seed, say, holds_at_rest(ladder)
     )
     say("verdict", 0.8)
-    verdict = decide(evaluator, nominal, fits, null)
+    is_chance = partial(loses_to_decoys, evaluator, nominal, seed=seed)
+    verdict = decide(evaluator, nominal, fits, null, is_chance)
     chosen = verdict.winner or nominal
     table = estimate_table(evaluator, chosen, seed)
     say("validation runs", 0.94)

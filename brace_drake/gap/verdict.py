@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -171,8 +171,18 @@ def decide(
     nominal: CandidateFit,
     fits: Sequence[CandidateFit],
     null: NullDistribution,
+    is_chance: Callable[[CandidateFit], bool] = lambda fit: False,
 ) -> Verdict:
-    """The verdict over the nominal fit and its rivals."""
+    """The verdict over the nominal fit and its rivals.
+
+    Args:
+        evaluator: Over the fit runs.
+        nominal: The nominal fit.
+        fits: Its rivals; those refined may win.
+        null: What noise alone gives.
+        is_chance: Whether a fit takes no more of the gap than its freedom
+            would; it explains nothing then.
+    """
     ranked = refined(fits)
     if not has_gap(evaluator, nominal, ranked, null):
         rest = max(0.0, misfit(evaluator, nominal)) / null.misfit_threshold
@@ -181,7 +191,11 @@ def decide(
         known = min(1.0, _WHOLE_THRESHOLD / null.misfit_threshold)
         sure = with_less_known(sure, known * evaluator.recorded)
         return Verdict(False, None, False, (), sure)
-    good = [f for f in ranked if explains(evaluator, nominal, f, null)]
+    good = [
+        f
+        for f in ranked
+        if explains(evaluator, nominal, f, null) and not is_chance(f)
+    ]
     if not good:
         best = max(
             (

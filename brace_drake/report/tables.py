@@ -67,6 +67,20 @@ def _validation(told: dict) -> dict:
     return {"gap": times(told.get("gap")), "interval": interval}
 
 
+def _in_floors(excess: object) -> str:
+    """A mean square above the floor's as a multiple of the floor."""
+    square = 1.0 + to_number(excess)
+    return times(math.sqrt(square) if square >= 0.0 else math.nan)
+
+
+def _decoys(told: dict) -> dict | None:
+    """Shares of the gap's squares that a cause and its best decoy take."""
+    if not told:
+        return None
+    taken, best = (to_number(told.get(k)) for k in ("taken", "best_decoy"))
+    return {"taken": percent(max(0.0, taken)), "best": percent(best)}
+
+
 def cause_row(cause: dict, verdict: dict) -> dict:
     """One candidate of the ranking."""
     effect = text(cause, "effect") or NOTHING
@@ -76,7 +90,8 @@ def cause_row(cause: dict, verdict: dict) -> dict:
         "block": text(cause, "block"),
         "explained": percent(cause.get("explained")),
         "width": bar_width(cause.get("explained")),
-        "excess": times(cause.get("excess")),
+        "held_out": _in_floors(cause.get("held_out")),
+        "decoys": _decoys(part(cause, "decoys")),
         "validation": _validation(part(cause, "validation")),
         "parameters": [parameter_row(p) for p in rows(cause, "parameters")],
         "decision": text(cause, "decision"),

@@ -158,6 +158,9 @@ def _make_which(diagnosis: dict, verdict: dict) -> dict:
         "gap": verdict.get("gap"),
         "outside": bool(verdict.get("outside_library")),
         "causes": [cause_row(c, verdict) for c in causes if is_searched(c)],
+        "decoys": next(
+            (c["decoys"]["number"] for c in causes if part(c, "decoys")), None
+        ),
         "unsearched": [text(c, "effect") for c in causes if not is_searched(c)],
         "cards": make_cards(diagnosis, verdict),
     }
