@@ -192,6 +192,12 @@ class Effect:
         return [np.array(v) for v in itertools.product(*each)]
 
     @property
+    def has_several_starts(self) -> np.ndarray:
+        """Parameters that a fit moves from several starts (n,), bool."""
+        several = np.array([len(p.starts) > 1 for p in self.parameters])
+        return self.is_continuous & several
+
+    @property
     def _is_strength(self) -> np.ndarray:
         """Parameters that vanish with the effect (n,), bool."""
         return np.array(

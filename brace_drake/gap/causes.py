@@ -10,17 +10,17 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, polish, refine
+from brace_drake.gap.demands import is_almost_near_floor, largest_excess
 from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.measures import closes_half, is_exact
+from brace_drake.gap.richer import race_richer
 from brace_drake.gap.screen import race
 from brace_drake.gap.second_effect import SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import (
     has_gap,
-    is_almost_near_floor,
     is_near_floor,
-    largest_excess,
 )
 
 
@@ -69,6 +69,7 @@ def try_causes(
         )
     part = _part(say, 0.2, 0.4)
     runners += race(ground, simple, part, most=most, least=least)
+    runners += race_richer(ground, runners, simple)
     say("contenders", 0.4)
     # Those that explain nothing are not compared to the last digit.
     fits = refine(evaluator, best_fits(runners), nominal.excess, rivals=most)

@@ -38,6 +38,14 @@ def best_fits(runners: Sequence[Runner]) -> list[CandidateFit]:
     return list(best.values())
 
 
+def best_of_each(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+    """Refined fits, of the same effects the best one."""
+    best: dict[frozenset[str], CandidateFit] = {}
+    for fit in refined(fits):
+        best.setdefault(frozenset(e.key for e in fit.effects), fit)
+    return list(best.values())
+
+
 def refine(
     evaluator: Evaluator,
     fits: Sequence[CandidateFit],

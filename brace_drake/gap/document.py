@@ -20,6 +20,7 @@ from brace_drake.gap.cause_rows import (
     estimate_row,
 )
 from brace_drake.gap.cube import gap_cube
+from brace_drake.gap.demands import smallest_share
 from brace_drake.gap.diagnose import Diagnosis
 from brace_drake.gap.ladder import describe_unchecked
 from brace_drake.gap.leftover import describe_left
@@ -104,7 +105,7 @@ def _nearest_block(d: Diagnosis) -> list[str]:
     but what happens acts like it.
     """
     singles = [f for f in verdict.refined(d.fits) if len(f.effects) == 1]
-    least = verdict.smallest_share(d.evaluator)
+    least = smallest_share(d.evaluator)
     return [
         fit.effects[0].block
         for fit in singles[:1]
@@ -244,7 +245,7 @@ def _receipt(d: Diagnosis) -> dict:
         "gain_threshold": d.null.least_gain(1),
         "gain_threshold_of_six_parameters": d.null.least_gain(6),
         "integration_error": d.null.numerical,
-        "smallest_explained_share": verdict.smallest_share(d.evaluator),
+        "smallest_explained_share": smallest_share(d.evaluator),
         "probability_is": "from what the best rival and the winner leave,"
         " calibrated on 45 withheld cases of a stand-in",
         "versions": {p: importlib.metadata.version(p) for p in packages},

@@ -8,10 +8,11 @@ import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import try_refine
+from brace_drake.gap.demands import smallest_share
 from brace_drake.gap.evaluation import Evaluator, sticks
 from brace_drake.gap.measures import closed_amplitude, is_flexible
 from brace_drake.gap.surrogates import NullDistribution
-from brace_drake.gap.verdict import explains, smallest_share
+from brace_drake.gap.verdict import explains
 
 # So far, in parts of each parameter: the subject's are known by a part, those
 # of the effects nearly.

@@ -40,6 +40,8 @@ class Runner:
         residual: There, prior rows below.
         jacobian: Of its last step.
         promise: Sum of squares above noise that it is foreseen to leave.
+        start: Where parameters of several starts began.
+        others: The same cause from another start, best first.
     """
 
     problem: CandidateProblem
@@ -47,6 +49,8 @@ class Runner:
     residual: np.ndarray
     jacobian: np.ndarray | None = None
     promise: float = np.inf
+    start: tuple[float, ...] = ()
+    others: tuple[Runner, ...] = ()
 
     @property
     def card(self) -> Effect:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -78,12 +79,28 @@ def race(
         runners += line_up(ground, card)
     if ground.is_exact:
         return runners
-    best = {}
+    best: dict[str, list[Runner]] = {}
     for runner in sorted(runners, key=lambda r: r.promise):
-        best.setdefault(runner.card.key, runner)
-    good = [r for r in best.values() if r.promise <= _highest(bar, r.card)]
+        best.setdefault(runner.card.key, []).append(runner)
+    good = []
+    for first, *more in best.values():
+        if first.promise <= _highest(bar, first.card):
+            first.others = _from_other_start(first, more)
+            good.append(first)
     search_best(ground, good, say, places, most, must_explain, least)
     return runners
+
+
+def _from_other_start(
+    first: Runner, more: Sequence[Runner]
+) -> tuple[Runner, ...]:
+    """The best one from another start, of an effect of few parameters: from
+    one time constant, or one width of a loop, no way may lead to another.
+    """
+    if first.card.is_flexible:
+        return ()
+    others = (r for r in more if r.start != first.start)
+    return tuple(itertools.islice(others, 1))
 
 
 def _excess(ground: Ground, runner: Runner) -> float:
@@ -137,8 +154,12 @@ def search_best(
         if place >= _HOPELESS_PLACES and fit.excess > _HOPELESS * there:
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(runners))
-        if _search(ground, runner, least, trust, most, must_explain):
-            least = max(0.0, min(least, runner.fit().excess))
+        for start in (runner, *runner.others):
+            if _search(ground, start, least, trust, most, must_explain):
+                least = max(0.0, min(least, start.fit().excess))
+            # Where one has come to the floor no other way need be tried.
+            if least <= trust:
+                break
 
 
 def _search(
@@ -202,6 +223,7 @@ def line_up(
     """
     leader, found = ground.leader, []
     for values in card.starts():
+        start = tuple(values[card.has_several_starts])
         for _ in range(_RESCALED + 1):
             runner = make_runner(
                 ground,
@@ -213,6 +235,7 @@ def line_up(
             )
             if runner is None:
                 break
+            runner.start = start
             runner.promise, far = ground.foresee(
                 runner.problem, runner.z, runner.residual, card.has_either_sign
             )

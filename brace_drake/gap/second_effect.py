@@ -8,8 +8,10 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.errors import BraceError
+from brace_drake.gap import contenders
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.contenders import best_fits, refine, try_refine
+from brace_drake.gap.contenders import best_fits, best_of_each, refine
+from brace_drake.gap.demands import is_almost_near_floor, largest_excess
 from brace_drake.gap.evaluation import sticks
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.lead_back import lead_back, strays
@@ -22,14 +24,14 @@ from brace_drake.gap.pair_moves import (
 )
 from brace_drake.gap.pairs import foresee_pairs, search_pairs
 from brace_drake.gap.restart import is_caught, restart
+from brace_drake.gap.richer import race_richer
 from brace_drake.gap.runner import Runner, step
 from brace_drake.gap.screen import race, search_best
-from brace_drake.gap.small_second import try_small_second
+from brace_drake.gap.small_second import race_fewer, try_small_second
 from brace_drake.gap.surrogates import NullDistribution
 from brace_drake.gap.verdict import (
     explains,
     is_near_floor,
-    largest_excess,
     plausible,
     refined,
 )
@@ -108,7 +110,8 @@ class SecondEffects:
         self, fits: Sequence[CandidateFit], say: Say
     ) -> list[CandidateFit]:
         """Pairs of the single effect that explains, be it to the floor, with
-        a second one that takes little; none beside dozens of parameters.
+        a second one that takes little; where it is one of dozens of parameters
+        that shows in the leg lengths at rest, pairs of few that do.
 
         Args:
             fits: Of more single effects.
@@ -116,14 +119,24 @@ class SecondEffects:
         """
         singles = plausible([*self._singles, *fits])
         leader = next(iter(singles), self._nominal)
-        if is_flexible(leader) or not self._does_explain(leader):
+        if not self._does_explain(leader):
             return []
+        if is_flexible(leader) and leader.effects[0].at_rest:
+            return self._try_fewer(leader, say)
         try:
             beside = Ground(self._evaluator, leader)
         except BraceError:
             return []
         cards = self._others(leader, flexible=False)
         return try_small_second(beside, cards, self._null, say)
+
+    def _try_fewer(self, many: CandidateFit, say: Say) -> list[CandidateFit]:
+        at_rest = [f for f in self._singles if f.effects[0].at_rest]
+        for fit in sorted(at_rest, key=lambda f: f.excess)[:1]:
+            cards = self._others(fit, flexible=False)
+            found = race_fewer(self._evaluator, fit, many, cards, say)
+            self._keep(found, fit.excess)
+        return best_of_each(self._found)
 
     def try_pairs(self, say: Say) -> bool:
         """Pairs beside the single effect that explains, if one does, then
@@ -153,6 +166,7 @@ class SecondEffects:
             bar = _HALF * min(left, default=np.inf)
         foreseen = foresee_pairs(self._ground, self._runners)[:_SEARCHED]
         found = search_pairs(self._ground, foreseen, say, bar, self._most)
+        found += race_richer(self._ground, found, self._cards)
         self._keep(found, self._nominal.excess, bar)
         for pair in foreseen[:_AFRESH]:
             if self._is_settled():
@@ -186,7 +200,7 @@ class SecondEffects:
         if strayed and not (self._is_done() or self._is_settled()):
             self._keep_single(strayed[0])
         self._try_simpler(say)
-        return self._best_of_each()
+        return best_of_each(self._found)
 
     def _try_simpler(self, say: Say) -> None:
         """Special cases of the best pair, which are compared with it."""
@@ -227,14 +241,7 @@ class SecondEffects:
         """Leads the search of a single effect to its end, if that explains."""
         most = largest_excess(self._evaluator, self._nominal, 1)
         if not fit.refined and fit.excess <= most:
-            self._found.append(try_refine(self._evaluator, fit))
-
-    def _best_of_each(self) -> list[CandidateFit]:
-        """Fits found, of the same effects the best one."""
-        best: dict[frozenset[str], CandidateFit] = {}
-        for fit in refined(self._found):
-            best.setdefault(frozenset(e.key for e in fit.effects), fit)
-        return list(best.values())
+            self._found.append(contenders.try_refine(self._evaluator, fit))
 
     def _try_all_beside(self, say: Say, of_many: bool = True) -> None:
         """Second effects beside the single one that leaves least, those of few
@@ -278,11 +285,12 @@ class SecondEffects:
     def _is_rough(self, leader: CandidateFit) -> bool:
         """Whether the gap is explained, but for a rough rest of the leader's.
 
-        Where drives stick, replays come to no floor: what is left is no sign
-        of effects of dozens of parameters, and their search would be dear.
+        Where drives stick, replays come to no floor: what little is left is no
+        sign of effects of dozens of parameters, and their search is dear.
         """
         uses, twin = leader.uses, self._evaluator.twin
-        return self._is_settled() and sticks(twin, uses)
+        is_little = is_almost_near_floor(self._evaluator, leader)
+        return self._is_settled() and sticks(twin, uses) and is_little
 
     def _bar(self) -> float:
         """Excess above which a pair is not worth its second effect."""
@@ -316,6 +324,7 @@ class SecondEffects:
         found = race(
             beside, others, say, bar=bar, most=self._most, must_explain=True
         )
+        found += race_richer(beside, found, self._cards)
         self._keep(found, leader.excess, bar)
 
     def _others(self, leader: CandidateFit, flexible: bool) -> list[Effect]:

@@ -1,4 +1,5 @@
-"""A second effect that takes little, beside one that explains the gap.
+"""A second effect that takes little, beside one that explains the gap, and two
+of few parameters in the place of one of dozens.
 
 What one leaves may be well within what the level of the noise may be off, and
 still more than chance or the twin's own errors give to another effect: that
@@ -10,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from brace_drake.effects.card import Effect
+from brace_drake.errors import BraceError
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contenders import best_fits, try_refine
-from brace_drake.gap.evaluation import is_dithered
+from brace_drake.gap.evaluation import Evaluator, is_dithered
 from brace_drake.gap.ground import Ground
-from brace_drake.gap.measures import gains
+from brace_drake.gap.measures import EXACT_TO, gains
 from brace_drake.gap.runner import Runner, step
-from brace_drake.gap.screen import line_up
+from brace_drake.gap.screen import line_up, race
 from brace_drake.gap.surrogates import NullDistribution
 
 # Second effects that are searched, and steps of each.
@@ -74,3 +76,30 @@ def try_small_second(
         if fits[place].refined and gains(evaluator, leader, fits[place], null):
             return fits
     return []
+
+
+def race_fewer(
+    evaluator: Evaluator,
+    leader: CandidateFit,
+    many: CandidateFit,
+    cards: Sequence[Effect],
+    say: Callable[[str, float], None],
+) -> list[Runner]:
+    """An effect of few parameters with second ones, where one of dozens that
+    shows where it does explains the gap, but may only cover it.
+
+    Args:
+        evaluator: Over the fit runs.
+        leader: The effect of few parameters.
+        many: That of dozens.
+        cards: Second effects.
+        say: Progress, shares of this search.
+    """
+    if not leader.is_searched:
+        return []
+    try:
+        ground = Ground(evaluator, leader)
+    except BraceError:
+        return []
+    most = max(many.excess, EXACT_TO * evaluator.count)
+    return race(ground, cards, say, most=most, must_explain=True)

@@ -9,6 +9,11 @@ from functools import partial
 import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.demands import (
+    is_near_enough,
+    largest_rest,
+    smallest_share,
+)
 from brace_drake.gap.evaluation import Evaluator, is_dithered, sticks
 from brace_drake.gap.measures import (
     EXACT_TO,
@@ -27,22 +32,9 @@ from brace_drake.gap.probability import (
 )
 from brace_drake.gap.surrogates import NOISE_TRUST, NullDistribution
 
-# An explanation must take away this much of the gap's amplitude: more where
-# instruments and nominal numbers are given exactly, so that only the law of the
-# effect itself may differ; by far most where a device is known by its recording
-# alone.
-MAJOR_KNOWN = 0.80
-MAJOR_REAL = 0.75
-# Mean square above the floor's, in floors, up to which a repaired twin counts
-# as good: what is left may not be more than the noise.
-_NEAR_FLOOR = 1.0
 # Where drives stick replays come to no floor: up to here what is left is no
 # sign of another effect.
 _NEAR_FLOOR_ROUGH = 0.5
-# A race leaves this many times what the end of a search will leave, or less.
-_UNFINISHED = 2.0
-# What the coarse plant step of a race may put in, as a share of the gap.
-_UNFINISHED_SHARE = 0.25
 # Two effects have to leave this share of what one leaves, the noise's level
 # being right.
 _SECOND_PAYS = 0.25
@@ -116,39 +108,6 @@ def plausible(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     return [f for f in refined(fits) if f.is_scattered]
 
 
-def smallest_share(evaluator: Evaluator) -> float:
-    """Share of the gap's amplitude that an explanation must take away."""
-    known = evaluator.twin.instruments_known
-    return MAJOR_KNOWN if known else MAJOR_REAL
-
-
-def largest_rest(
-    evaluator: Evaluator, nominal: CandidateFit, number: int
-) -> float:
-    """Mean square above the floor's that an explanation of most may leave.
-
-    A real machine has more than one flaw, so one effect may leave a rest, if
-    that is a small part of the gap's amplitude; on a bench with known
-    instruments two effects together may leave no more than the noise, for with
-    so much freedom much of any gap can be covered.
-    """
-    before = np.sqrt(1.0 + max(0.0, misfit(evaluator, nominal))) - 1.0
-    after = (1.0 - smallest_share(evaluator)) * before
-    rest = float((1.0 + after) ** 2 - 1.0)
-    if number > 1 and evaluator.twin.instruments_known:
-        return min(rest, _NEAR_FLOOR)
-    return rest
-
-
-def largest_excess(
-    evaluator: Evaluator, nominal: CandidateFit, number: int
-) -> float:
-    """Excess after a race from which an explanation may still be reached."""
-    most = largest_rest(evaluator, nominal, number)
-    coarse = min(_NEAR_FLOOR, _UNFINISHED_SHARE * misfit(evaluator, nominal))
-    return max(_UNFINISHED * most, coarse) * evaluator.count
-
-
 def explains(
     evaluator: Evaluator,
     nominal: CandidateFit,
@@ -161,7 +120,8 @@ def explains(
     if not gains(evaluator, nominal, fit, null):
         return False
     rest = misfit(evaluator, fit)
-    most = largest_rest(evaluator, nominal, len(fit.effects))
+    is_rough = sticks(evaluator.twin, fit.uses)
+    most = largest_rest(evaluator, nominal, len(fit.effects), is_rough)
     little = rest <= max(null.misfit_threshold, most)
     return bool(little) and fit.is_scattered
 
@@ -176,12 +136,9 @@ def decide(
     """The verdict over the nominal fit and its rivals.
 
     Args:
-        evaluator: Over the fit runs.
-        nominal: The nominal fit.
-        fits: Its rivals; those refined may win.
-        null: What noise alone gives.
-        is_chance: Whether a fit takes no more of the gap than its freedom
-            would; it explains nothing then.
+        evaluator, nominal, fits, null: Of the search; those refined may win.
+        is_chance: Whether a fit takes no more than its freedom would; it
+            explains nothing then.
     """
     ranked = refined(fits)
     if not has_gap(evaluator, nominal, ranked, null):
@@ -260,11 +217,6 @@ def is_near_floor(
     return misfit(evaluator, best) <= limit
 
 
-def is_almost_near_floor(evaluator: Evaluator, fit: CandidateFit) -> bool:
-    """Whether a race leaves a fit where its end may be near the floor."""
-    return misfit(evaluator, fit) <= _UNFINISHED * _NEAR_FLOOR
-
-
 def simplest_of_fewest(
     evaluator: Evaluator,
     fits: Sequence[CandidateFit],
@@ -275,7 +227,7 @@ def simplest_of_fewest(
     It does where two leave less than a quarter of what one leaves, both less
     what the level of the noise may be off, and gain more than noise would.
     Beside one of dozens of parameters, which can cover much of any gap, two of
-    few need only leave less.
+    few need only leave less, or as little as any twin is exact to.
     """
     by_number: dict[int, list[CandidateFit]] = {}
     for fit in fits:
@@ -294,7 +246,9 @@ def simplest_of_fewest(
         rest = misfit(evaluator, richer)
         left = rest - off + errors
         is_little = left < pays * (misfit(evaluator, best) - off + errors)
-        if is_little and (does_gain or is_less) and rest <= _NEAR_FLOOR:
+        is_little |= is_less and rest <= EXACT_TO
+        is_near = is_near_enough(evaluator, richer)
+        if is_little and (does_gain or is_less) and is_near:
             best = richer
     return best
 

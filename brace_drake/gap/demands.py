@@ -1,0 +1,77 @@
+"""What an explanation must take away, and what it may leave."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.evaluation import Evaluator, sticks
+from brace_drake.gap.measures import misfit
+
+# An explanation must take away this much of the gap's amplitude: more where
+# instruments and nominal numbers are given exactly, so that only the law of the
+# effect itself may differ; by far most where a device is known by its recording
+# alone.
+MAJOR_KNOWN = 0.80
+MAJOR_REAL = 0.75
+# Mean square above the floor's, in floors, up to which a repaired twin counts
+# as good: what is left may not be more than the noise.
+_NEAR_FLOOR = 1.0
+# Share of the gap's amplitude that two effects must take away where drives
+# stick, which leaves more than that whatever the twin.
+_MAJOR_ROUGH = 0.90
+# A race leaves this many times what the end of a search will leave, or less.
+_UNFINISHED = 2.0
+# What the coarse plant step of a race may put in, as a share of the gap.
+_UNFINISHED_SHARE = 0.25
+
+
+def smallest_share(evaluator: Evaluator) -> float:
+    """Share of the gap's amplitude that an explanation must take away."""
+    known = evaluator.twin.instruments_known
+    return MAJOR_KNOWN if known else MAJOR_REAL
+
+
+def largest_rest(
+    evaluator: Evaluator,
+    nominal: CandidateFit,
+    number: int,
+    is_rough: bool = False,
+) -> float:
+    """Mean square above the floor's that an explanation of most may leave.
+
+    A real machine has more than one flaw, so one effect may leave a rest, if
+    that is a small part of the gap's amplitude; on a bench with known
+    instruments two effects together may leave no more than the noise, for with
+    so much freedom much of any gap can be covered.
+    """
+    before = np.sqrt(1.0 + max(0.0, misfit(evaluator, nominal))) - 1.0
+    after = (1.0 - smallest_share(evaluator)) * before
+    rest = float((1.0 + after) ** 2 - 1.0)
+    if number > 1 and evaluator.twin.instruments_known:
+        return min(rest, _NEAR_FLOOR)
+    return rest
+
+
+def largest_excess(
+    evaluator: Evaluator, nominal: CandidateFit, number: int
+) -> float:
+    """Excess after a race from which an explanation may still be reached."""
+    most = largest_rest(evaluator, nominal, number)
+    coarse = min(_NEAR_FLOOR, _UNFINISHED_SHARE * misfit(evaluator, nominal))
+    return max(_UNFINISHED * most, coarse) * evaluator.count
+
+
+def is_almost_near_floor(evaluator: Evaluator, fit: CandidateFit) -> bool:
+    """Whether a race leaves a fit where its end may be near the floor."""
+    return misfit(evaluator, fit) <= _UNFINISHED * _NEAR_FLOOR
+
+
+def is_near_enough(evaluator: Evaluator, fit: CandidateFit) -> bool:
+    """Whether two effects leave no more than the noise itself; where drives
+    stick on a bench whose numbers are known nothing leaves as little.
+    """
+    rough = evaluator.twin.instruments_known and sticks(
+        evaluator.twin, fit.uses
+    )
+    return rough or misfit(evaluator, fit) <= _NEAR_FLOOR
