@@ -82,6 +82,7 @@ class TestDecoys(unittest.TestCase):
         before, after = self.take(effect, 3.0 * effect[:, 0] + self.noise())
         gains = decoy_gains(self.runs, before, after, 0)
         self.assertEqual(len(gains), NUM_DECOYS)
+        np.testing.assert_array_equal(gains, np.sort(gains))
         taken = (before.excess - after.excess) / self.runs.count
         self.assertGreater(taken, 3.0 * gains[-1])
         self.assertFalse(loses_to_decoys(self.runs, before, after, 0))
@@ -93,6 +94,16 @@ class TestDecoys(unittest.TestCase):
             before, after = self.take(self.signals(1), gap)
             lost += loses_to_decoys(self.runs, before, after, 0)
         self.assertGreaterEqual(lost, 9)
+
+    def test_copies_of_a_constant_effect_tell_nothing(self):
+        # Of a constant in two runs every second decoy is a copy.
+        constant = np.ones((2, SAMPLES, CHANNELS, 1))
+        effect = self.runs.weigh(constant)
+        before, after = self.take(effect, 3.0 * effect[:, 0] + self.noise())
+        gains = decoy_gains(self.runs, before, after, 0)
+        self.assertLess(len(gains), 0.7 * NUM_DECOYS)
+        self.assertGreater(len(gains), 0.3 * NUM_DECOYS)
+        self.assertFalse(loses_to_decoys(self.runs, before, after, 0))
 
     def test_of_noise_each_parameter_of_a_decoy_takes_one_square(self):
         # Chi-squared of p degrees of freedom, whatever the columns are.

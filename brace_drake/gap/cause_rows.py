@@ -115,6 +115,8 @@ def _decoys(d: Diagnosis, fit) -> dict | None:
     if there <= 0.0 or all(fit is not other for other in compared):
         return None
     gains = decoy_gains(d.evaluator, d.nominal, fit, d.seed)
+    if gains.size == 0:
+        return None
     return {
         "number": len(gains),
         "taken": gain(d.evaluator, d.nominal, fit) / there,
