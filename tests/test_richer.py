@@ -1,6 +1,7 @@
 """Effects that set out from a special case of theirs, or from another start."""
 
 import unittest
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -10,7 +11,8 @@ from brace_drake.gap.contenders import best_fits
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.measures import misfit
 from brace_drake.gap.richer import race_richer, richer_starts
-from brace_drake.gap.screen import race
+from brace_drake.gap.screen import _from_other_start, race
+from brace_drake.gap.small_second import race_fewer
 from tests.synthetic_bench import SyntheticBench
 
 COULOMB, STRIBECK = (
@@ -56,6 +58,57 @@ class TestRicherRace(unittest.TestCase):
     def test_of_coulomb_friction_nothing_richer_is_searched(self):
         _, _, found = self.race(COULOMB, [0.8])
         self.assertEqual(found, [])
+
+
+def begun(name, start, promise):
+    """A search of an effect that begins somewhere."""
+    card = find_effect(name)
+    return SimpleNamespace(card=card, start=start, promise=promise)
+
+
+class TestOtherStarts(unittest.TestCase):
+    def test_the_best_from_another_start_is_kept_beside_the_best(self):
+        runners = [
+            begun("relaxation", (start,), promise)
+            for start, promise in (
+                (2.0, 1.0),
+                (2.0, 2.0),
+                (8.0, 3.0),
+                (0.5, 4.0),
+            )
+        ]
+        first, *more = runners
+        self.assertEqual(_from_other_start(first, more), (runners[2],))
+
+    def test_a_breath_and_an_effect_of_one_start_have_no_other(self):
+        for name, starts in (
+            ("breathing", ((0.2,), (0.3,))),
+            ("ring_mass", ((), ())),
+        ):
+            first, *more = (begun(name, s, 1.0) for s in starts)
+            self.assertEqual(_from_other_start(first, more), ())
+
+
+class TestFewer(unittest.TestCase):
+    def test_two_effects_of_few_are_found_where_many_would_do(self):
+        bench = SyntheticBench()
+        offsets, mass = find_effect("encoder_offset"), find_effect("ring_mass")
+        values = np.array([0.0, -4e-4, 0.0, 0.0, 0.0, 0.0]), np.array([0.02])
+        uses = list(zip((offsets, mass), values, strict=True))
+        evaluator = bench.evaluator(uses)
+        ground = Ground(evaluator, fit_nominal(evaluator))
+        (alone,) = best_fits(race(ground, [offsets]))
+        many = SimpleNamespace(excess=0.0)
+        cards = [find_effect("force_bias"), find_effect("viscous_leg"), mass]
+        found = best_fits(
+            race_fewer(evaluator, alone, many, cards, lambda what, share: None)
+        )[0]
+        self.assertEqual(found.identifiers, ("encoder_offset", "ring_mass"))
+        # As the race leaves it, before the end of its search.
+        self.assertLess(
+            misfit(evaluator, found), 1e-2 * misfit(evaluator, alone)
+        )
+        self.assertAlmostEqual(found.values[1][0], 0.02, delta=0.002)
 
 
 if __name__ == "__main__":
