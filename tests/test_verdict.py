@@ -167,6 +167,10 @@ class TestVerdict(unittest.TestCase):
         one = largest_rest(EVALUATOR, gap, 1)
         self.assertAlmostEqual(one, 2.8**2 - 1.0)
         self.assertEqual(largest_rest(EVALUATOR, gap, 2), 1.0)
+        # Of an amplitude a tenth, which is squared.
+        rough = largest_rest(EVALUATOR, gap, 2, is_rough=True)
+        before, after = (np.sqrt(1.0 + r) - 1.0 for r in (99.0, rough))
+        self.assertAlmostEqual(after / before, 0.1)
 
     def test_two_of_few_parameters_are_named_before_one_of_dozens(self):
         # Anchors cover much of any gap; beside them two need only leave less.

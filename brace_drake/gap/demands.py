@@ -43,14 +43,20 @@ def largest_rest(
     A real machine has more than one flaw, so one effect may leave a rest, if
     that is a small part of the gap's amplitude; on a bench with known
     instruments two effects together may leave no more than the noise, for with
-    so much freedom much of any gap can be covered.
+    so much freedom much of any gap can be covered, or, where drives stick
+    (`is_rough`), a tenth of the gap's amplitude.
     """
     before = np.sqrt(1.0 + max(0.0, misfit(evaluator, nominal))) - 1.0
-    after = (1.0 - smallest_share(evaluator)) * before
-    rest = float((1.0 + after) ** 2 - 1.0)
+    most = _rest(before, smallest_share(evaluator))
     if number > 1 and evaluator.twin.instruments_known:
-        return min(rest, _NEAR_FLOOR)
-    return rest
+        least = _rest(before, _MAJOR_ROUGH) if is_rough else 0.0
+        return min(most, max(_NEAR_FLOOR, least))
+    return most
+
+
+def _rest(before: float, share: float) -> float:
+    """Mean square left where a share of an amplitude is taken away."""
+    return float((1.0 + (1.0 - share) * before) ** 2 - 1.0)
 
 
 def largest_excess(
