@@ -14,6 +14,9 @@ from brace_drake.gap.separation import beyond
 
 # A promise looks at most this many times as far as the start.
 _REACH = 30.0
+# About as near as a coarse search comes, in floors: what is promised to leave
+# less than noise by more is no promise.
+_NEAR = 0.03
 # Relative to the largest, what is added to the diagonal of small systems.
 _RIDGE = 1e-12
 
@@ -102,10 +105,20 @@ class Ground:
             the candidate itself.
         """
         way = residual[: self.rows] - self.residual
+        whole, noise = float(way @ way), self.added_noise(problem, z)
         # Noise that the way has of its own is no part of it.
-        length = way @ way - self.added_noise(problem, z)
-        if length <= 0.0:
+        if whole <= noise:
             return self.there, 1.0
+        left, far = self._go(way, whole - noise, either_way)
+        if left < -_NEAR * self.evaluator.count:
+            # More than there is: what the way is made of is mostly noise.
+            left, far = self._go(way, whole, either_way)
+        return left, far
+
+    def _go(
+        self, way: np.ndarray, length: float, either_way: bool
+    ) -> tuple[float, float]:
+        """`foresee` along a way of a given squared length."""
         cross = self.sensitivities.T @ way
         gram = np.block([[self._gram, cross[:, None]], [cross, length]])
         slope = np.append(self._slope, way @ self.residual)
