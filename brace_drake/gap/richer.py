@@ -94,16 +94,16 @@ def search_richer(
             runner = make_runner(ground, effects, both, fit.subject, fit.spread)
             if runner is not None:
                 runners.append(runner)
-        best = min(runners, key=_squares, default=None)
-        if best is None or _left(best) > _BETTER * fit.excess:
+        best = min(runners, key=lambda r: r.excess, default=None)
+        if best is None or best.excess > _BETTER * fit.excess:
             continue
         before = np.inf
         for _ in range(_ROUNDS):
             if not step(ground, best, _STEPS, own=True):
                 break
-            if best.fit().excess > _WORTH_A_ROUND * before:
+            if best.excess > _WORTH_A_ROUND * before:
                 break
-            before = best.fit().excess
+            before = best.excess
         out.append(best)
     return out
 
@@ -123,17 +123,3 @@ def race_richer(
         for place in range(len(fit.effects))
         for runner in search_richer(ground, fit, cards, place)
     ]
-
-
-def _squares(runner: Runner) -> float:
-    return float(runner.residual @ runner.residual)
-
-
-def _left(runner: Runner) -> float:
-    """Excess where it stands, searched or not."""
-    problem = runner.problem
-    rows = len(runner.residual) - problem.num_prior
-    _, uses = problem.split(runner.z)
-    level = problem.evaluator.noise_level(uses, coarse=True)
-    mine = runner.residual[:rows]
-    return float(mine @ mine) - level * problem.evaluator.count

@@ -57,15 +57,23 @@ class Runner:
         """The effect that it has beside the leader's."""
         return self.problem.effects[-1]
 
+    @property
+    def excess(self) -> float:
+        """Sum of squares above noise where it stands, searched or not."""
+        return self._stand().excess
+
     def fit(self) -> CandidateFit:
         """Where it stands as a fit; not yet searched, as it promises."""
-        solution = LeastSquaresSolution(
-            self.z, self.residual, self.jacobian, 0, False
-        )
-        fit = finish_fit(self.problem, solution, coarse=True)
+        fit = self._stand()
         if self.jacobian is not None:
             return fit
         return replace(fit, excess=float(self.promise))
+
+    def _stand(self) -> CandidateFit:
+        solution = LeastSquaresSolution(
+            self.z, self.residual, self.jacobian, 0, False
+        )
+        return finish_fit(self.problem, solution, coarse=True)
 
 
 def step(ground: Ground, runner: Runner, count: int, own: bool = False) -> bool:
