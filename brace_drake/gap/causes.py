@@ -18,10 +18,7 @@ from brace_drake.gap.richer import race_richer
 from brace_drake.gap.screen import race
 from brace_drake.gap.second_effect import SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
-from brace_drake.gap.verdict import (
-    has_gap,
-    is_near_floor,
-)
+from brace_drake.gap.verdict import has_gap, is_near_floor
 
 
 def try_causes(

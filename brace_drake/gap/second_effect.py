@@ -8,9 +8,13 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.errors import BraceError
-from brace_drake.gap import contenders
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.contenders import best_fits, best_of_each, refine
+from brace_drake.gap.contenders import (
+    best_fits,
+    best_of_each,
+    refine,
+    try_refine,
+)
 from brace_drake.gap.demands import is_almost_near_floor, largest_excess
 from brace_drake.gap.evaluation import sticks
 from brace_drake.gap.ground import Ground
@@ -29,12 +33,7 @@ from brace_drake.gap.runner import Runner, step
 from brace_drake.gap.screen import race, search_best
 from brace_drake.gap.small_second import race_fewer, try_small_second
 from brace_drake.gap.surrogates import NullDistribution
-from brace_drake.gap.verdict import (
-    explains,
-    is_near_floor,
-    plausible,
-    refined,
-)
+from brace_drake.gap.verdict import explains, is_near_floor, plausible, refined
 
 # Beside one that explains most, two have to leave half as much.
 _HALF = 0.5
@@ -241,7 +240,7 @@ class SecondEffects:
         """Leads the search of a single effect to its end, if that explains."""
         most = largest_excess(self._evaluator, self._nominal, 1)
         if not fit.refined and fit.excess <= most:
-            self._found.append(contenders.try_refine(self._evaluator, fit))
+            self._found.append(try_refine(self._evaluator, fit))
 
     def _try_all_beside(self, say: Say, of_many: bool = True) -> None:
         """Second effects beside the single one that leaves least, those of few
