@@ -70,7 +70,7 @@ class TestAnchorsInPlaceOfOthers(unittest.TestCase):
     def test_who_does_with_few_parameters_is_searched_beside_anchors(self):
         bench, card = SyntheticBench(), effects_for(DEVICE)["weak_leg"]
         evaluator, nominal = bench.recording_with_a_gap(card)
-        fits, _, _ = try_causes(evaluator, nominal, 0, quiet, False)
+        fits, *_ = try_causes(evaluator, nominal, 0, quiet, False)
         found = {f.name: f for f in fits}
         self.assertIn("anchor_error", found)
         self.assertTrue(found["weak_leg"].refined)

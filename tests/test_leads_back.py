@@ -40,7 +40,7 @@ TREMOR = Effect(
 def answer(evaluator):
     """The verdict over all causes."""
     nominal = fit_nominal(evaluator)
-    fits, null, _ = try_causes(evaluator, nominal, 0, lambda what, share: None)
+    fits, null, *_ = try_causes(evaluator, nominal, 0, lambda what, share: None)
     return decide(evaluator, nominal, fits, null)
 
 

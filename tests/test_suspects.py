@@ -54,6 +54,24 @@ class TestSuspects(unittest.TestCase):
         ):
             self.assertEqual(suspected_blocks(ladder, shares), [block])
 
+    def test_a_side_that_holds_on_the_way_of_the_ring_is_acquitted(self):
+        ladder = [row("actuation", 1.3, 0.3), row("torso", 1.5, 0.7)]
+        ladder += [row("contact", 1.0, 0.0), row("sensing", 1.0, 0.0)]
+        for rms, block in ((1.15, "actuation"), (1.25, "actuation")):
+            side = row("side", rms, None) | {"acquitted": rms <= 1.2}
+            self.assertEqual(suspected_blocks(ladder, [], side), [block])
+        side = row("side", 1.6, None) | {"acquitted": False}
+        self.assertEqual(suspected_blocks(ladder, [], side), ["torso"])
+        self.assertEqual(suspected_blocks(ladder, []), ["torso"])
+
+    def test_what_drives_and_ring_do_not_show_is_on_the_contacts_side(self):
+        ladder = [row("actuation", 0.98, 0.0), row("mechanism", 1.25, 0, 1.28)]
+        ladder += [row("contact", 0.96, 0.0), row("torso", 0.98, 0.0)]
+        side = row("side", 1.5, None) | {"acquitted": False}
+        self.assertEqual(suspected_blocks(ladder, [], side), ["torso"])
+        side["acquitted"] = True
+        self.assertEqual(suspected_blocks(ladder, [], side), ["mechanism"])
+
     def test_errors_of_the_ring_do_not_clear_another_block(self):
         ladder = [row("torso", 5.0, 1.0)]
         found = suspected_blocks(ladder, alone(actuation=0.2, mechanism=1.0))

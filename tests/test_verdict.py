@@ -43,6 +43,17 @@ def verdict(gap, *fits, recorded=1.0, null=NULL):
 
 
 class TestVerdict(unittest.TestCase):
+    def test_what_a_part_of_the_machine_shows_has_to_be_among_the_effects(self):
+        friction = fit(0.9, "coulomb_friction")
+        pair = fit(1.1, "coulomb_friction", "relaxation")
+        fits, gap = [friction, pair], fit(500.0)
+        self.assertIs(decide(EVALUATOR, gap, fits, NULL).winner, friction)
+        shown = frozenset({"relaxation"})
+        seen = decide(EVALUATOR, gap, fits, NULL, shown=shown)
+        self.assertIs(seen.winner, pair)
+        alone = decide(EVALUATOR, gap, [friction], NULL, shown=shown)
+        self.assertIs(alone.winner, friction)
+
     def test_a_rest_within_noise_is_no_gap(self):
         self.assertFalse(verdict(0.05, fit(0.04, "force_bias")).gap)
 
@@ -133,8 +144,8 @@ class TestVerdict(unittest.TestCase):
 
         sure = [probability(rest)[0] for rest in (0.055, 0.03, -0.1)]
         self.assertEqual(sure, sorted(sure))
-        self.assertLess(sure[0], 0.75)
-        self.assertGreater(sure[2], 0.85)
+        self.assertLess(sure[0], 0.85)
+        self.assertGreater(sure[2], 0.9)
         # Another second effect that took next to nothing is no rival.
         other = fit(0.088, "force_bias", "force_lag", refined=False)
         self.assertEqual(probability(0.03, other), (sure[1], ()))

@@ -12,9 +12,9 @@ from brace_drake.errors import CampaignError
 from brace_drake.experiments.measures import rms
 from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
 from brace_drake.fit.start import contact_motion, contact_starts, start_values
-from brace_drake.gap.bench_ladder import ring_poses
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.recorded_way import ring_poses
 
 FORMAT = "brace-validation/1"
 _FORCE_Y, _TORSO_Y = 13, 16
@@ -239,5 +239,5 @@ def _replay(twin, run: Run, start, fitted) -> ReplayedRun:
 
 
 def _trace(twin, log: np.ndarray) -> Trace:
-    poses, _ = ring_poses(twin, log[:, 6:12])
+    poses, _ = ring_poses(twin.numbers, log[:, 6:12])
     return Trace(poses[:, 1], log[:, _TORSO_Y], log[:, _FORCE_Y])

@@ -8,13 +8,13 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import find_effect
 from brace_drake.errors import BraceError
 from brace_drake.gap.evaluation import Evaluator, PreparedRun
-from brace_drake.gap.ladder import low_pass
 from brace_drake.laws.disturbance import (
     COUNTS,
     LAWS,
     NUM_COEFFICIENTS,
     NUM_STATES,
 )
+from brace_drake.twin.recorded_way import low_pass
 
 GENERIC = Effect(
     name="disturbance",

@@ -7,30 +7,18 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete, lfilter
 
 from brace_drake.gap.evaluation import PreparedRun
-from brace_drake.gap.ladder import Residual, Rung, low_pass
+from brace_drake.gap.ladder import Residual, Rung
 from brace_drake.gap.phases import MotionSignals
 from brace_drake.laws import bench_replay, bench_tick, blocks
 from brace_drake.laws.brace_control import MASS
 from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.recorded_way import low_pass, ring_poses
 from brace_drake.twin.subject import with_subject
 
 _COMMANDS, _LENGTHS = slice(0, 6), slice(6, 12)
 _FORCE, _MARKER, _VIRTUAL = slice(12, 15), slice(15, 18), 18
 _FORCE_Y, _TORSO_Y = 13, 16
 _CUTOFF_HZ = 5.0
-
-
-def ring_poses(twin: BenchTwin, lengths: np.ndarray):
-    """Poses (N, 6) and leg Jacobians (N, 6, 6) of measured leg lengths."""
-    n = twin.numbers
-    poses, jacobians = (
-        np.empty((len(lengths), 6)),
-        np.empty((len(lengths), 6, 6)),
-    )
-    bench_replay.calc_poses(
-        np.ascontiguousarray(lengths), n.p_WB, n.p_RT, n.rest, poses, jacobians
-    )
-    return poses, jacobians
 
 
 class _Blocks:
@@ -157,7 +145,7 @@ class _Blocks:
         return _always(low_pass(x[:, _FORCE], 1.0, self._rate).ravel())
 
     def _slow_poses(self, x):
-        return ring_poses(self._twin, self._slow(x[:, _LENGTHS]))
+        return ring_poses(self._numbers, self._slow(x[:, _LENGTHS]))
 
     def _slow(self, values):
         return low_pass(values, _CUTOFF_HZ, self._rate)
@@ -218,7 +206,7 @@ def _always(residual: np.ndarray) -> Residual:
 
 def bench_quantities(twin: BenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
     """What a therapist asks for: pad force, N, and ring position, mm."""
-    poses, _ = ring_poses(twin, x[:, _LENGTHS])
+    poses, _ = ring_poses(twin.numbers, x[:, _LENGTHS])
     return {"force_error_N": x[:, _FORCE], "ring_error_mm": 1e3 * poses[:, 0:3]}
 
 
@@ -229,7 +217,7 @@ def bench_signals(
     other one alone, 2 k d_0 and more, is measured.
     """
     x = prepared.measured
-    travel, name = ring_poses(twin, x[:, _LENGTHS])[0][:, 1], "ring"
+    travel, name = ring_poses(twin.numbers, x[:, _LENGTHS])[0][:, 1], "ring"
     touching = None
     if prepared.run.contact:
         if prepared.run.has([twin.channels[_TORSO_Y]]).all():

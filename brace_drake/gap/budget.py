@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.gap.evaluation import HIGHEST_HZ, PreparedRun
+from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.phases import PHASES
 from brace_drake.gap.shrink import RunComparison, channel_gaps
+from brace_drake.twin.replay_twin import HIGHEST_HZ
 
 BANDS = ((0.0, 0.5), (0.5, 2.0), (2.0, 8.0), (8.0, 30.0), (30.0, 1e9))
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
+from brace_drake.gap.beside_friction import fit_frictions, sticking
 from brace_drake.gap.candidates import CandidateFit
+from brace_drake.gap.contact_side import is_on_contact_side
 from brace_drake.gap.contenders import best_fits, polish, refine
 from brace_drake.gap.demands import is_almost_near_floor, largest_excess
 from brace_drake.gap.evaluation import Evaluator
@@ -18,16 +21,36 @@ from brace_drake.gap.richer import race_richer
 from brace_drake.gap.screen import race
 from brace_drake.gap.second_effect import SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
-from brace_drake.gap.verdict import has_gap, is_near_floor
+from brace_drake.gap.verdict import explains, has_gap, is_near_floor
+
+Say = Callable[[str, float], None]
+
+
+class Searched(NamedTuple):
+    """What a search over all causes has come to.
+
+    Attributes:
+        fits: Of single causes and pairs, the contenders among them refined.
+        null: What noise alone gives.
+        is_cut: Whether the search for second effects ended because it had cost
+            too much.
+        shown: Effects that the contact's side shows, where it was asked.
+    """
+
+    fits: list[CandidateFit]
+    null: NullDistribution
+    is_cut: bool = False
+    shown: frozenset[str] = frozenset()
 
 
 def try_causes(
     evaluator: Evaluator,
     nominal: CandidateFit,
     seed: int,
-    say: Callable[[str, float], None],
+    say: Say,
     holds_at_rest: bool | None = None,
-) -> tuple[list[CandidateFit], NullDistribution, bool]:
+    see_side: Callable[[Say], CandidateFit | None] = lambda say: None,
+) -> Searched:
     """Fits of all causes, of pairs where no single one explains the gap.
 
     Effects of dozens of parameters are tried only where there is something
@@ -41,10 +64,8 @@ def try_causes(
         say: Progress.
         holds_at_rest: Whether the leg lengths at rest are as they should be,
             None where that is not known.
-
-    Returns:
-        Fits, the contenders among them refined; the null distribution; whether
-        the search for second effects ended because it had cost too much.
+        see_side: Explains the contact's side alone; asked where drives stick,
+            as a second effect is lost there in what no twin follows.
     """
     cards = _candidates(evaluator.twin.device, holds_at_rest)
     simple = [c for c in cards if not c.is_flexible]
@@ -86,7 +107,20 @@ def try_causes(
         )
 
     if is_exact(evaluator, nominal):
-        return [*fits, *flexible], null, False
+        return Searched([*fits, *flexible], null)
+    frictions = sticking(evaluator, [*fits, *flexible], null.misfit_threshold)
+    side = see_side(_part(say, 0.4, 0.42)) if frictions else None
+    if side is not None:
+        shown, part = side.kinds, _part(say, 0.42, 0.45)
+        found = fit_frictions(evaluator, frictions, side, cards, part)
+        if shown and any(explains(evaluator, nominal, f, null) for f in found):
+            return Searched([*fits, *flexible, *found], null, False, shown)
+        if not shown:
+            fits += found
+            # Nor is a second effect on that side.
+            _, cards = _divide(cards, is_on_contact_side)
+            _, many = _divide(many, is_on_contact_side)
+            runners = [r for r in runners if r.card in cards]
     second = SecondEffects(ground, cards, fits, runners, null, seed)
     is_found = False
     if flexible and not is_done():
@@ -94,14 +128,14 @@ def try_causes(
     if not (is_found or is_done()):
         is_found = second.try_pairs(_part(say, 0.45, 0.55))
     if is_found:
-        return [*fits, *flexible, *second.search([], say)], null, False
+        return Searched([*fits, *flexible, *second.search([], say)], null)
     if not is_near():
         flexible += _race_flexible(ground, many, _part(say, 0.55, 0.6))
     if not is_done():
         found = second.search(flexible, _part(say, 0.6, 0.78))
-        return [*fits, *flexible, *found], null, second.is_cut
+        return Searched([*fits, *flexible, *found], null, second.is_cut)
     small = second.try_small(flexible, _part(say, 0.6, 0.78))
-    return [*fits, *flexible, *small], null, False
+    return Searched([*fits, *flexible, *small], null)
 
 
 def _candidates(device: str, holds_at_rest: bool | None) -> list[Effect]:

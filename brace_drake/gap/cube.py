@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.gap.budget import BANDS, full_weights
-from brace_drake.gap.evaluation import HIGHEST_HZ
 from brace_drake.gap.shrink import RunComparison
+from brace_drake.twin.replay_twin import HIGHEST_HZ
 
 # Cells with less than this share of the gap are left out.
 _LEAST_SHARE = 0.002

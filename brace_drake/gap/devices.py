@@ -29,6 +29,7 @@ from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.leg_bench import MakeLegBenchScenario
 from brace_drake.scenario.pad_bench import MakePadBenchScenario
 from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.twin.guided_bench import GuidedBenchTwin
 from brace_drake.twin.imposed_motions import leg_motions, pad_motions
 from brace_drake.twin.leg_bench_twin import LegBenchTwin
 from brace_drake.twin.motion_library import MOTIONS, RATE_HZ, MakeMotion
@@ -51,6 +52,8 @@ class Device:
             the device may be asked for; None where none is known to be safe.
         attribute: From (evaluator, nominal fit, seed) to shares of the blocks
             in a gap that no effect explains; None where that is not known.
+        guided: The twin with its ring carried along the recorded way; None
+            where there is no ring.
     """
 
     twin: object
@@ -59,6 +62,7 @@ class Device:
     motion_signals: Callable
     motions: Callable
     attribute: Callable | None = None
+    guided: GuidedBenchTwin | None = None
 
 
 def MakeDevice(campaign: Campaign, scenario=None) -> Device:
@@ -109,6 +113,7 @@ def _MakeBench(campaign: Campaign, scenario) -> Device:
         bench_signals,
         _bench_motions,
         attribute_bench,
+        GuidedBenchTwin(twin.scenario, twin.time_step),
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -12,6 +12,11 @@ from brace_drake.campaign.recording import Campaign
 from brace_drake.errors import BraceError, CampaignError
 from brace_drake.gap.candidates import CandidateFit, fit_nominal
 from brace_drake.gap.causes import try_causes
+from brace_drake.gap.contact_side import (
+    ContactSide,
+    explain_contact_side,
+    fit_contact_side,
+)
 from brace_drake.gap.decoys import loses_to_decoys
 from brace_drake.gap.devices import Device, MakeDevice, check_room
 from brace_drake.gap.evaluation import Evaluator
@@ -35,7 +40,8 @@ Progress = Callable[[str, float], None]
 class Diagnosis:
     """All results of a diagnosis, before they are written down.
 
-    `is_cut`: whether the search for two effects at once ended early.
+    `is_cut`: whether the search for two effects at once ended early; `side`:
+    the contact's side alone, where that was needed to tell where a gap is.
     """
 
     campaign: Campaign
@@ -53,6 +59,7 @@ class Diagnosis:
     seed: int
     is_cut: bool = False
     predictions: Sequence[Prediction] = ()
+    side: ContactSide | None = None
 
 
 def diagnose(
@@ -91,12 +98,20 @@ def diagnose(
     nominal = fit_nominal(evaluator)
     say("substitution of blocks", 0.08)
     ladder = climb(evaluator, device.rungs, nominal, seed)
-    fits, null, is_cut = try_causes(
-        evaluator, nominal, seed, say, holds_at_rest(ladder)
+    at_rest = holds_at_rest(ladder)
+    # Of lengths that are off no way can be told.
+    guided = None if at_rest is False else device.guided
+    side = cache(partial(fit_contact_side, guided, campaign, jobs, seed))
+
+    def see_side(say):
+        return side() and explain_contact_side(side(), seed, say)
+
+    fits, null, is_cut, shown = try_causes(
+        evaluator, nominal, seed, say, at_rest, see_side
     )
     say("verdict", 0.8)
     is_chance = partial(loses_to_decoys, evaluator, nominal, seed=seed)
-    verdict = decide(evaluator, nominal, fits, null, is_chance)
+    verdict = decide(evaluator, nominal, fits, null, is_chance, shown)
     chosen = verdict.winner or nominal
     table = estimate_table(evaluator, chosen, seed)
     say("validation runs", 0.94)
@@ -125,6 +140,7 @@ def diagnose(
         seed,
         is_cut,
         predict_runs(validation, compared, verdict.winner, rivals, rate, seed),
+        side() if verdict.outside_library else None,
     )
 
 

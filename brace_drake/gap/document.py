@@ -55,7 +55,7 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
     )
     if d.verdict.outside_library:
         blocks = _nearest_block(d) or suspected_blocks(
-            d.ladder, where["attribution"]
+            d.ladder, where["attribution"], where["contact_side"]
         )
     return _plain(
         {
@@ -120,6 +120,7 @@ def _where(d: Diagnosis) -> dict:
     phases = [_phases(d, comparison) for comparison in d.fit_runs]
     return {
         "blocks": d.ladder,
+        "contact_side": d.side.row() if d.side else None,
         "attribution": _attribution(d),
         "attribution_by": "repair" if d.verdict.winner else "errors",
         "channels": channel_budget(d.fit_runs, channels, floor),
@@ -247,7 +248,7 @@ def _receipt(d: Diagnosis) -> dict:
         "integration_error": d.null.numerical,
         "smallest_explained_share": smallest_share(d.evaluator),
         "probability_is": "from what the best rival and the winner leave,"
-        " calibrated on 45 withheld cases of a stand-in",
+        " calibrated on 165 withheld cases of a stand-in",
         "versions": {p: importlib.metadata.version(p) for p in packages},
     }
 

@@ -13,8 +13,6 @@ from brace_drake.errors import BraceError
 from brace_drake.gap.floor import NoiseFloor
 from brace_drake.parallel import Workers, open_workers
 
-# Faster than this a brace and a torso do not move; noise alone is above.
-HIGHEST_HZ = 50.0
 # Noisy replays averaged for effects on which noise acts as a dither: in a
 # comparison that counts, and in one that only ranks.
 NUM_DITHERS = 3

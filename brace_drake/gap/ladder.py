@@ -193,13 +193,3 @@ def _power(
         scaled, start, bounds=(low, high), diff_step=_NUDGE, max_nfev=_TRIES
     )
     return float(min(2.0 * best.cost, base @ base))
-
-
-def low_pass(signal: np.ndarray, cutoff_hz: float, rate: float) -> np.ndarray:
-    """Zero-phase low pass along time by a smooth cut of the spectrum."""
-    extended = np.concatenate([signal, signal[::-1]])
-    frequency = np.fft.rfftfreq(len(extended), 1.0 / rate)
-    taper = 1.0 / (1.0 + (frequency / cutoff_hz) ** 8)
-    shape = (-1,) + (1,) * (signal.ndim - 1)
-    spectrum = np.fft.rfft(extended, axis=0) * taper.reshape(shape)
-    return np.fft.irfft(spectrum, len(extended), axis=0)[: len(signal)]

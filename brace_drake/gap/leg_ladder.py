@@ -8,9 +8,10 @@ import numpy as np
 
 from brace_drake.campaign.recording import Run
 from brace_drake.gap.evaluation import PreparedRun
-from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.gap.ladder import Rung
 from brace_drake.gap.phases import MotionSignals
 from brace_drake.twin.leg_bench_twin import LegBenchTwin
+from brace_drake.twin.recorded_way import low_pass
 
 _CUTOFF_HZ = 20.0
 # At both ends of a run, which the low pass folds, s.

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from brace_drake.gap.evaluation import PreparedRun
-from brace_drake.gap.ladder import Rung, low_pass
+from brace_drake.gap.ladder import Rung
 from brace_drake.gap.phases import MotionSignals
 from brace_drake.twin.pad_bench_twin import PadBenchTwin, simulate_pad
+from brace_drake.twin.recorded_way import low_pass
 
 # Motion of tissue under a pad is slower than this, Hz.
 _CUTOFF_HZ = 10.0

@@ -9,7 +9,7 @@ import numpy as np
 
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.effects.stack import Use
-from brace_drake.gap.evaluation import HIGHEST_HZ, PreparedRun, is_dithered
+from brace_drake.gap.evaluation import PreparedRun, is_dithered
 from brace_drake.gap.floor import (
     NoiseFloor,
     estimate_floor,
@@ -157,7 +157,7 @@ def prepare_run(
     floor = floors[run.contact]
     frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
     weights = floor.weights(len(measured), rate) * twin.active(run)
-    weights = weights[frequency <= HIGHEST_HZ]
+    weights = weights[frequency <= twin.highest_hz]
     motion = twin.motion(run)
     return PreparedRun(
         run, motion, measured, weights, floor, seed + index, index

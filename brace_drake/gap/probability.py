@@ -6,9 +6,10 @@ import math
 
 _LEAST, _MOST = 0.02, 0.98
 # Log-odds of being right over those that the rules below say, as 45 withheld
-# cases of our own showed them (tools/calibrate_probability.py); standard errors
-# 0.66 and 0.28.
-_OFFSET, _SLOPE = -0.50, 0.91
+# cases of our own showed them (tools/calibrate_probability.py; standard errors
+# 0.66 and 0.28). Answers became better since: of 120 more, told 0.846 on
+# average, 0.917 were right, so 0.70 was added to the offset.
+_OFFSET, _SLOPE = 0.20, 0.91
 
 
 def _logistic(x: float) -> float:

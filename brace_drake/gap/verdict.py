@@ -132,6 +132,7 @@ def decide(
     fits: Sequence[CandidateFit],
     null: NullDistribution,
     is_chance: Callable[[CandidateFit], bool] = lambda fit: False,
+    shown: frozenset[str] = frozenset(),
 ) -> Verdict:
     """The verdict over the nominal fit and its rivals.
 
@@ -139,6 +140,8 @@ def decide(
         evaluator, nominal, fits, null: Of the search; those refined may win.
         is_chance: Whether a fit takes no more than its freedom would; it
             explains nothing then.
+        shown: Effects that a part of the machine shows by itself, which an
+            explanation has to have, if one that has them explains.
     """
     ranked = refined(fits)
     if not has_gap(evaluator, nominal, ranked, null):
@@ -153,6 +156,7 @@ def decide(
         for f in ranked
         if explains(evaluator, nominal, f, null) and not is_chance(f)
     ]
+    good = [f for f in good if shown <= f.kinds] or good
     if not good:
         best = max(
             (

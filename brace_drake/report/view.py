@@ -101,6 +101,8 @@ def _make_head(diagnosis: dict, verdict: dict) -> dict:
 
 def _make_where(where: dict) -> dict:
     blocks = rows(where, "blocks")
+    side = part(where, "contact_side")
+    checked = [*blocks, side] if side else blocks
     channels = rows(where, "channels")
     phases, bands = rows(where, "phases"), rows(where, "bands")
     shares = rows(where, "attribution")
@@ -113,8 +115,8 @@ def _make_where(where: dict) -> dict:
         "attribution_by": text(where, "attribution_by"),
         "attribution_figure": draw_attribution(shares),
         "cube_figure": draw_cube(rows(where, "cube")),
-        "blocks": [block_row(b) for b in blocks],
-        "block_figure": draw_blocks(blocks),
+        "blocks": [block_row(b) for b in checked],
+        "block_figure": draw_blocks(checked),
         "channels": [channel_row(row) for row in channels],
         "channel_figure": _draw(labels, channels, WIDTH),
         "phases": [gap_row(*p) for p in zip(phase_labels, phases, strict=True)],

@@ -13,6 +13,9 @@ from brace_drake.effects.stack import Use, modify_numbers
 from brace_drake.scenario.effects import scenario_uses
 from brace_drake.twin.subject import SubjectParameter
 
+# Faster than this a brace and a torso do not move; noise alone is above.
+HIGHEST_HZ = 50.0
+
 
 class ReplayTwin(ABC):
     """Replays recorded references on a compiled device.
@@ -22,6 +25,7 @@ class ReplayTwin(ABC):
         has_loop: Whether readings, with their noise, feed back to the motion.
         instruments_known: Whether noise and numbers are given by a data
             sheet, not taken from the recording itself.
+        highest_hz: Up to which its replays are compared with recordings.
         device: That the twin is of.
         numbers: What the compiled laws take.
         subject: Parameters to be estimated for every subject.
@@ -31,6 +35,7 @@ class ReplayTwin(ABC):
     channels: ClassVar[tuple[str, ...]]
     has_loop: ClassVar[bool]
     instruments_known: ClassVar[bool]
+    highest_hz: ClassVar[float] = HIGHEST_HZ
     device: str
     subject: tuple[SubjectParameter, ...]
 

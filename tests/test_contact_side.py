@@ -1,0 +1,105 @@
+"""What the contact's side shows where drives stick, and friction beside it."""
+
+import unittest
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.gap.beside_friction import fit_frictions, sticking
+from brace_drake.gap.candidates import fit_nominal
+from brace_drake.gap.contact_side import (
+    explain_contact_side,
+    fit_contact_side,
+    is_on_contact_side,
+)
+from brace_drake.gap.contenders import best_fits
+from brace_drake.gap.ground import Ground
+from brace_drake.gap.measures import misfit
+from brace_drake.gap.screen import race
+from brace_drake.twin.guided_bench import GuidedBenchTwin
+from tests.synthetic_bench import SyntheticBench, record
+
+FRICTION = find_effect("coulomb_friction")
+RELAXATION = find_effect("relaxation"), np.array([4000.0, 0.8])
+
+
+def quiet(what, share):
+    """Says nothing."""
+
+
+class TestContactSide(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.bench = SyntheticBench()
+        twin = cls.bench.twin
+        cls.guided = GuidedBenchTwin(twin.scenario, twin.time_step)
+        cls.stuck = FRICTION, np.array([0.8])
+
+    def side(self, *uses, edit=lambda run: run):
+        campaign = record(self.bench.twin, self.bench.subject, uses, 97)
+        runs = tuple(edit(run) for run in campaign.runs)
+        return fit_contact_side(self.guided, replace(campaign, runs=runs), 2, 0)
+
+    def test_friction_of_the_drives_is_no_gap_and_hides_no_subject(self):
+        side = self.side(self.stuck)
+        self.assertLess(abs(misfit(side.evaluator, side.nominal)), 0.12)
+        self.assertTrue(side.row()["acquitted"])
+        found = explain_contact_side(side, 0)
+        self.assertEqual(found.effects, ())
+        loop = fit_nominal(self.bench.evaluator([self.stuck]))
+        off, lost = (
+            abs(np.log(fit.subject / self.bench.subject))
+            for fit in (found, loop)
+        )
+        self.assertLess(off.max(), 0.15)
+        self.assertGreater(lost.max(), 2.0 * off.max())
+
+    def test_an_effect_of_the_contact_is_named_beside_friction(self):
+        side = self.side(self.stuck, RELAXATION)
+        self.assertFalse(side.row()["acquitted"])
+        found = explain_contact_side(side, 0)
+        self.assertEqual(found.identifiers, ("relaxation",))
+        np.testing.assert_allclose(found.values[0], RELAXATION[1], rtol=0.1)
+
+    def test_friction_is_found_beside_it_with_what_it_shows_kept(self):
+        seen = explain_contact_side(self.side(self.stuck, RELAXATION), 0)
+        evaluator = self.bench.evaluator([self.stuck, RELAXATION])
+        ground = Ground(evaluator, fit_nominal(evaluator))
+        alone = best_fits(race(ground, [FRICTION]))
+        frictions = sticking(evaluator, alone, 0.1)
+        self.assertEqual([f.name for f in frictions], ["coulomb_friction"])
+        pair, *_ = fit_frictions(evaluator, frictions, seen, [FRICTION], quiet)
+        self.assertEqual(pair.identifiers, ("relaxation", "coulomb_friction"))
+        np.testing.assert_allclose(pair.values[0], seen.values[0])
+        np.testing.assert_allclose(pair.subject, seen.subject)
+        self.assertAlmostEqual(pair.values[1][0], 0.8, delta=0.08)
+        self.assertLess(pair.excess, 0.5 * alone[0].excess)
+
+    def test_no_friction_is_beside_what_explains_without_one(self):
+        explained = self.bench.evaluator([self.stuck])
+        ground = Ground(explained, fit_nominal(explained))
+        fits = best_fits(race(ground, [FRICTION]))
+        enough = misfit(explained, fits[0]) + 0.01
+        self.assertEqual(sticking(explained, fits, enough), [])
+
+    def test_without_the_way_or_a_touch_it_is_not_looked_at(self):
+        def blind(run):
+            names = [f"leg{k}_length_m" for k in range(1, 7)]
+            kept = {k: v for k, v in run.channels.items() if k not in names}
+            return replace(run, channels=kept)
+
+        self.assertIsNone(self.side(edit=blind))
+        self.assertIsNone(self.side(edit=lambda r: replace(r, contact=False)))
+        self.assertIsNone(fit_contact_side(None, None, 1, 0))
+
+    def test_effects_of_drives_ring_and_encoders_are_not_on_it(self):
+        names = ("coulomb_friction", "ring_mass", "encoder_offset", "backlash")
+        for name in names:
+            self.assertFalse(is_on_contact_side(find_effect(name)), name)
+        for name in ("relaxation", "breathing", "reflex", "force_bias"):
+            self.assertTrue(is_on_contact_side(find_effect(name)), name)
+
+
+if __name__ == "__main__":
+    unittest.main()
