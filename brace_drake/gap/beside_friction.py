@@ -14,15 +14,24 @@ from brace_drake.fit.gauss_newton import (
     LeastSquaresSolution,
     solve_gauss_newton,
 )
-from brace_drake.gap.candidates import CandidateFit, finish_fit
+from brace_drake.gap.candidates import (
+    CandidateFit,
+    finish_fit,
+    fit_effects,
+)
 from brace_drake.gap.evaluation import Evaluator, sticks
 from brace_drake.gap.problem import CandidateProblem
 from brace_drake.gap.richer import richer_starts
+from brace_drake.gap.surrogates import NullDistribution
+from brace_drake.gap.verdict import explains
 
 # Frictions that are set beside it.
 _FRICTIONS = 2
 # Of what the best leaves: one that leaves more is no rival of it.
 _NEAR = 2.0
+# Share of what the effect of the contact's side leaves alone, at most, that it
+# leaves with a friction that is there.
+_BY_FAR = 0.25
 # Steps of a friction's search, first and last; decrease that ends it, in
 # relative terms: less is chance.
 _STEPS, _LAST_STEPS, _END = 8, 3, 1e-2
@@ -67,14 +76,43 @@ def fit_frictions(
         cards: Frictions that may be richer.
         say: Progress, shares of this search.
     """
-    found = []
+    found: dict[str, CandidateFit] = {}
     for place, friction in enumerate(frictions):
         say(f"cause {friction.name}", place / len(frictions))
         for effect, starts in _starts(friction, cards):
             fit = _fit_friction(evaluator, effect, starts, side)
-            if fit is not None:
-                found.append(fit)
-    return found
+            if fit is None:
+                continue
+            best = found.setdefault(fit.name, fit)
+            if fit.excess < best.excess:
+                found[fit.name] = fit
+    return list(found.values())
+
+
+def fit_alone(evaluator: Evaluator, side: CandidateFit) -> CandidateFit | None:
+    """In closed loop the effect of the contact's side without friction; None
+    where its twin breaks down.
+    """
+    try:
+        return fit_effects(evaluator, side.effects, side)
+    except (BraceError, ValueError):
+        return None
+
+
+def is_settled(
+    evaluator: Evaluator,
+    nominal: CandidateFit,
+    pairs: Sequence[CandidateFit],
+    alone: CandidateFit | None,
+    null: NullDistribution,
+) -> bool:
+    """Whether friction and the effect of the contact's side explain the gap,
+    and by far less is left than without friction.
+    """
+    most = np.inf if alone is None else _BY_FAR * max(0.0, alone.excess)
+    return any(
+        f.excess < most and explains(evaluator, nominal, f, null) for f in pairs
+    )
 
 
 def _starts(
@@ -132,6 +170,8 @@ def _search(
         )
         z = solution.z
     (there,) = coarse([z])
+    if there is None:
+        raise ValueError("the twin breaks down at the coarse plant step")
     whole = LeastSquaresSolution(
         z, solution.residual, problem.columns(z, base=there), 0, True
     )

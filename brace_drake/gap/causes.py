@@ -9,7 +9,12 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
-from brace_drake.gap.beside_friction import fit_frictions, sticking
+from brace_drake.gap.beside_friction import (
+    fit_alone,
+    fit_frictions,
+    is_settled,
+    sticking,
+)
 from brace_drake.gap.candidates import CandidateFit
 from brace_drake.gap.contact_side import is_on_contact_side
 from brace_drake.gap.contenders import best_fits, polish, refine
@@ -18,10 +23,11 @@ from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.ground import Ground
 from brace_drake.gap.measures import closes_half, is_exact
 from brace_drake.gap.richer import race_richer
+from brace_drake.gap.runner import Runner
 from brace_drake.gap.screen import race
 from brace_drake.gap.second_effect import SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
-from brace_drake.gap.verdict import explains, has_gap, is_near_floor
+from brace_drake.gap.verdict import has_gap, is_near_floor
 
 Say = Callable[[str, float], None]
 
@@ -34,7 +40,8 @@ class Searched(NamedTuple):
         null: What noise alone gives.
         is_cut: Whether the search for second effects ended because it had cost
             too much.
-        shown: Effects that the contact's side shows, where it was asked.
+        shown: Effects that the contact's side shows, where it was asked: an
+            explanation has to have them.
     """
 
     fits: list[CandidateFit]
@@ -68,26 +75,10 @@ def try_causes(
             as a second effect is lost there in what no twin follows.
     """
     cards = _candidates(evaluator.twin.device, holds_at_rest)
-    simple = [c for c in cards if not c.is_flexible]
-    many = [c for c in cards if c.is_flexible]
     ground = Ground(evaluator, nominal)
     most = largest_excess(evaluator, nominal, 1)
-    flexible: list[CandidateFit] = []
-    if holds_at_rest is False and not is_almost_near_floor(evaluator, nominal):
-        at_rest, many = _divide(many, lambda c: c.at_rest)
-        flexible = _race_flexible(ground, at_rest, _part(say, 0.1, 0.2))
-    runners = []
-    least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
-    if any(is_almost_near_floor(evaluator, f) for f in flexible):
-        # Of the others only who may explain it too needs a search.
-        simple, others = _divide(simple, lambda c: c.at_rest)
-        part = _part(say, 0.2, 0.3)
-        runners = race(
-            ground, others, part, places=1, bar=most, most=most, least=least
-        )
-    part = _part(say, 0.2, 0.4)
-    runners += race(ground, simple, part, most=most, least=least)
-    runners += race_richer(ground, runners, simple)
+    is_off = holds_at_rest is False
+    runners, flexible, many = _race_all(ground, cards, is_off, most, say)
     say("contenders", 0.4)
     # Those that explain nothing are not compared to the last digit.
     fits = refine(evaluator, best_fits(runners), nominal.excess, rivals=most)
@@ -110,32 +101,75 @@ def try_causes(
         return Searched([*fits, *flexible], null)
     frictions = sticking(evaluator, [*fits, *flexible], null.misfit_threshold)
     side = see_side(_part(say, 0.4, 0.42)) if frictions else None
+    shown: frozenset[str] = side.kinds if side else frozenset()
     if side is not None:
-        shown, part = side.kinds, _part(say, 0.42, 0.45)
+        part = _part(say, 0.42, 0.45)
         found = fit_frictions(evaluator, frictions, side, cards, part)
-        if shown and any(explains(evaluator, nominal, f, null) for f in found):
-            return Searched([*fits, *flexible, *found], null, False, shown)
+        alone = fit_alone(evaluator, side) if shown else None
+        fits = _best_of_name([*fits, *found, *([alone] if alone else [])])
+        if shown and is_settled(evaluator, nominal, found, alone, null):
+            return Searched([*fits, *flexible], null, False, shown)
         if not shown:
-            fits += found
             # Nor is a second effect on that side.
             _, cards = _divide(cards, is_on_contact_side)
             _, many = _divide(many, is_on_contact_side)
             runners = [r for r in runners if r.card in cards]
-    second = SecondEffects(ground, cards, fits, runners, null, seed)
+    singles = [f for f in fits if len(f.effects) == 1]
+    second = SecondEffects(ground, cards, singles, runners, null, seed)
     is_found = False
     if flexible and not is_done():
         is_found = second.try_at_rest(flexible, _part(say, 0.4, 0.45))
     if not (is_found or is_done()):
         is_found = second.try_pairs(_part(say, 0.45, 0.55))
     if is_found:
-        return Searched([*fits, *flexible, *second.search([], say)], null)
+        found = second.search([], say)
+        return Searched([*fits, *flexible, *found], null, False, shown)
     if not is_near():
         flexible += _race_flexible(ground, many, _part(say, 0.55, 0.6))
     if not is_done():
         found = second.search(flexible, _part(say, 0.6, 0.78))
-        return Searched([*fits, *flexible, *found], null, second.is_cut)
+        fits = [*fits, *flexible, *found]
+        return Searched(fits, null, second.is_cut, shown)
     small = second.try_small(flexible, _part(say, 0.6, 0.78))
-    return Searched([*fits, *flexible, *small], null)
+    return Searched([*fits, *flexible, *small], null, False, shown)
+
+
+def _race_all(
+    ground: Ground, cards: list[Effect], is_off: bool, most: float, say: Say
+) -> tuple[list[Runner], list[CandidateFit], list[Effect]]:
+    """A race of all cards of few parameters; before it one of those that show
+    in the leg lengths at rest, where these are off.
+
+    Returns:
+        Runners of few parameters, fits of dozens, cards of dozens not tried.
+    """
+    evaluator, nominal = ground.evaluator, ground.leader
+    many, simple = _divide(cards, lambda c: c.is_flexible)
+    flexible: list[CandidateFit] = []
+    if is_off and not is_almost_near_floor(evaluator, nominal):
+        at_rest, many = _divide(many, lambda c: c.at_rest)
+        flexible = _race_flexible(ground, at_rest, _part(say, 0.1, 0.2))
+    runners = []
+    least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
+    if any(is_almost_near_floor(evaluator, f) for f in flexible):
+        # Of the others only who may explain it too needs a search.
+        simple, others = _divide(simple, lambda c: c.at_rest)
+        part = _part(say, 0.2, 0.3)
+        runners = race(
+            ground, others, part, places=1, bar=most, most=most, least=least
+        )
+    part = _part(say, 0.2, 0.4)
+    runners += race(ground, simple, part, most=most, least=least)
+    runners += race_richer(ground, runners, simple)
+    return runners, flexible, many
+
+
+def _best_of_name(fits: list[CandidateFit]) -> list[CandidateFit]:
+    """Of fits of the same effects the refined one that leaves least."""
+    best: dict[str, CandidateFit] = {}
+    for fit in sorted(fits, key=lambda f: (not f.refined, f.excess)):
+        best.setdefault(fit.name, fit)
+    return list(best.values())
 
 
 def _candidates(device: str, holds_at_rest: bool | None) -> list[Effect]:

@@ -9,7 +9,7 @@ friction, and so does the subject.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -33,9 +33,10 @@ from brace_drake.parallel import Workers
 from brace_drake.twin.guided_bench import GuidedBenchTwin
 
 _BLOCKS = ("contact", "torso", "sensing")
-# Mean square of a gap, in floors, beyond which it is beyond doubt.
+# Mean square, in floors, from which on a gap is beyond doubt.
 _LARGE = 0.5
-# Of the floor's amplitude, what noise of a way may be off unnoticed.
+# Times the floor's amplitude, up to which the side holds: the noise of a way is
+# known to a sixth.
 _THRESHOLD = 1.17
 
 
@@ -85,18 +86,21 @@ def fit_contact_side(
         jobs, seed: As of the diagnosis.
 
     Returns:
-        None where there is no twin, the way was not recorded, or the twin has
-        no room for effects or breaks down on it.
+        None where there is no twin or one without room for effects, where way
+        or force were not recorded or nothing was touched, and where the twin
+        breaks down.
     """
     if twin is None or not twin.has_room:
         return None
-    runs = campaign.split("fit")
+    runs = tuple(campaign.split("fit"))
     recorded = all(run.has(twin.channels[6:15]).all() for run in runs)
     if not (recorded and any(run.contact for run in runs)):
         return None
     usual = np.array([p.nominal for p in twin.subject])
     try:
-        floors, _ = estimate_floors(twin, campaign, usual, seed)
+        # Of a run held back nothing may be known, so not its way either.
+        known = replace(campaign, runs=runs)
+        floors, _ = estimate_floors(twin, known, usual, seed)
         prepared = prepare_runs(twin, runs, floors, campaign.rate_hz, seed)
         evaluator = Evaluator(twin, prepared, jobs)
         return ContactSide(evaluator, fit_nominal(evaluator))
@@ -129,7 +133,7 @@ def explain_contact_side(
             null = draw_null(evaluator, nominal, [], seed)
             return None if has_gap(evaluator, nominal, [], null) else nominal
         verdict = _diagnose(ground, seed, say)
-    except BraceError:
+    except (BraceError, ValueError):
         return None
     return None if verdict.ambiguous_with else verdict.winner
 

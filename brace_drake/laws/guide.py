@@ -1,8 +1,8 @@
 """A ring that is carried along a way, whatever presses on it.
 
-In the place of the legs' forces the ring takes those that keep it on its way:
-computed torque, with the way's own acceleration. Loaded as laws at the plug
-points of drive and ring, behind which only its weight is added.
+In the place of all forces on the ring come those that keep it on its way:
+computed torque, with the way's own acceleration. Loaded as a law at the plug
+point of the ring, behind which only its weight is added.
 """
 
 from brace_drake.laws.hooks import plug
@@ -10,13 +10,6 @@ from brace_drake.laws.hooks import plug
 # Head of the vector p, then rows of pose and rate (12,) of each sample.
 START, RATE, MASS, MOMENTS, WEIGHT, STIFFNESS = 0, 1, 2, 3, 6, 7
 NUM_HEAD, NUM_ROW = 8, 12
-
-
-@plug("drive")
-def leave_legs(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    """Legs without force."""
-    for k in range(f.shape[0]):
-        f[k] = 0.0
 
 
 @plug("ring")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Self
+
 import numpy as np
 
 from brace_drake.campaign.recording import Run
@@ -46,9 +48,9 @@ class BenchTwin(ReplayTwin):
         self.subject = bench_subject(self.numbers)
         self._memory = RunMemory()
 
-    def coarse(self) -> BenchTwin:
+    def coarse(self) -> Self:
         """The same twin with the longest plant step that stays accurate."""
-        return BenchTwin(self.scenario, max(self.time_step, _COARSE_STEP))
+        return type(self)(self.scenario, max(self.time_step, _COARSE_STEP))
 
     def scenario_of(self, subject: np.ndarray) -> BenchScenario:
         """The scenario with a subject's numbers, a copy."""

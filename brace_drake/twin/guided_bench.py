@@ -23,10 +23,10 @@ from brace_drake.twin.recorded_way import low_pass, ring_poses
 from brace_drake.twin.run_memory import key_of_run
 
 _LENGTHS = slice(6, 12)
-# Above this the noise of the leg lengths is more than the way itself; and how
-# hard the ring is held to what is left, 1/s.
+# The way is taken from leg lengths up to here, beyond which their noise is more
+# than it; k of `laws.guide`, 1/s.
 _WAY_HZ, _HOLD = 15.0, 2.0 * np.pi * 20.0
-# Readings are told up to here, where the way is whole.
+# Readings are compared up to here, where 86 % of the way are left.
 _READ_HZ = 12.0
 
 _GUIDE = Effect(
@@ -36,7 +36,7 @@ _GUIDE = Effect(
     equation="M (X_r'' + 2 k (X_r' - X') + k^2 (X_r - X)) in place of the legs",
     source="Siciliano et al., Robotics, section 8.5.2 (computed torque)",
     parameters=(),
-    laws={"drive": guide.leave_legs, "ring": guide.follow_way},
+    laws={"ring": guide.follow_way},
     signature="none: what the legs do is not looked at",
     impostors={},
     experiment="none",
@@ -63,10 +63,6 @@ class GuidedBenchTwin(BenchTwin):
     def has_room(self) -> bool:
         """Whether it takes an effect beside those carried and the guide."""
         return len(self.carried) + 2 <= MAX_EFFECTS
-
-    def coarse(self) -> GuidedBenchTwin:
-        """The same twin with the longest plant step that stays accurate."""
-        return GuidedBenchTwin(self.scenario, super().coarse().time_step)
 
     def motion(self, run: Run) -> GuidedMotion:
         """The recorded way of the ring, with the reference."""
@@ -99,14 +95,17 @@ class GuidedBenchTwin(BenchTwin):
 
     def _replay(self, numbers, motion, subject, uses, generator):
         """On the way; noise is that of the readings and of a way so read."""
-        plug_ins = stack_effects([*uses, (_GUIDE, motion.way)], numbers)
 
-        def run():
-            return simulate_bench(numbers, motion, self.time_step, plug_ins)
+        def follow(motion):
+            plug_ins = stack_effects([*uses, (_GUIDE, motion.way)], numbers)
+            key = key_of_run(numbers, motion, plug_ins)
+            step = self.time_step
+            return key, lambda: simulate_bench(numbers, motion, step, plug_ins)
 
-        exact = self._memory.recall(key_of_run(numbers, motion, plug_ins), run)
+        exact = self._memory.recall(*follow(motion))
         if generator is None:
             return exact
         noisy = super()._replay(numbers, motion, subject, uses, generator)
-        again = self._guided(motion, noisy)
-        return exact + noisy - self._replay(numbers, again, subject, uses, None)
+        # A way of noise is asked for but once, so not remembered.
+        _, again = follow(self._guided(motion, noisy))
+        return exact + noisy - again()
