@@ -17,6 +17,7 @@ from brace_drake.gap.alike import ALIKE, reason_of
 from brace_drake.gap.plan import plan_campaign, standard_errors
 from brace_drake.gap.signature import size_of_one_floor, sizes_of
 from brace_drake.resources import scenario_path
+from brace_drake.twin.replay_twin import HIGHEST_HZ
 from brace_drake.twin.subject import SubjectParameter
 from tests.commands import run_command
 
@@ -65,6 +66,7 @@ class LinearTwin:
     """y = phi w_4 + sum of p_i shapes_i, read with white noise."""
 
     channels, device, carried = ("y",), "toy", ()
+    highest_hz = HIGHEST_HZ
     subject = (
         SubjectParameter("phi", "1", 1.0, -1e9, 1e9),
         SubjectParameter("unseen", "1", 1.0, 0.0, 2.0),
