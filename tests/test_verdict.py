@@ -178,10 +178,24 @@ class TestVerdict(unittest.TestCase):
         one = largest_rest(EVALUATOR, gap, 1)
         self.assertAlmostEqual(one, 2.8**2 - 1.0)
         self.assertEqual(largest_rest(EVALUATOR, gap, 2), 1.0)
+        # Of a large one a hundredth.
+        exact = largest_rest(EVALUATOR, fit(300.0**2 - 1.0), 2)
+        self.assertAlmostEqual(exact, 3.99**2 - 1.0)
         # Of an amplitude a tenth, which is squared.
         rough = largest_rest(EVALUATOR, gap, 2, is_rough=True)
         before, after = (np.sqrt(1.0 + r) - 1.0 for r in (99.0, rough))
         self.assertAlmostEqual(after / before, 0.1)
+
+    def test_two_that_leave_little_of_a_large_gap_are_named(self):
+        gap, pair = 12_000.0, ("saturation", "hysteresis")
+        one = fit(10.0, "saturation")
+        self.assertEqual(
+            verdict(gap, one, fit(1.1, *pair)).winner.kinds, {*pair}
+        )
+        self.assertIs(verdict(gap, one, fit(4.0, *pair)).winner, one)
+        # Of a gap of 100 floors that is too much.
+        found = verdict(100.0, fit(5.0, "saturation"), fit(1.1, *pair))
+        self.assertEqual(found.winner.kinds, {"saturation"})
 
     def test_two_of_few_parameters_are_named_before_one_of_dozens(self):
         # Anchors cover much of any gap; beside them two need only leave less.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.evaluation import Evaluator, sticks
+from brace_drake.gap.evaluation import Evaluator
 from brace_drake.gap.measures import misfit
 
 # An explanation must take away this much of the gap's amplitude: more where
@@ -17,9 +17,10 @@ MAJOR_REAL = 0.75
 # Mean square above the floor's, in floors, up to which a repaired twin counts
 # as good: what is left may not be more than the noise.
 _NEAR_FLOOR = 1.0
-# Share of the gap's amplitude that two effects must take away where drives
-# stick, which leaves more than that whatever the twin.
-_MAJOR_ROUGH = 0.90
+# Share of the gap's amplitude that two effects must take away at least: no law
+# is exact to less than a hundredth of what it does; nor, where drives stick, is
+# any twin to less than a tenth.
+_MAJOR_EXACT, _MAJOR_ROUGH = 0.99, 0.90
 # A race leaves this many times what the end of a search will leave, or less.
 _UNFINISHED = 2.0
 # What the coarse plant step of a race may put in, as a share of the gap.
@@ -43,14 +44,14 @@ def largest_rest(
     A real machine has more than one flaw, so one effect may leave a rest, if
     that is a small part of the gap's amplitude; on a bench with known
     instruments two effects together may leave no more than the noise, for with
-    so much freedom much of any gap can be covered, or, where drives stick
-    (`is_rough`), a tenth of the gap's amplitude.
+    so much freedom much of any gap can be covered, or a hundredth of the gap's
+    amplitude, where drives stick (`is_rough`) a tenth.
     """
     before = np.sqrt(1.0 + max(0.0, misfit(evaluator, nominal))) - 1.0
     most = _rest(before, smallest_share(evaluator))
     if number > 1 and evaluator.twin.instruments_known:
-        least = _rest(before, _MAJOR_ROUGH) if is_rough else 0.0
-        return min(most, max(_NEAR_FLOOR, least))
+        share = _MAJOR_ROUGH if is_rough else _MAJOR_EXACT
+        return min(most, max(_NEAR_FLOOR, _rest(before, share)))
     return most
 
 
@@ -74,10 +75,8 @@ def is_almost_near_floor(evaluator: Evaluator, fit: CandidateFit) -> bool:
 
 
 def is_near_enough(evaluator: Evaluator, fit: CandidateFit) -> bool:
-    """Whether two effects leave no more than the noise itself; where drives
-    stick on a bench whose numbers are known nothing leaves as little.
+    """Whether two effects that explain a gap leave no more than the noise
+    itself, which where instruments are known they had to.
     """
-    rough = evaluator.twin.instruments_known and sticks(
-        evaluator.twin, fit.uses
-    )
-    return rough or misfit(evaluator, fit) <= _NEAR_FLOOR
+    known = evaluator.twin.instruments_known
+    return known or misfit(evaluator, fit) <= _NEAR_FLOOR
