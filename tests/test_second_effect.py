@@ -75,9 +75,10 @@ class TestEnd(unittest.TestCase):
         ):
             rest = iter([1000.0, *left])
             runner = SimpleNamespace(
+                excess=1000.0,
                 fit=lambda rest=rest: SimpleNamespace(
                     name="a+b", excess=next(rest)
-                )
+                ),
             )
             with (
                 mock.patch.object(
@@ -93,6 +94,28 @@ class TestEnd(unittest.TestCase):
             self.assertEqual(line_up.call_args.args[3].tolist(), [5.0])
             self.assertEqual(step.call_count, steps)
             self.assertEqual(kept, [runner])
+
+    def test_a_pair_sets_out_at_the_strengths_that_leave_least(self):
+        ground = SimpleNamespace(
+            evaluator=SimpleNamespace(twin=SimpleNamespace(subject=[])),
+            leader=SimpleNamespace(excess=1.0),
+        )
+        rests = {(1.0, 1.0): 9.0, (1.0, 0.5): 4.0, (0.5, 0.5): 7.0}
+
+        def line_up(ground, first, second, subject, strengths):
+            rest = rests.get(strengths)
+            return rest and SimpleNamespace(
+                excess=rest, fit=lambda: SimpleNamespace(name="", excess=rest)
+            )
+
+        with (
+            mock.patch.object(pair_moves, "line_up_pair", line_up),
+            mock.patch.object(pair_moves, "step", return_value=True),
+        ):
+            (kept,) = set_out_afresh(
+                ground, (0.0, "a", "b"), 2.0, lambda *_: None
+            )
+        self.assertEqual(kept.excess, 4.0)
 
     def test_a_special_case_is_tried_with_the_values_of_the_general_one(self):
         # Stribeck friction without its bump is Coulomb friction.

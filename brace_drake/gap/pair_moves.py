@@ -19,6 +19,8 @@ _STEPS = 4
 # Rounds of the search of a pair that sets out afresh, of so many steps, as
 # long as each leaves less than half of what there was.
 _ROUNDS, _STEPS_AFRESH, _HALF = 3, 4, 0.5
+# Strengths at which it sets out, in terms of those alone.
+_STRENGTHS = 1.0, 0.5
 
 
 def try_without_one(
@@ -54,7 +56,8 @@ def set_out_afresh(
     """A pair that sets out from the subject's nominal parameters.
 
     Two large effects drive those of the nominal fit to their limits, from
-    where no way may lead back.
+    where no way may lead back. Alone each does what it can of the other's, so
+    either may be too strong: what leaves least of both is where it begins.
 
     Args:
         ground: The nominal fit.
@@ -66,9 +69,14 @@ def set_out_afresh(
         It where it stands then; none where its twin breaks down.
     """
     subject = np.array([p.nominal for p in ground.evaluator.twin.subject])
-    runner = line_up_pair(ground, *pair[1:], subject)
-    if runner is None:
+    runners = [
+        line_up_pair(ground, *pair[1:], subject, strengths)
+        for strengths in itertools.product(_STRENGTHS, repeat=2)
+    ]
+    found = [r for r in runners if r is not None]
+    if not found:
         return []
+    runner = min(found, key=lambda r: r.excess)
     say(f"cause {runner.fit().name}", 0.9)
     before = ground.leader.excess
     for _ in range(_ROUNDS):

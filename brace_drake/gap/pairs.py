@@ -118,17 +118,28 @@ def _shared(runner: Runner) -> slice:
 
 
 def line_up_pair(
-    ground: Ground, first: Runner, second: Runner, subject: np.ndarray
+    ground: Ground,
+    first: Runner,
+    second: Runner,
+    subject: np.ndarray,
+    strengths: Sequence[float] = (1.0, 1.0),
 ) -> Runner | None:
-    """The effects of two as they are alone, beside a subject; None where the
-    twin breaks down.
+    """The effects of two beside a subject; None where the twin breaks down.
+
+    Args:
+        ground: Where they set out from.
+        first, second: As they are alone.
+        subject: Values of its parameters.
+        strengths: Of each, in terms of that; of dozens of parameters none.
     """
     effects, values, spread = [], [], None
-    for runner in (first, second):
+    for runner, strength in zip((first, second), strengths, strict=True):
         problem = runner.problem
         _, uses = problem.split(runner.z)
         effects += [e for e, _ in uses]
-        values += [v for _, v in uses]
+        values += [
+            v if e.is_flexible else e.scaled(v, strength) for e, v in uses
+        ]
         if problem.has_spread:
             spread = problem.spread * problem.spread_scale
     return make_runner(ground, effects, values, subject, spread)
