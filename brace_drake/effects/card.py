@@ -141,6 +141,10 @@ class Effect:
             or other.name in self.generalises
         )
 
+    def is_richer_than(self, other: Effect) -> bool:
+        """Whether the other one is a special case, in the same form."""
+        return other.name in self.generalises and other.form == self.form
+
     @property
     def parameter_names(self) -> tuple[str, ...]:
         """Names of the parameters in order."""

@@ -65,7 +65,7 @@ def fit_frictions(
     say: Callable[[str, float], None],
 ) -> list[CandidateFit]:
     """Frictions beside the subject that the contact's side has, and the effect
-    that it shows, if it shows one; refined.
+    that it shows, if it shows one; refined, and of the same effects several.
 
     Those are kept as they are there: in closed loop chance would move them.
 
@@ -76,17 +76,14 @@ def fit_frictions(
         cards: Frictions that may be richer.
         say: Progress, shares of this search.
     """
-    found: dict[str, CandidateFit] = {}
+    found = []
     for place, friction in enumerate(frictions):
         say(f"cause {friction.name}", place / len(frictions))
         for effect, starts in _starts(friction, cards):
             fit = _fit_friction(evaluator, effect, starts, side)
-            if fit is None:
-                continue
-            best = found.setdefault(fit.name, fit)
-            if fit.excess < best.excess:
-                found[fit.name] = fit
-    return list(found.values())
+            if fit is not None:
+                found.append(fit)
+    return found
 
 
 def fit_alone(evaluator: Evaluator, side: CandidateFit) -> CandidateFit | None:
@@ -122,7 +119,7 @@ def _starts(
     (effect, values), *_ = friction.uses
     yield effect, [values]
     for card in cards:
-        if effect.name in card.generalises and effect.form == card.form:
+        if card.is_richer_than(effect):
             yield card, list(richer_starts(card, effect, values))
 
 
@@ -135,13 +132,11 @@ def _fit_friction(
     problem = CandidateProblem(
         evaluator, [*side.effects, effect], [*side.values, starts[0]]
     )
-    if side.spread is not None:
-        problem.spread = side.spread / problem.spread_scale
     points = [problem.join(side.subject, [*side.values, s]) for s in starts]
     kept = len(problem.scales) - int(effect.is_continuous.sum())
     try:
         return _search(problem, points, kept)
-    except (BraceError, ValueError, np.linalg.LinAlgError):
+    except (BraceError, ValueError):
         return None
 
 

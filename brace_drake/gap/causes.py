@@ -25,11 +25,9 @@ from brace_drake.gap.measures import closes_half, is_exact
 from brace_drake.gap.richer import race_richer
 from brace_drake.gap.runner import Runner
 from brace_drake.gap.screen import race
-from brace_drake.gap.second_effect import SecondEffects
+from brace_drake.gap.second_effect import Say, SecondEffects
 from brace_drake.gap.surrogates import NullDistribution, draw_null
 from brace_drake.gap.verdict import has_gap, is_near_floor
-
-Say = Callable[[str, float], None]
 
 
 class Searched(NamedTuple):

@@ -32,7 +32,8 @@ from brace_drake.gap.verdict import Verdict, decide, has_gap, is_near_floor
 from brace_drake.parallel import Workers
 from brace_drake.twin.guided_bench import GuidedBenchTwin
 
-_BLOCKS = ("contact", "torso", "sensing")
+# Blocks that answer to the way of the ring; the others make it.
+BLOCKS = ("contact", "torso", "sensing")
 # Mean square, in floors, from which on a gap is beyond doubt.
 _LARGE = 0.5
 # Times the floor's amplitude, up to which the side holds: the noise of a way is
@@ -52,16 +53,10 @@ class ContactSide:
     evaluator: Evaluator
     nominal: CandidateFit
 
-    @property
-    def normalised_rms(self) -> float:
-        """What the nominal fit leaves, in floors."""
-        return float(
-            np.sqrt(1.0 + max(0.0, misfit(self.evaluator, self.nominal)))
-        )
-
     def row(self) -> dict:
-        """As a row of the ladder."""
-        ratio = self.normalised_rms
+        """What the nominal fit leaves, as a row of the ladder."""
+        rest = max(0.0, misfit(self.evaluator, self.nominal))
+        ratio = float(np.sqrt(1.0 + rest))
         return {
             "block": "contact, torso and force reading",
             "input": "way of the ring",
@@ -93,7 +88,7 @@ def fit_contact_side(
     if twin is None or not twin.has_room:
         return None
     runs = tuple(campaign.split("fit"))
-    recorded = all(run.has(twin.channels[6:15]).all() for run in runs)
+    recorded = all(run.has(twin.needs).all() for run in runs)
     if not (recorded and any(run.contact for run in runs)):
         return None
     usual = np.array([p.nominal for p in twin.subject])
@@ -160,4 +155,4 @@ def _race(ground, cards, most, say) -> list[CandidateFit]:
 
 def is_on_contact_side(card: Effect) -> bool:
     """Whether an effect shows on a given way of the ring."""
-    return card.block in _BLOCKS and not card.at_rest
+    return card.block in BLOCKS and not card.at_rest

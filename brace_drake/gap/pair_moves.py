@@ -98,7 +98,7 @@ def make_simpler(
     for (out, values), kept in itertools.permutations(pair.uses):
         there = dict(zip(out.parameter_names, values, strict=False))
         for card in cards:
-            if card.name not in out.generalises or card.form != out.form:
+            if not out.is_richer_than(card):
                 continue
             start = dict(
                 zip(card.parameter_names, card.starts()[0], strict=True)

@@ -83,7 +83,7 @@ def search_richer(
     special, values = fit.uses[place]
     out = []
     for card in cards:
-        if special.name not in card.generalises or card.form != special.form:
+        if not card.is_richer_than(special):
             continue
         if any(card.is_alike(e) for e in fit.effects if e is not special):
             continue

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from brace_drake.gap import contact_side
+
 # The balance of the leg forces holds neither where drives do not give what
 # they are told, nor where something else pulls at the ring, nor with a wrong
 # reading of its force. The ring is named where errors of its own explain this
@@ -13,8 +15,6 @@ _BY_FAR, _BY_FAR_LESS = 0.95, 2.0 / 3.0
 # force that is there moves the ring.
 _NOTHING = 0.1
 _DRIVES, _RING, _READING = "actuation", "mechanism", "sensing"
-# What answers to the way of the ring; the others make it.
-_CONTACT_SIDE = ("contact", "torso", "sensing")
 
 
 def suspected_blocks(
@@ -53,7 +53,7 @@ def _on_one_side(rows: list[dict], side: dict) -> list[dict]:
     beyond = max((_nearness(r) for r in machine), default=0.0)
     if machine and (side["acquitted"] or _nearness(side) < beyond):
         return [r for r in rows if r["block"] not in ("contact", "torso")]
-    return [r for r in rows if r["block"] in _CONTACT_SIDE]
+    return [r for r in rows if r["block"] in contact_side.BLOCKS]
 
 
 def _out_of_balance(alone: dict[str, float]) -> str:

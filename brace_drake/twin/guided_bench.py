@@ -17,12 +17,12 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws import guide
 from brace_drake.laws.hooks import MAX_EFFECTS
-from brace_drake.twin.bench_rollout import Motion, simulate_bench
+from brace_drake.twin.bench_rollout import CHANNELS, Motion, simulate_bench
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import low_pass, ring_poses
 from brace_drake.twin.run_memory import key_of_run
 
-_LENGTHS = slice(6, 12)
+_LENGTHS, _FORCE = slice(6, 12), slice(12, 15)
 # The way is taken from leg lengths up to here, beyond which their noise is more
 # than it; k of `laws.guide`, 1/s.
 _WAY_HZ, _HOLD = 15.0, 2.0 * np.pi * 20.0
@@ -54,8 +54,12 @@ class GuidedBenchTwin(BenchTwin):
     """Replays contact, torso and force reading on the recorded way.
 
     Commands, leg lengths and virtual position carry no information.
+
+    Attributes:
+        needs: Channels without which a run has no way, or nothing to compare.
     """
 
+    needs = (*CHANNELS[_LENGTHS], *CHANNELS[_FORCE])
     has_loop = False
     highest_hz = _READ_HZ
 
