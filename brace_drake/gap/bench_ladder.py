@@ -8,9 +8,9 @@ from scipy.signal import cont2discrete, lfilter
 
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Residual, Rung
+from brace_drake.gap.leg_balance import calc_imbalance, follow_ring
 from brace_drake.gap.phases import MotionSignals
 from brace_drake.laws import bench_replay, bench_tick, blocks
-from brace_drake.laws.brace_control import MASS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import low_pass, ring_poses
 from brace_drake.twin.subject import with_subject
@@ -65,23 +65,10 @@ class _Blocks:
         """Commands minus what the recorded motion and force ask for."""
         # The inner part, away from the ends that the low pass folds.
         inner = slice(int(0.5 * self._rate), -int(0.5 * self._rate))
-        return _always(self._balance(prepared, x)[inner].ravel())
-
-    def _balance(self, prepared, x):
-        numbers = self._numbers
-        poses, jacobians = self._slow_poses(x)
-        velocity = np.gradient(poses, 1.0 / self._rate, axis=0)
-        acceleration = np.gradient(velocity, 1.0 / self._rate, axis=0)
-        wrench = acceleration * numbers.control[MASS]
-        wrench[:, 2] += numbers.ring[4]
-        if prepared.run.contact:
-            wrench[:, 0:3] += self._slow(x[:, _FORCE])
-        forces = np.linalg.solve(
-            np.transpose(jacobians, (0, 2, 1)), wrench[..., None]
-        )[..., 0]
-        rates = np.einsum("nij,nj->ni", jacobians, velocity)
-        asked = forces + numbers.viscous * rates
-        return self._slow(x[:, _COMMANDS]) - asked
+        way = follow_ring(self._numbers, x, self._rate, _CUTOFF_HZ)
+        touches = prepared.run.contact
+        imbalance = calc_imbalance(self._numbers, way, touches)
+        return _always(imbalance[inner].ravel())
 
     def mechanism(self, prepared, x):
         """First leg lengths minus those of the ring at rest."""

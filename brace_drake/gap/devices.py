@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from brace_drake.campaign.recording import Campaign, Run
 from brace_drake.errors import CampaignError, ScenarioError
+from brace_drake.gap.balance import explain_imbalance
 from brace_drake.gap.bench_attribution import attribute_bench
 from brace_drake.gap.bench_ladder import (
     bench_quantities,
@@ -54,6 +55,9 @@ class Device:
             in a gap that no effect explains; None where that is not known.
         guided: The twin with its ring carried along the recorded way; None
             where there is no ring.
+        balance: From (twin, prepared runs, rate in Hz, the ladder's row of the
+            drives) to whose errors the balance of the leg forces shows; None
+            where there is no such balance.
     """
 
     twin: object
@@ -63,6 +67,7 @@ class Device:
     motions: Callable
     attribute: Callable | None = None
     guided: GuidedBenchTwin | None = None
+    balance: Callable | None = None
 
 
 def MakeDevice(campaign: Campaign, scenario=None) -> Device:
@@ -114,6 +119,7 @@ def _MakeBench(campaign: Campaign, scenario) -> Device:
         _bench_motions,
         attribute_bench,
         GuidedBenchTwin(twin.scenario, twin.time_step),
+        explain_imbalance,
     )
 
 

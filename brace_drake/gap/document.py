@@ -9,6 +9,7 @@ import numpy as np
 
 from brace_drake.campaign.recording import Campaign
 from brace_drake.gap import verdict
+from brace_drake.gap.balance import DRIVES
 from brace_drake.gap.budget import (
     band_budget,
     channel_budget,
@@ -55,7 +56,7 @@ def MakeDocument(d: Diagnosis, next_run: NextRun | None = None) -> dict:
     )
     if d.verdict.outside_library:
         blocks = _nearest_block(d) or suspected_blocks(
-            d.ladder, where["attribution"], where["contact_side"]
+            d.ladder, where["balance"], where["contact_side"]
         )
     return _plain(
         {
@@ -121,6 +122,7 @@ def _where(d: Diagnosis) -> dict:
     return {
         "blocks": d.ladder,
         "contact_side": d.side.row() if d.side else None,
+        "balance": _balance(d),
         "attribution": _attribution(d),
         "attribution_by": "repair" if d.verdict.winner else "errors",
         "channels": channel_budget(d.fit_runs, channels, floor),
@@ -159,6 +161,17 @@ def _phases(d: Diagnosis, comparison: RunComparison) -> np.ndarray:
         prepared.run.contact,
         breath,
     )
+
+
+def _balance(d: Diagnosis) -> list[dict]:
+    """Whose errors the balance of the leg forces shows, if nobody's effect
+    explains the gap.
+    """
+    drives = next((r for r in d.ladder if r["block"] == DRIVES), None)
+    if not d.verdict.outside_library or not drives or not d.device.balance:
+        return []
+    prepared, rate = d.evaluator.prepared, d.campaign.rate_hz
+    return d.device.balance(d.device.twin, prepared, rate, drives)
 
 
 def _attribution(d: Diagnosis) -> list[dict]:

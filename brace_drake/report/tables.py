@@ -176,6 +176,21 @@ def attribution_row(row: dict) -> dict:
     }
 
 
+def balance_row(row: dict) -> dict:
+    """How much of the imbalance of the legs a block's errors take."""
+    return {
+        "block": text(row, "block") or NOTHING,
+        "explained": percent(row.get("explained")),
+        "errors": [_error(e) for e in rows(row, "errors")],
+    }
+
+
+def _error(error: dict) -> str:
+    size, unit = significant(error.get("size"), 3), text(error, "unit")
+    shown = size if unit == "1" else f"{size} {unit}"
+    return f"{text(error, 'title') or NOTHING}: {shown}"
+
+
 def gap_row(label: str, row: dict) -> dict:
     """Before and after of a channel, phase or band, over the floor."""
     return {

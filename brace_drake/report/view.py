@@ -25,6 +25,7 @@ from brace_drake.report.figures import (
 from brace_drake.report.plane_figures import draw_plane
 from brace_drake.report.tables import (
     attribution_row,
+    balance_row,
     band_text,
     block_row,
     cause_row,
@@ -117,6 +118,7 @@ def _make_where(where: dict) -> dict:
         "cube_figure": draw_cube(rows(where, "cube")),
         "blocks": [block_row(b) for b in checked],
         "block_figure": draw_blocks(checked),
+        "balance": [balance_row(r) for r in rows(where, "balance")],
         "channels": [channel_row(row) for row in channels],
         "channel_figure": _draw(labels, channels, WIDTH),
         "phases": [gap_row(*p) for p in zip(phase_labels, phases, strict=True)],
