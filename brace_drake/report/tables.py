@@ -188,7 +188,8 @@ def balance_row(row: dict) -> dict:
 def _error(error: dict) -> str:
     size, unit = significant(error.get("size"), 3), text(error, "unit")
     shown = size if unit == "1" else f"{size} {unit}"
-    return f"{text(error, 'title') or NOTHING}: {shown}"
+    title = text(error, "title") or NOTHING
+    return f"{title.replace('-', '−')}: {shown}"
 
 
 def gap_row(label: str, row: dict) -> dict:
