@@ -1,6 +1,7 @@
 """Whose errors the balance of the leg forces shows."""
 
 import unittest
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from brace_drake.gap.balance import explain_imbalance, suspected_part
 from brace_drake.gap.bench_ladder import bench_rungs
 from brace_drake.gap.candidates import fit_nominal
 from brace_drake.gap.ladder import climb
+from brace_drake.gap.leg_balance import slope
 from brace_drake.laws.hooks import plug
 from tests.synthetic_bench import RATE, SyntheticBench
 
@@ -34,6 +36,11 @@ STOP = Effect(
 )
 
 
+def cut(channels, count):
+    """The first so many samples of every channel."""
+    return {name: values[:count] for name, values in channels.items()}
+
+
 def explained(**shares):
     """Rows as they are told from."""
     return [{"block": b, "explained": share} for b, share in shares.items()]
@@ -45,13 +52,13 @@ class TestBalance(unittest.TestCase):
         cls.bench = SyntheticBench()
         cls.rungs = bench_rungs(cls.bench.twin, RATE)
 
-    def rows(self, *uses):
-        """Rows of each block, of a recording with effects."""
+    def rows(self, *uses, keep=slice(None)):
+        """Rows of each block, of a recording with effects, of some runs."""
         evaluator = self.bench.evaluator(uses)
         ladder = climb(evaluator, self.rungs, fit_nominal(evaluator), 0)
         drives = {r["block"]: r for r in ladder}["actuation"]
-        twin = self.bench.twin
-        return explain_imbalance(twin, evaluator.prepared, RATE, drives)
+        twin, prepared = self.bench.twin, evaluator.prepared[keep]
+        return explain_imbalance(twin, prepared, RATE, drives)
 
     def check(self, rows, block, title, size, off=0.05):
         """Checks block, first error and its size."""
@@ -74,6 +81,14 @@ class TestBalance(unittest.TestCase):
                 "offset of the read force y",
                 0.4,
             ),
+            ("force_lag", [0.03], "sensing", "lag of the read force y", 0.03),
+            (
+                "force_scale",
+                [0.25],
+                "sensing",
+                "share of the read force that is not there",
+                0.2,
+            ),
         ):
             with self.subTest(name):
                 use = find_effect(name), np.array(values)
@@ -81,8 +96,34 @@ class TestBalance(unittest.TestCase):
 
     def test_a_stop_of_the_ring_is_told_from_drives_and_reading(self):
         rows = self.rows((STOP, np.array([400.0, -0.003])))
-        title = "force along y where y is below -3.0 mm"
+        title = "force along y where y is below -3.00 mm"
         self.check(rows, "mechanism", title, 400.0)
+
+    def test_runs_of_one_kind_are_enough_for_what_shows_in_them(self):
+        use = find_effect("viscous_leg"), np.array([40.0])
+        for keep in (slice(0, 1), slice(1, None)):
+            rows = self.rows(use, keep=keep)
+            self.assertEqual(suspected_part(rows), "actuation")
+            drives = {r["block"]: r for r in rows}["actuation"]
+            self.assertGreater(drives["explained"], 0.97)
+        reading = {r["block"]: r for r in self.rows(use, keep=slice(0, 1))}
+        found = reading["sensing"]
+        self.assertEqual((found["explained"], found["errors"]), (0.0, []))
+
+    def test_runs_of_less_than_a_second_are_left_out(self):
+        evaluator = self.bench.evaluator(
+            (), lambda run: replace(run, channels=cut(run.channels, 150))
+        )
+        drives = {"normalised_rms": 2.0, "acquitted": False}
+        twin, prepared = self.bench.twin, evaluator.prepared
+        self.assertEqual(explain_imbalance(twin, prepared, RATE, drives), [])
+
+    def test_a_spline_keeps_the_rates_that_neighbours_lose(self):
+        time = np.arange(200) / 20.0
+        values = np.sin(2.0 * np.pi * 4.0 * time)
+        exact = 8.0 * np.pi * np.cos(2.0 * np.pi * 4.0 * time)
+        off = (slope(values, 20.0) - exact)[10:-10]
+        self.assertLess(np.abs(off).max(), 0.03 * np.abs(exact).max())
 
     def test_of_noise_alone_there_is_nothing_to_tell(self):
         self.assertEqual(self.rows(), [])

@@ -24,8 +24,8 @@ from brace_drake.gap.balance_terms import (
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.leg_balance import (
     COMMANDS,
-    FORCE,
-    LENGTHS,
+    CUTOFF_HZ,
+    MARGIN_S,
     calc_imbalance,
     follow_ring,
 )
@@ -33,37 +33,39 @@ from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import low_pass
 
 DRIVES, RING, READING = "actuation", "mechanism", "sensing"
-# Of the imbalance, and of the signals that errors are made of.
-_CUTOFF_HZ, _SIGNAL_HZ = 5.0, 15.0
+# Of the signals that errors are made of.
+_SIGNAL_HZ = 15.0
 # Samples that are compared, a bit more than the low pass leaves of them.
 _COMPARED_HZ = 20.0
-_MARGIN_S = 0.5
 _TERMS = 3
 # Share of the imbalance with which a description of it is whole.
 _WHOLE = 0.99
 # What a block's errors leave if it is named, and of what others leave.
 _LITTLE, _LESS = 0.1, 0.5
-# Relative length of a shape that is gone.
-_GONE = 1e-4
+# What is left is known to, as the noise is.
+_KNOWN_TO = 0.01
+# Relative length of a shape that a moment of the torso's could have, and of one
+# that others have almost made.
+_MOMENT, _MADE = 1e-2, 5e-2
 
 
 def suspected_part(rows: Sequence[dict]) -> str:
     """Which of drives, ring and reading an imbalance is laid to.
 
-    The drives, unless errors of the ring or the reading take nearly all of it
-    and leave less than half of what those of the others do.
+    The drives, unless errors of ring or reading take nearly all of it and leave
+    less than half of what those of the drives do; then the ring, unless the
+    reading leaves less than half of what the ring does.
 
     Args:
         rows: From `explain_imbalance`; without any nothing is known.
     """
-    suspect, least = DRIVES, 1.0
-    for row in rows:
-        left = 1.0 - row["explained"]
-        is_drives = row["block"] == DRIVES
-        if is_drives or (left < _LITTLE and left < _LESS * least):
-            suspect = row["block"]
-        least = min(least, left)
-    return suspect
+    left = {r["block"]: max(1.0 - r["explained"], _KNOWN_TO) for r in rows}
+    drives, ring, reading = (
+        left.get(block, 1.0) for block in (DRIVES, RING, READING)
+    )
+    if min(ring, reading) > min(_LITTLE, _LESS * drives):
+        return DRIVES
+    return READING if reading < _LESS * ring else RING
 
 
 def explain_imbalance(
@@ -76,18 +78,24 @@ def explain_imbalance(
 
     Args:
         twin: Whose nominal numbers count.
-        prepared: Runs; those without commands, lengths or force are left out.
+        prepared: Runs; those without commands or of less than a second are
+            left out.
         rate: Of the recordings, Hz.
         drives: Row of the ladder that weighs the imbalance against noise.
 
     Returns:
         A row for drives, ring and reading each: `explained`, the share of the
-        imbalance beyond noise (0 to 1), and the errors that take it with their
-        sizes. None where the imbalance is within what noise makes, or nothing
-        is there to tell it from.
+        imbalance beyond noise that three errors take (0 to 1), and `errors`
+        with their sizes, as many of them as describe it whole. None where the
+        imbalance is within what noise makes, or nothing is there to tell it
+        from.
     """
-    parts = [_compare(twin, p, rate) for p in prepared if _is_whole(twin, p)]
-    if not parts or drives["acquitted"]:
+    if drives["acquitted"]:
+        return []
+    has = twin.channels[COMMANDS]
+    parts = [_compare(twin, p, rate) for p in prepared if p.run.has(has).all()]
+    parts = [(lack, terms) for lack, terms in parts if len(lack)]
+    if not parts:
         return []
     lack = np.concatenate([lack for lack, _ in parts])
     noise = lack @ lack / drives["normalised_rms"] ** 2
@@ -96,13 +104,14 @@ def explain_imbalance(
         titles, units, shapes = _join([terms[block] for _, terms in parts])
         chosen, left = _pursue(shapes, lack)
         shares = 1.0 - (left - noise) / (lack @ lack - noise)
+        share = float(np.clip(shares[-1], 0.0, 1.0)) if chosen else 0.0
         # What an error adds to a description that is whole is no part of it.
         chosen = chosen[: 1 + int(np.sum(shares[:-1] < _WHOLE))]
         sizes = np.linalg.lstsq(shapes[:, chosen], -lack, rcond=None)[0]
         rows.append(
             {
                 "block": block,
-                "explained": float(np.clip(shares[-1], 0.0, 1.0)),
+                "explained": share,
                 "errors": [
                     {"title": titles[i], "size": float(s), "unit": units[i]}
                     for i, s in zip(chosen, sizes, strict=True)
@@ -112,39 +121,40 @@ def explain_imbalance(
     return rows
 
 
-def _is_whole(twin: BenchTwin, prepared: PreparedRun) -> bool:
-    names = [*twin.channels[COMMANDS], *twin.channels[LENGTHS]]
-    if prepared.run.contact:
-        names += twin.channels[FORCE]
-    return bool(prepared.run.has(names).all())
-
-
 def _compare(
     twin: BenchTwin, prepared: PreparedRun, rate: float
 ) -> tuple[np.ndarray, dict[str, list[Term]]]:
-    """What the balance of a run lacks (M,), and errors of each block."""
+    """What the balance of a run lacks (M,), and errors of each block, in terms
+    of the root of their number: each run counts as it does in the ladder.
+    """
     numbers, x = twin.numbers, prepared.measured
     touches = prepared.run.contact
-    way = follow_ring(numbers, x, rate, _CUTOFF_HZ)
+    gravity = numbers.ring[4] / numbers.ring[0]
+    way = follow_ring(numbers, x, rate, CUTOFF_HZ)
     lack = calc_imbalance(numbers, way, touches)
     # The errors' own corners lie above the low pass, which comes last.
     signals = follow_ring(numbers, x, rate, _SIGNAL_HZ)
-    edge, every = int(_MARGIN_S * rate), max(1, int(rate / _COMPARED_HZ))
+    edge, every = int(MARGIN_S * rate), max(1, int(rate / _COMPARED_HZ))
 
     def cut(values):
-        return values[edge : len(values) - edge : every].ravel()
+        inner = values[edge : max(edge, len(values) - edge) : every].ravel()
+        return inner / np.sqrt(max(1, len(inner)))
 
     def see(shape):
         """An error as it shows in what the balance lacks."""
-        slow = low_pass(shape, _CUTOFF_HZ, rate)
-        return cut(way.beyond_moments(slow) if touches else slow)
+        slow = low_pass(shape, CUTOFF_HZ, rate)
+        if not touches:
+            return cut(slow)
+        seen = way.beyond_moments(slow)
+        is_moment = np.linalg.norm(seen) < _MOMENT * np.linalg.norm(slow)
+        return cut(np.zeros_like(seen) if is_moment else seen)
 
     def slow(terms):
         return [Term(t.title, t.unit, see(t.shape)) for t in terms]
 
     return cut(lack), {
         DRIVES: slow(drive_terms(signals)),
-        RING: slow(ring_terms(signals)),
+        RING: slow(ring_terms(signals, gravity)),
         READING: slow(reading_terms(signals, touches)),
     }
 
@@ -171,12 +181,11 @@ def _pursue(
     that are left after each.
     """
     size = np.linalg.norm(shapes, axis=0)
-    there = size > _GONE**2 * size.max(initial=0.0)
-    rest = np.divide(shapes, size, out=np.zeros_like(shapes), where=there)
+    rest = np.divide(shapes, size, out=np.zeros_like(shapes), where=size > 0.0)
     left, chosen, squares = lack.copy(), [], []
     for _ in range(_TERMS):
         length = np.linalg.norm(rest, axis=0)
-        usable = length > _GONE
+        usable = length > _MADE
         if not usable.any():
             break
         taken = np.zeros(len(length))

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.gap.leg_balance import RingWay
+from brace_drake.gap.leg_balance import RingWay, slope
+from brace_drake.laws.disturbance import LEG_SPEED, PRESLIDING
 
-# Slower than these a sign is not yet one, m/s; presliding of dry friction, m.
-_LEG_SPEED, _RING_SPEED, _PRESLIDING = 1e-3, 1e-3, 3e-5
+# Slower than this the ring's sign is not yet one, m/s.
+_RING_SPEED = 1e-3
 # Between places from which on a force may begin, m.
 _PLACES = 7.5e-4
 _AXES = "xyz"
 _FORCE_UNITS = "N", "N/m", "N s/m"
 _MOMENT_UNITS = "N m", "N m/rad", "N m s/rad"
-_GRAVITY = 9.81
 _Y = 1
 
 
@@ -46,10 +46,10 @@ def drive_terms(way: RingWay) -> list[Term]:
         Term("gain of the drives", "1", u),
         Term("gain that grows with the force", "1/N", u * np.abs(u)),
         Term("force lost or added by direction", "N", np.tanh(u)),
-        Term("lag of the drives", "s", -np.gradient(u, 1 / way.rate, axis=0)),
+        Term("lag of the drives", "s", -slope(u, way.rate)),
         Term("damping of the drives", "N s/m", -rate),
         Term("quadratic drag of the drives", "N s2/m2", -rate * np.abs(rate)),
-        Term("dry friction of the drives", "N", -np.tanh(rate / _LEG_SPEED)),
+        Term("dry friction of the drives", "N", -np.tanh(rate / LEG_SPEED)),
         Term(
             "dry friction of the drives with presliding",
             "N",
@@ -64,11 +64,16 @@ def drive_terms(way: RingWay) -> list[Term]:
     return terms
 
 
-def ring_terms(way: RingWay) -> list[Term]:
-    """Forces and moments on the ring from its place and motion."""
-    p, v, a = way.poses, way.velocities, way.accelerations
+def ring_terms(way: RingWay, gravity: float) -> list[Term]:
+    """Forces and moments on the ring from its place and motion.
+
+    Args:
+        way: From `follow_ring`.
+        gravity: m/s2.
+    """
+    p, v = way.poses, way.velocities
     moved, one = p - p[0], np.ones(len(p))
-    terms = [_added_mass(way, a)]
+    terms = [_added_mass(way, gravity)]
     for i in range(6):
         kind = "force" if i < 3 else "moment"
         axis = f"{'along' if i < 3 else 'about'} {_AXES[i % 3]}"
@@ -89,7 +94,7 @@ def ring_terms(way: RingWay) -> list[Term]:
         beyond = np.maximum(0.0, side * (p[:, _Y] - place))
         where = f"where y is {'above' if side > 0 else 'below'}"
         for i in range(3):
-            title = f"force along {_AXES[i]} {where} {1e3 * place:.1f} mm"
+            title = f"force along {_AXES[i]} {where} {1e3 * place:.2f} mm"
             terms.append(_on_ring(way, i, title, "N/m", beyond))
     return terms
 
@@ -106,13 +111,21 @@ def reading_terms(way: RingWay, touches: bool) -> list[Term]:
             for i in range(3)
         ),
         _on_ring(way, _Y, "drift of the read force y", "N/s", there * time),
-        _on_ring(way, _Y, "scale of the read force y", "1", y),
+        Term(
+            "share of the read force that is not there",
+            "1",
+            way.leg_forces(np.hstack([F, np.zeros_like(F)])),
+        ),
         _on_ring(way, 0, "share of force y in the read force x", "1", y),
         _on_ring(way, 2, "share of force y in the read force z", "1", y),
         _on_ring(
-            way, _Y, "scale that grows with the force", "1/N", y * np.abs(y)
+            way,
+            _Y,
+            "share of force y that grows with it and is not there",
+            "1/N",
+            y * np.abs(y),
         ),
-        _on_ring(way, _Y, "lag of the read force y", "s", _rate(y, way.rate)),
+        _on_ring(way, _Y, "lag of the read force y", "s", -slope(y, way.rate)),
     ]
 
 
@@ -122,10 +135,10 @@ def _on_ring(way: RingWay, i: int, title: str, unit: str, size) -> Term:
     return Term(title, unit, way.leg_forces(wrench))
 
 
-def _added_mass(way: RingWay, a: np.ndarray) -> Term:
-    wrench = np.zeros_like(a)
-    wrench[:, :3] = -a[:, :3]
-    wrench[:, 2] -= _GRAVITY
+def _added_mass(way: RingWay, gravity: float) -> Term:
+    wrench = np.zeros_like(way.poses)
+    wrench[:, :3] = -way.accelerations[:, :3]
+    wrench[:, 2] -= gravity
     return Term("mass of the ring", "kg", way.leg_forces(wrench))
 
 
@@ -133,17 +146,15 @@ def _places(y: np.ndarray) -> list[tuple[float, float]]:
     """Places along y that the ring goes beyond, and on which side."""
     steps = np.arange(0.0, np.abs(y).max(), _PLACES)
     found = [(s, 1.0) for s in steps] + [(0.0 - s, -1.0) for s in steps]
-    return [(s, side) for s, side in found if np.any(side * (y - s) > 0.0)]
+    return [
+        (s, side) for s, side in found if (side * (y - s)).max() > _PLACES / 2
+    ]
 
 
 def _presliding(ways: np.ndarray) -> np.ndarray:
     """Dahl's state, -1 to 1, from the way of each sample (N, n)."""
     out, z = np.empty_like(ways), np.zeros(ways.shape[1])
-    for i, step in enumerate(ways / _PRESLIDING):
+    for i, step in enumerate(ways / PRESLIDING):
         z = (z + step) / (1.0 + np.abs(step))
         out[i] = z
     return out
-
-
-def _rate(values: np.ndarray, rate: float) -> np.ndarray:
-    return np.gradient(values, 1.0 / rate)

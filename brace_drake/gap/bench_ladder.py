@@ -8,17 +8,23 @@ from scipy.signal import cont2discrete, lfilter
 
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Residual, Rung
-from brace_drake.gap.leg_balance import calc_imbalance, follow_ring
+from brace_drake.gap.leg_balance import (
+    COMMANDS,
+    CUTOFF_HZ,
+    FORCE,
+    LENGTHS,
+    MARGIN_S,
+    calc_imbalance,
+    follow_ring,
+)
 from brace_drake.gap.phases import MotionSignals
 from brace_drake.laws import bench_replay, bench_tick, blocks
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import low_pass, ring_poses
 from brace_drake.twin.subject import with_subject
 
-_COMMANDS, _LENGTHS = slice(0, 6), slice(6, 12)
-_FORCE, _MARKER, _VIRTUAL = slice(12, 15), slice(15, 18), 18
+_MARKER, _VIRTUAL = slice(15, 18), 18
 _FORCE_Y, _TORSO_Y = 13, 16
-_CUTOFF_HZ = 5.0
 
 
 class _Blocks:
@@ -35,7 +41,7 @@ class _Blocks:
     def controller(self, prepared, x):
         """Logged commands and virtual position minus the controller's."""
         out = self._run_controller(prepared, x)
-        commands = self._slow(x[:, _COMMANDS] - out[:, 0:6])
+        commands = self._slow(x[:, COMMANDS] - out[:, 0:6])
         scale = prepared.floor.rms
         virtual = (x[:, _VIRTUAL] - out[:, 6]) / scale[_VIRTUAL]
         return _always(np.concatenate([(commands / scale[0]).ravel(), virtual]))
@@ -64,8 +70,9 @@ class _Blocks:
     def actuation(self, prepared, x):
         """Commands minus what the recorded motion and force ask for."""
         # The inner part, away from the ends that the low pass folds.
-        inner = slice(int(0.5 * self._rate), -int(0.5 * self._rate))
-        way = follow_ring(self._numbers, x, self._rate, _CUTOFF_HZ)
+        edge = int(MARGIN_S * self._rate)
+        inner = slice(edge, -edge)
+        way = follow_ring(self._numbers, x, self._rate, CUTOFF_HZ)
         touches = prepared.run.contact
         imbalance = calc_imbalance(self._numbers, way, touches)
         return _always(imbalance[inner].ravel())
@@ -84,7 +91,7 @@ class _Blocks:
             rates,
             J,
         )
-        return _always(x[0, _LENGTHS] - lengths)
+        return _always(x[0, LENGTHS] - lengths)
 
     def contact(self, prepared, x):
         """Force along y minus that of the pads at the recorded places."""
@@ -129,13 +136,13 @@ class _Blocks:
         """Force that is read where there is nothing to press on."""
         if prepared.run.contact:
             return None
-        return _always(low_pass(x[:, _FORCE], 1.0, self._rate).ravel())
+        return _always(low_pass(x[:, FORCE], 1.0, self._rate).ravel())
 
     def _slow_poses(self, x):
-        return ring_poses(self._numbers, self._slow(x[:, _LENGTHS]))
+        return ring_poses(self._numbers, self._slow(x[:, LENGTHS]))
 
     def _slow(self, values):
-        return low_pass(values, _CUTOFF_HZ, self._rate)
+        return low_pass(values, CUTOFF_HZ, self._rate)
 
 
 def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
@@ -147,14 +154,14 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "leg lengths, force, reference",
             "commands, virtual position",
             block.controller,
-            (*names[_COMMANDS], names[_VIRTUAL]),
+            (*names[COMMANDS], names[_VIRTUAL]),
         ),
         Rung(
             "actuation",
             "commands, motion and force of the ring",
             "balance of the leg forces",
             block.actuation,
-            names[_COMMANDS],
+            names[COMMANDS],
         ),
         Rung(
             "mechanism",
@@ -193,8 +200,8 @@ def _always(residual: np.ndarray) -> Residual:
 
 def bench_quantities(twin: BenchTwin, x: np.ndarray) -> dict[str, np.ndarray]:
     """What a therapist asks for: pad force, N, and ring position, mm."""
-    poses, _ = ring_poses(twin.numbers, x[:, _LENGTHS])
-    return {"force_error_N": x[:, _FORCE], "ring_error_mm": 1e3 * poses[:, 0:3]}
+    poses, _ = ring_poses(twin.numbers, x[:, LENGTHS])
+    return {"force_error_N": x[:, FORCE], "ring_error_mm": 1e3 * poses[:, 0:3]}
 
 
 def bench_signals(
@@ -204,7 +211,7 @@ def bench_signals(
     other one alone, 2 k d_0 and more, is measured.
     """
     x = prepared.measured
-    travel, name = ring_poses(twin.numbers, x[:, _LENGTHS])[0][:, 1], "ring"
+    travel, name = ring_poses(twin.numbers, x[:, LENGTHS])[0][:, 1], "ring"
     touching = None
     if prepared.run.contact:
         if prepared.run.has([twin.channels[_TORSO_Y]]).all():

@@ -25,8 +25,8 @@ _MECHANISM, _CONTACT, _TORSO, _SENSING = 14, 19, 27, 40
 NUM_COEFFICIENTS = 53
 
 # Slower than these a sign is not yet one, m/s.
-_LEG_SPEED, _PAD_SPEED = 1e-3, 2e-3
-_PRESLIDING = 3e-5
+LEG_SPEED, _PAD_SPEED = 1e-3, 2e-3
+PRESLIDING = 3e-5
 _LAG, _SMOOTHING = 0.003, 0.01
 _FIRST_BREATH, _BREATH_STEP, _NUM_BREATHS = 0.12, 0.1, 4
 
@@ -36,7 +36,7 @@ def drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     """Leg force from command, its lag, extension and rate.
 
     The two forms of dry friction follow the recorded rates, one by their sign,
-    one with a presliding of `_PRESLIDING` (Dahl 1968).
+    one with a presliding of `PRESLIDING` (Dahl 1968).
 
     x: lengths at the start (n), commands through a low pass (n), presliding
     (n), whether set.
@@ -49,7 +49,7 @@ def drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
             x[k], x[n + k] = l[k], u[k]
         x[n + k] += (1.0 - math.exp(-dt / _LAG)) * (u[k] - x[n + k])
         rate = p[NUM_COEFFICIENTS + 1 + row * n + k]
-        way = dt * rate / _PRESLIDING
+        way = dt * rate / PRESLIDING
         x[2 * n + k] = (x[2 * n + k] + way) / (1.0 + abs(way))
         f[k] += (
             (p[0] + p[7 + k]) * u[k]
@@ -57,7 +57,7 @@ def drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
             + p[2] * math.tanh(u[k])
             + p[3] * (x[n + k] - u[k])
             - p[4] * l_dot[k]
-            - p[5] * math.tanh(rate / _LEG_SPEED)
+            - p[5] * math.tanh(rate / LEG_SPEED)
             - p[13] * x[2 * n + k]
             - p[6] * (l[k] - x[k])
         )
