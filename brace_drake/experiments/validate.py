@@ -13,6 +13,7 @@ from brace_drake.experiments.measures import rms
 from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
 from brace_drake.fit.start import contact_motion, contact_starts, start_values
 from brace_drake.scenario.bench import BenchScenario
+from brace_drake.twin.bench_rollout import LENGTHS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import ring_poses
 
@@ -239,5 +240,5 @@ def _replay(twin, run: Run, start, fitted) -> ReplayedRun:
 
 
 def _trace(twin, log: np.ndarray) -> Trace:
-    poses, _ = ring_poses(twin.numbers, log[:, 6:12])
+    poses, _ = ring_poses(twin.numbers, log[:, LENGTHS])
     return Trace(poses[:, 1], log[:, _TORSO_Y], log[:, _FORCE_Y])

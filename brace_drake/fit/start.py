@@ -13,6 +13,7 @@ from brace_drake.fit.nn_contact_motion import (
     contact_motion_from_run,
 )
 from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
+from brace_drake.twin.bench_rollout import LENGTHS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import ring_poses
 
@@ -35,7 +36,7 @@ def contact_motion(twin: BenchTwin, run: Run) -> ContactMotion:
     Raises:
         CampaignError: The run has no contact, or lacks a channel.
     """
-    poses, _ = ring_poses(twin.numbers, twin.measured(run)[:, 6:12])
+    poses, _ = ring_poses(twin.numbers, twin.measured(run)[:, LENGTHS])
     return contact_motion_from_run(
         run,
         poses[:, 1],

@@ -23,12 +23,12 @@ from brace_drake.gap.balance_terms import (
 )
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.leg_balance import (
-    COMMANDS,
     CUTOFF_HZ,
     MARGIN_S,
     calc_imbalance,
     follow_ring,
 )
+from brace_drake.twin.bench_rollout import COMMANDS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import low_pass
 

@@ -14,6 +14,7 @@ from brace_drake.laws.disturbance import (
     NUM_COEFFICIENTS,
     NUM_STATES,
 )
+from brace_drake.twin.bench_rollout import LENGTHS
 from brace_drake.twin.recorded_way import low_pass
 
 GENERIC = Effect(
@@ -43,7 +44,7 @@ _SIZES = {
 _OWN = {"torso": range(5, 13)}
 # Without a torso these blocks do nothing.
 _NEED_TORSO = ("contact", "torso")
-_LENGTHS, _CUTOFF_HZ = slice(6, 12), 20.0
+_CUTOFF_HZ = 20.0
 # Anchor errors that are tried: of the moving ring's anchors, each axis, m.
 _ANCHOR = 1e-6
 
@@ -106,7 +107,7 @@ def _recorded_rates(prepared: PreparedRun) -> np.ndarray:
     """Recording rate, Hz, and leg rates of a run, m/s, as p has them."""
     time = prepared.run.time_s
     rate = (len(time) - 1) / (time[-1] - time[0])
-    lengths = low_pass(prepared.measured[:, _LENGTHS], _CUTOFF_HZ, rate)
+    lengths = low_pass(prepared.measured[:, LENGTHS], _CUTOFF_HZ, rate)
     rates = np.gradient(lengths, 1.0 / rate, axis=0)
     return np.concatenate([[rate], rates.ravel()])
 

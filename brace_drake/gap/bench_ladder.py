@@ -9,21 +9,24 @@ from scipy.signal import cont2discrete, lfilter
 from brace_drake.gap.evaluation import PreparedRun
 from brace_drake.gap.ladder import Residual, Rung
 from brace_drake.gap.leg_balance import (
-    COMMANDS,
     CUTOFF_HZ,
-    FORCE,
-    LENGTHS,
     MARGIN_S,
     calc_imbalance,
     follow_ring,
 )
 from brace_drake.gap.phases import MotionSignals
 from brace_drake.laws import bench_replay, bench_tick, blocks
+from brace_drake.twin.bench_rollout import (
+    COMMANDS,
+    FORCE,
+    LENGTHS,
+    MARKER,
+    VIRTUAL,
+)
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import low_pass, ring_poses
 from brace_drake.twin.subject import with_subject
 
-_MARKER, _VIRTUAL = slice(15, 18), 18
 _FORCE_Y, _TORSO_Y = 13, 16
 
 
@@ -43,7 +46,7 @@ class _Blocks:
         out = self._run_controller(prepared, x)
         commands = self._slow(x[:, COMMANDS] - out[:, 0:6])
         scale = prepared.floor.rms
-        virtual = (x[:, _VIRTUAL] - out[:, 6]) / scale[_VIRTUAL]
+        virtual = (x[:, VIRTUAL] - out[:, 6]) / scale[VIRTUAL]
         return _always(np.concatenate([(commands / scale[0]).ravel(), virtual]))
 
     def _run_controller(self, prepared, x):
@@ -98,7 +101,7 @@ class _Blocks:
         if not prepared.run.contact:
             return None
         poses, _ = self._slow_poses(x)
-        relative = poses[:, 1] - self._slow(x[:, _MARKER])[:, 1]
+        relative = poses[:, 1] - self._slow(x[:, MARKER])[:, 1]
         speed = np.gradient(relative, 1.0 / self._rate)
         force = self._slow(x[:, _FORCE_Y])
 
@@ -154,7 +157,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "leg lengths, force, reference",
             "commands, virtual position",
             block.controller,
-            (*names[COMMANDS], names[_VIRTUAL]),
+            (*names[COMMANDS], names[VIRTUAL]),
         ),
         Rung(
             "actuation",
@@ -174,7 +177,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "motion of ring and torso",
             "force between them",
             block.contact,
-            names[_MARKER],
+            names[MARKER],
             ("contact_stiffness_N_m", "contact_damping_N_s_m", "preload_m"),
         ),
         Rung(
@@ -182,7 +185,7 @@ def bench_rungs(twin: BenchTwin, rate: float) -> list[Rung]:
             "force on the torso",
             "motion of the torso",
             block.torso,
-            names[_MARKER],
+            names[MARKER],
             (
                 "torso_mass_kg",
                 "posture_stiffness_y_N_m",

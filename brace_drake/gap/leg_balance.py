@@ -8,15 +8,16 @@ and nothing is linearised.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from brace_drake.laws.brace_control import MASS
 from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.twin.bench_rollout import COMMANDS, FORCE, LENGTHS
 from brace_drake.twin.recorded_way import low_pass, ring_poses
 
-COMMANDS, LENGTHS, FORCE = slice(0, 6), slice(6, 12), slice(12, 15)
 # Of the low pass, and what of either end of a run it folds.
 CUTOFF_HZ, MARGIN_S = 5.0, 0.5
 
@@ -44,17 +45,25 @@ class RingWay:
 
     def leg_forces(self, wrenches: np.ndarray) -> np.ndarray:
         """Leg forces (N, 6) that give wrenches (N, 6) on the ring."""
-        J_T = np.transpose(self.jacobians, (0, 2, 1))
-        return np.linalg.solve(J_T, wrenches[..., None])[..., 0]
+        return np.einsum("nki,ni->nk", self._forces_of, wrenches)
 
     def beyond_moments(self, forces: np.ndarray) -> np.ndarray:
         """What of leg forces (N, 6) no moment on the ring could make."""
-        moments = np.linalg.inv(np.transpose(self.jacobians, (0, 2, 1)))
-        basis, _ = np.linalg.qr(moments[:, :, 3:])
+        basis = self._of_moments
         along = np.einsum("nki,nk->ni", basis, forces)
         return forces - np.einsum("nki,ni->nk", basis, along)
 
-    @property
+    @cached_property
+    def _forces_of(self) -> np.ndarray:
+        """Leg forces of unit wrenches, J^-T (N, 6, 6)."""
+        return np.linalg.inv(np.transpose(self.jacobians, (0, 2, 1)))
+
+    @cached_property
+    def _of_moments(self) -> np.ndarray:
+        """Orthonormal leg forces that moments alone make (N, 6, 3)."""
+        return np.linalg.qr(self._forces_of[:, :, 3:])[0]
+
+    @cached_property
     def leg_rates(self) -> np.ndarray:
         """Rates of the leg lengths (N, 6), m/s."""
         return np.einsum("nij,nj->ni", self.jacobians, self.velocities)

@@ -22,6 +22,10 @@ CHANNELS = (
     *(f"torso_{a}_m" for a in "xyz"),
     "ring2_y_virtual_m",
 )
+# Places of channels in a log.
+COMMANDS, LENGTHS = slice(0, 6), slice(6, 12)
+FORCE, MARKER = slice(12, 15), slice(15, 18)
+VIRTUAL = 18
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,17 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws import guide
 from brace_drake.laws.hooks import MAX_EFFECTS
-from brace_drake.twin.bench_rollout import CHANNELS, Motion, simulate_bench
+from brace_drake.twin.bench_rollout import (
+    CHANNELS,
+    FORCE,
+    LENGTHS,
+    Motion,
+    simulate_bench,
+)
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.recorded_way import low_pass, ring_poses
 from brace_drake.twin.run_memory import key_of_run
 
-_LENGTHS, _FORCE = slice(6, 12), slice(12, 15)
 # The way is taken from leg lengths up to here, beyond which their noise is more
 # than it; k of `laws.guide`, 1/s.
 _WAY_HZ, _HOLD = 15.0, 2.0 * np.pi * 20.0
@@ -59,7 +64,7 @@ class GuidedBenchTwin(BenchTwin):
         needs: Channels without which a run has no way, or nothing to compare.
     """
 
-    needs = (*CHANNELS[_LENGTHS], *CHANNELS[_FORCE])
+    needs = (*CHANNELS[LENGTHS], *CHANNELS[FORCE])
     has_loop = False
     highest_hz = _READ_HZ
 
@@ -82,7 +87,7 @@ class GuidedBenchTwin(BenchTwin):
     def _guided(self, motion: Motion, recording: np.ndarray) -> GuidedMotion:
         numbers = self.numbers
         rate = 1.0 / (motion.ticks_per_sample * numbers.period)
-        lengths = low_pass(recording[:, _LENGTHS], _WAY_HZ, rate)
+        lengths = low_pass(recording[:, LENGTHS], _WAY_HZ, rate)
         poses, _ = ring_poses(numbers, lengths)
         spline = CubicSpline(np.arange(len(poses)) / rate, poses)
         rows = np.hstack([poses, spline(spline.x, 1)])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from brace_drake.errors import LimitsError
-from brace_drake.twin.bench_rollout import CHANNELS
+from brace_drake.twin.bench_rollout import CHANNELS, COMMANDS
 from brace_drake.twin.bench_twin import BenchTwin
 from brace_drake.twin.motion_library import SafeMotion
 from brace_drake.twin.reference import COLUMNS
@@ -16,7 +16,6 @@ _ROUNDING = 1e-9
 PAD_FORCE = 50.0  # N, of one pad
 
 _FORCE_Y = CHANNELS.index("ring2_force_y_N")
-_COMMANDS = slice(0, 6)
 
 
 def check_reach(name: str, y: np.ndarray) -> None:
@@ -55,7 +54,7 @@ def exceeded_limit(
     pad = float(largest_pad_force(twin, subject, log[:, _FORCE_Y]).max())
     if motion.contact and pad >= PAD_FORCE:
         return f"a pad force of {pad:.0f} N, allowed {PAD_FORCE:.0f} N"
-    command = float(np.abs(log[:, _COMMANDS]).max())
+    command = float(np.abs(log[:, COMMANDS]).max())
     limit = twin.scenario.leg.force_limit
     if command >= limit:
         return f"a leg force of {command:.0f} N, allowed {limit:.0f} N"
