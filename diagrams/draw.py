@@ -10,8 +10,8 @@ import argparse
 import shutil
 import sys
 
+from brace_drake.core.errors import BraceError
 from brace_drake.drawing import INSTALL, WriteDrawings, WriteKeptDrawings
-from brace_drake.errors import BraceError
 from brace_drake.scenario.load import LoadScenario
 
 

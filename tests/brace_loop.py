@@ -3,8 +3,9 @@
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry
-from brace_drake.laws import brace_control, kernels
-from brace_drake.laws.blocks import read_instruments
+from brace_drake.laws.control import brace_control
+from brace_drake.laws.loop import kernels
+from brace_drake.laws.loop.blocks import read_instruments
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_brace import brace_of_bench

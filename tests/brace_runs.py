@@ -6,7 +6,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.brace_station import MakeBraceStation
+from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 from tests.brace_servo import BraceServo

@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.systems.framework import LeafSystem
 
 from brace_drake.laws import stage_poses, stages
-from brace_drake.systems.ticks import DeclareTick
+from brace_drake.model.systems.ticks import DeclareTick
 
 
 class BraceServo(LeafSystem):

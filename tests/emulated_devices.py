@@ -6,15 +6,15 @@ import time
 
 import numpy as np
 
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.describe import describe_device
-from brace_drake.emulator.device import EmulatedDevice
-from brace_drake.hardware.limits import DEFAULT
-from brace_drake.hardware.words import DeviceState
-from brace_drake.operation.recorder import Recorder
+from brace_drake.devices.motions.library import SafeMotion
+from brace_drake.devices.motions.parts import ramp
+from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.emulator.describe import describe_device
+from brace_drake.link.emulator.device import EmulatedDevice
+from brace_drake.link.operation.recorder import Recorder
+from brace_drake.link.protocol.words import DeviceState
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.motion_library import SafeMotion
-from brace_drake.twin.motion_parts import ramp
 
 SCENARIO = BenchScenario(time_step=5e-4)
 # A machine that tests share is late at times.

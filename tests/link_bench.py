@@ -5,17 +5,17 @@ The bench; with another scenario, plant and limits any other device.
 
 import numpy as np
 
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.describe import describe_device
-from brace_drake.emulator.device import measure_plant
-from brace_drake.emulator.line import Line, LineFaults
-from brace_drake.hardware.codec import Decoder, make_codec
-from brace_drake.hardware.firmware import Firmware
-from brace_drake.hardware.limits import DEFAULT, SHARED, shared_values
-from brace_drake.hardware.sequence import SequenceWatch
-from brace_drake.hardware.words import Mode
-from brace_drake.operation.control import HostControl
-from brace_drake.operation.session import Session
+from brace_drake.link.device.limits import DEFAULT, SHARED, shared_values
+from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.emulator.describe import describe_device
+from brace_drake.link.emulator.device import measure_plant
+from brace_drake.link.emulator.line import Line, LineFaults
+from brace_drake.link.operation.control import HostControl
+from brace_drake.link.operation.session import Session
+from brace_drake.link.protocol.codec import Decoder, make_codec
+from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.sequence import SequenceWatch
+from brace_drake.link.protocol.words import Mode
 from brace_drake.scenario.bench import BenchScenario
 
 SCENARIO = BenchScenario(time_step=5e-4)

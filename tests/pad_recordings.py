@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.recording.recording import Campaign, Run
 
 RATE = 100.0
 # Ramps and holds: times, s, and displacements, m, of the knots.

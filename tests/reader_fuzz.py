@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.errors import BraceError
-from brace_drake.resources import scenario_path
+from brace_drake.core.errors import BraceError
+from brace_drake.core.resources import scenario_path
 
 SECONDS = 5.0
 # What tears files apart most often, and what must never be obeyed.
@@ -269,7 +269,7 @@ def _write_campaign(folder: Path) -> None:
 
 
 def _read_campaign(folder: Path) -> object:
-    from brace_drake.campaign import CheckCampaign, LoadCampaign
+    from brace_drake.recording import CheckCampaign, LoadCampaign
 
     CheckCampaign(folder)
     return LoadCampaign(folder)
@@ -340,13 +340,13 @@ def _read_measures(folder: Path) -> object:
 
 
 def _read_limits(folder: Path) -> object:
-    from brace_drake.hardware.limits_file import LoadLimits
+    from brace_drake.link.device.limits_file import LoadLimits
 
     return LoadLimits(folder / "limits.yaml")
 
 
 def _read_reference(folder: Path) -> object:
-    from brace_drake.twin.reference_file import LoadReference
+    from brace_drake.devices.motions.reference_file import LoadReference
 
     return LoadReference(folder / "paper_push.csv")
 
@@ -361,7 +361,7 @@ def _write_plan(folder: Path) -> None:
 
 
 def _read_plan(folder: Path) -> object:
-    from brace_drake.operation.campaign_plan import LoadPlan
+    from brace_drake.link.operation.campaign_plan import LoadPlan
 
     return LoadPlan(folder / "plan.yaml")
 
@@ -391,7 +391,7 @@ def _write_import(folder: Path) -> None:
 
 
 def _read_import(folder: Path) -> object:
-    from brace_drake.importing.mapped import ImportCampaign
+    from brace_drake.recording.importing.mapped import ImportCampaign
 
     return ImportCampaign(folder / "map.yaml")
 

@@ -5,16 +5,16 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign.recording import Campaign, Run
-from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
-from brace_drake.gap.problem import CandidateProblem
-from brace_drake.gap.separation import beyond
+from brace_drake.design.separation import beyond
+from brace_drake.devices.bench.rollout import Motion
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.motions.reference import COLUMNS
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.problem import CandidateProblem
+from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_rollout import Motion
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.reference import COLUMNS
 
 RATE, DEVICE = 200.0, "bench stage 2"
 # Mean square of the gap, in floors, that a recording is made to have.

@@ -10,18 +10,18 @@ import numpy as np
 from pydrake.geometry import Role
 from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.articulated import (
+from brace_drake.core.errors import ScenarioError
+from brace_drake.core.resources import sdf_path
+from brace_drake.kinematics import find_task_coordinates, leg_lengths
+from brace_drake.model.articulated import (
     GetDrives,
     WriteBraceModels,
     calc_closure_error,
     make_models,
 )
-from brace_drake.articulated.links import make_bare_ring
-from brace_drake.brace_plant import AddBracePlant, SetBracePose
-from brace_drake.brace_station import MakeBraceStation
-from brace_drake.errors import ScenarioError
-from brace_drake.kinematics import find_task_coordinates, leg_lengths
-from brace_drake.resources import sdf_path
+from brace_drake.model.articulated.links import make_bare_ring
+from brace_drake.model.brace_plant import AddBracePlant, SetBracePose
+from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 from tests.brace_runs import brace, hold, replay, run, run_servo

@@ -5,17 +5,17 @@ import unittest
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
+from brace_drake.devices.device import MakeDevice
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.attribution import attribute, gather
-from brace_drake.gap.bench_attribution import attribute_bench
-from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.devices import MakeDevice
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.floor import NoiseFloor
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
-from brace_drake.gap.shapley import UNEXPLAINED, shapley_values
-from brace_drake.gap.whitened import in_time
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.noise_floor import NoiseFloor
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.whitening import in_time
+from brace_drake.isolation.attribution import attribute, gather
+from brace_drake.isolation.bench_attribution import attribute_bench
+from brace_drake.isolation.shapley import UNEXPLAINED, shapley_values
+from brace_drake.recording import LoadCampaign
 from tests.shared_data import EXAMPLE
 
 BLOCKS = ("actuation", "contact", "torso")

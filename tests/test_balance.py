@@ -5,13 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from brace_drake.devices.bench.block_tests import bench_rungs
+from brace_drake.devices.bench.force_balance import slope
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.balance import explain_imbalance, suspected_part
-from brace_drake.gap.bench_ladder import bench_rungs
-from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.ladder import climb
-from brace_drake.gap.leg_balance import slope
+from brace_drake.identification.fits import fit_nominal
+from brace_drake.isolation.block_tests import climb
+from brace_drake.isolation.force_balance import (
+    explain_imbalance,
+    suspected_part,
+)
 from brace_drake.laws.hooks import plug
 from tests.synthetic_bench import RATE, SyntheticBench
 

@@ -4,11 +4,11 @@ import unittest
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.gap.floor import is_on_grid
-from brace_drake.gap.prepare import estimate_floors
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.identification.noise_floor import is_on_grid
+from brace_drake.identification.prepare import estimate_floors
+from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_twin import BenchTwin
 from tests.shared_data import SHARED, needs_shared
 
 
@@ -37,7 +37,7 @@ class TestNominalRecording(unittest.TestCase):
 
     def test_a_reading_of_a_resting_twin_lies_on_its_resolution(self):
         twin = BenchTwin(BenchScenario())
-        from brace_drake.twin.bench_rollout import Motion
+        from brace_drake.devices.bench.rollout import Motion
 
         motion = Motion(np.zeros((201, 3)), True)
         subject = np.array([p.nominal for p in twin.subject])
@@ -46,7 +46,7 @@ class TestNominalRecording(unittest.TestCase):
 
     def test_a_resting_twin_without_noise_stays_at_rest(self):
         twin = BenchTwin(BenchScenario())
-        from brace_drake.twin.bench_rollout import Motion
+        from brace_drake.devices.bench.rollout import Motion
 
         motion = Motion(np.zeros((1001, 3)), True)
         subject = np.array([p.nominal for p in twin.subject])

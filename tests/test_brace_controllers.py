@@ -5,19 +5,22 @@ import unittest
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
+from brace_drake.core.errors import BraceError, ScenarioError
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import stack_effects
-from brace_drake.errors import BraceError, ScenarioError
 from brace_drake.kinematics import leg_jacobian, leg_lengths, make_geometry
-from brace_drake.laws import kernels
+from brace_drake.laws.loop import kernels
+from brace_drake.model.systems.brace_controllers import MakeController
+from brace_drake.model.systems.pic_controller import (
+    PicController,
+    pack_tick_law,
+)
 from brace_drake.scenario.bench import DEVICE, BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
 from brace_drake.scenario.control_numbers import BraceRings, pack_control
 from brace_drake.scenario.controllers import TAGS, BraceControl
-from brace_drake.systems.brace_controllers import MakeController
-from brace_drake.systems.pic_controller import PicController, pack_tick_law
 from tests.brace_loop import PERIOD, bench_rings
 
 PAIRS = {13: [-13, 13, 107, 133, 227, 253], 47: [-47, 47, 73, 167, 193, 287]}

@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.brace_station import MakeBraceStation
+from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.brace_numbers import pack_brace
 from tests.brace_energy import EnergyBook
 from tests.brace_runs import brace, run

@@ -4,7 +4,8 @@ import unittest
 
 import numpy as np
 
-from brace_drake.laws import blocks, kernels, legs
+from brace_drake.laws import legs
+from brace_drake.laws.loop import blocks, kernels
 from brace_drake.laws.rotation import rotate_quaternion
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench

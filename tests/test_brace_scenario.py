@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.errors import ScenarioError
-from brace_drake.resources import scenario_path
+from brace_drake.core.errors import ScenarioError
+from brace_drake.core.resources import scenario_path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BraceScenario

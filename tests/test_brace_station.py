@@ -5,15 +5,15 @@ import unittest
 import numpy as np
 from pydrake.systems.framework import LeafSystem
 
-from brace_drake.brace_plant import SetBracePose
-from brace_drake.brace_station import MakeBraceStation
-from brace_drake.errors import ScenarioError
+from brace_drake.core.errors import ScenarioError
+from brace_drake.devices.motions.reference import MakeReference
 from brace_drake.kinematics import find_task_coordinates, static_leg_forces
+from brace_drake.model.brace_plant import SetBracePose
+from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.simulate import SimulateBench
+from brace_drake.model.station import MakeBenchStation
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace_numbers import pack_brace
-from brace_drake.simulate import SimulateBench
-from brace_drake.station import MakeBenchStation
-from brace_drake.twin.reference import MakeReference
 from tests.brace_runs import brace, hold, replay, run, run_servo
 from tests.brace_servo import BraceServo
 from tests.test_station import smooth_push

@@ -11,17 +11,17 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.campaign import (
+from brace_drake.cli.data import check
+from brace_drake.recording import (
     DEVICES,
     CheckCampaign,
     Limits,
     LoadCampaign,
     WriteCampaign,
 )
-from brace_drake.campaign.manifest import parse_manifest
-from brace_drake.campaign.samples import check_time, flat_extremes
-from brace_drake.campaign.signs import explained
-from brace_drake.cli import check
+from brace_drake.recording.manifest import parse_manifest
+from brace_drake.recording.samples import check_time, flat_extremes
+from brace_drake.recording.signs import explained
 from tests.test_campaign_read import (
     RATE_HZ,
     ROWS,

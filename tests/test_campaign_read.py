@@ -10,13 +10,8 @@ from unittest import mock
 import numpy as np
 import yaml
 
-from brace_drake.campaign import (
-    Campaign,
-    LoadCampaign,
-    Run,
-    WriteCampaign,
-)
-from brace_drake.errors import CampaignError, OutputError
+from brace_drake.core.errors import CampaignError, OutputError
+from brace_drake.recording import Campaign, LoadCampaign, Run, WriteCampaign
 
 ROWS = 400
 RATE_HZ = 200.0

@@ -159,7 +159,7 @@ class TestManyCampaigns(unittest.TestCase):
                 },
             }
 
-        with mock.patch("brace_drake.cli.diagnose._Diagnose", fake):
+        with mock.patch("brace_drake.cli.diagnosis.diagnose._Diagnose", fake):
             return run_command("diagnose", *campaigns, "--out", self.out)
 
     def table(self):
@@ -270,7 +270,7 @@ class TestBadArguments(unittest.TestCase):
 class TestWithoutTheSource(unittest.TestCase):
     def test_validate_asks_for_a_campaign_where_no_example_is(self):
         nowhere = mock.patch(
-            "brace_drake.resources.example_campaign_path",
+            "brace_drake.core.resources.example_campaign_path",
             return_value=Path("/nowhere/example"),
         )
         with tempfile.TemporaryDirectory() as folder, nowhere:

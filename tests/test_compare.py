@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.motions.brace_reference import MakeBraceReference
 from brace_drake.experiments import compare
 from brace_drake.experiments.measures import Tracking, measure_tracking
-from brace_drake.resources import scenario_path
+from brace_drake.model.simulate_brace import BraceLog
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import LoadScenario
-from brace_drake.simulate_brace import BraceLog
-from brace_drake.twin.brace_reference import MakeBraceReference
 from tests.commands import run_command
 from tests.test_simulate_brace import reference
 

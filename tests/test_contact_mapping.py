@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.contact_mapping import (
+from brace_drake.devices.motions.reference import MakeReference
+from brace_drake.model.contact_mapping import (
     map_hydroelastic_to_linear,
     map_linear_to_hydroelastic,
     measure_hydroelastic,
     with_mapped_hydroelastic,
 )
+from brace_drake.model.simulate import SimulateBench
+from brace_drake.model.station import MakeBenchStation
 from brace_drake.scenario.bench import BenchScenario, Contact
-from brace_drake.simulate import SimulateBench
-from brace_drake.station import MakeBenchStation
-from brace_drake.twin.reference import MakeReference
 
 FORCE_Y = 13
 

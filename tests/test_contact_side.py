@@ -5,19 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 
+from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.beside_friction import fit_frictions, sticking
-from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.contact_side import (
+from brace_drake.identification.fits import fit_nominal
+from brace_drake.isolation.imposed_motion import (
     explain_contact_side,
     fit_contact_side,
     is_on_contact_side,
 )
-from brace_drake.gap.contenders import best_fits
-from brace_drake.gap.ground import Ground
-from brace_drake.gap.measures import misfit
-from brace_drake.gap.screen import race
-from brace_drake.twin.guided_bench import GuidedBenchTwin
+from brace_drake.selection.measures import misfit
+from brace_drake.selection.search.beside_friction import fit_frictions, sticking
+from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.screening import race
+from brace_drake.selection.search.shortlist import best_fits
 from tests.synthetic_bench import SyntheticBench, record
 
 FRICTION = find_effect("coulomb_friction")

@@ -4,13 +4,14 @@ import unittest
 
 import numpy as np
 
+from brace_drake.devices.bench.rollout import Motion, simulate_bench
 from brace_drake.kinematics import leg_lengths
-from brace_drake.laws import brace_control, stages
-from brace_drake.laws.mraic import step_reference
+from brace_drake.laws import stages
+from brace_drake.laws.control import brace_control
+from brace_drake.laws.control.mraic import step_reference
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.scenario.control_numbers import pack_control
 from brace_drake.scenario.controllers import TAGS, BraceControl
-from brace_drake.twin.bench_rollout import Motion, simulate_bench
 from tests.brace_loop import PERIOD, cubic, paper_bench, push
 from tests.test_brace_controllers import three_rings
 

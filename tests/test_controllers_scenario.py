@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import ScenarioError
-from brace_drake.laws import brace_control
+from brace_drake.core.errors import ScenarioError
+from brace_drake.laws.control import brace_control
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.check_controllers import check_control

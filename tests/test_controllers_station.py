@@ -6,12 +6,12 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.brace_station import MakeBraceStation
 from brace_drake.kinematics import find_task_coordinates
+from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 from brace_drake.scenario.controllers import TAGS
-from brace_drake.systems.brace_controllers import MakeController
 
 
 def hold(scenario, seconds, X_d, **inputs):

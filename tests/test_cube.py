@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.gap.cube import band_series, gap_cube
-from brace_drake.gap.floor import NoiseFloor
-from brace_drake.gap.shrink import RunComparison
+from brace_drake.identification.noise_floor import NoiseFloor
+from brace_drake.isolation.cube import band_series, gap_cube
+from brace_drake.validation.shrinkage import RunComparison
 
 RATE, SAMPLES = 200.0, 4000
 CHANNELS = ("force_N", "position_m")

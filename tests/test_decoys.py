@@ -8,12 +8,16 @@ import numpy as np
 from scipy.signal import lfilter
 
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.candidates import fit_effects, fit_nominal
-from brace_drake.gap.decoys import NUM_DECOYS, decoy_gains, loses_to_decoys
-from brace_drake.gap.evaluation import Evaluator, PreparedRun
-from brace_drake.gap.held_out import held_out_misfit, motions_of
-from brace_drake.gap.measures import misfit
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
+from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.selection.measures import misfit
+from brace_drake.selection.surrogate_data import (
+    NUM_DECOYS,
+    decoy_gains,
+    loses_to_decoys,
+)
+from brace_drake.validation.held_out import held_out_misfit, motions_of
 from tests.synthetic_bench import RATE, SyntheticBench, record
 
 SAMPLES, CHANNELS = 400, 3

@@ -9,17 +9,17 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign, WriteCampaign
 from brace_drake.cli.main import main
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.diagnose import diagnose
+from brace_drake.document.document import MakeDocument
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.diagnose import diagnose
-from brace_drake.gap.document import MakeDocument
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
-from brace_drake.gap.shrink import compare_runs, total_gap
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import LoadScenario
-from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.validation.shrinkage import compare_runs, total_gap
 from tests.shared_data import EXAMPLE, SHARED, needs_shared
 
 # tests/data/README.md: what the example was recorded with.

@@ -19,14 +19,9 @@ import numba
 import numpy as np
 
 from brace_drake import laws
-from brace_drake.campaign import CheckCampaign, LoadCampaign, WriteCampaign
 from brace_drake.cli.main import main
-from brace_drake.errors import BraceError, OutputError
-from brace_drake.hardware.words import Cause
-from brace_drake.operation.journal import Journal
-from brace_drake.operation.record import columns_of
-from brace_drake.operation.recorder import Recorder
-from brace_drake.output import (
+from brace_drake.core.errors import BraceError, OutputError
+from brace_drake.core.output import (
     HoldFolder,
     MakeFolder,
     ReleaseFolder,
@@ -34,9 +29,14 @@ from brace_drake.output import (
     WriteBytes,
     WriteText,
 )
+from brace_drake.core.resources import policy_path
+from brace_drake.link.operation.journal import Journal
+from brace_drake.link.operation.record import columns_of
+from brace_drake.link.operation.recorder import Recorder
+from brace_drake.link.protocol.words import Cause
+from brace_drake.recording import CheckCampaign, LoadCampaign, WriteCampaign
 from brace_drake.report import WriteReport
 from brace_drake.report import page as report_page
-from brace_drake.resources import policy_path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import SaveScenario
 from tests.emulated_devices import (
@@ -304,14 +304,14 @@ class TestReadOnly(Folder):
 
 _HOLDER = """
 import sys
-from brace_drake.output import HoldFolder
+from brace_drake.core.output import HoldFolder
 HoldFolder(sys.argv[1])
 print("held", flush=True)
 sys.stdin.read()
 """
 _JOURNAL = """
 import sys
-from brace_drake.operation.journal import Journal
+from brace_drake.link.operation.journal import Journal
 journal = Journal(sys.argv[1], "bench stage 2", 200.0, "x", {})
 print("held", flush=True)
 sys.stdin.read()
@@ -319,8 +319,8 @@ sys.stdin.read()
 _RACER = """
 import sys
 from dataclasses import replace
-from brace_drake.campaign import WriteCampaign
-from brace_drake.errors import OutputError
+from brace_drake.recording import WriteCampaign
+from brace_drake.core.errors import OutputError
 from tests.test_campaign_read import make_campaign
 campaign = replace(make_campaign(), subject=sys.argv[2])
 print("ready", flush=True)
@@ -390,7 +390,7 @@ class TestTwoProcesses(Folder):
 
 _REWRITER = """
 import sys
-from brace_drake.output import WriteBytes
+from brace_drake.core.output import WriteBytes
 print("ready", flush=True)
 while True:
     for letter in b"ab":
@@ -399,7 +399,7 @@ while True:
 _CAMPAIGNS = """
 import os
 import sys
-from brace_drake.campaign import WriteCampaign
+from brace_drake.recording import WriteCampaign
 from tests.test_campaign_read import make_campaign
 campaign, i = make_campaign(), 0
 print("ready", flush=True)
@@ -453,7 +453,9 @@ class TestClock(Folder):
         seconds = iter(range(10**9, 0, -3600))
         with (
             mock.patch("time.time", lambda: float(next(seconds))),
-            mock.patch("brace_drake.operation.record.datetime", _Backwards),
+            mock.patch(
+                "brace_drake.link.operation.record.datetime", _Backwards
+            ),
             emulated(limits=PATIENT) as device,
             Recorder(
                 device.terminal.path, BENCH, PATIENT, self.folder

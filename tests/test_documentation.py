@@ -17,7 +17,7 @@ from pathlib import Path
 import shtab
 import yaml
 
-from brace_drake.cli.doctor import _packages, examine_machine
+from brace_drake.cli.data.doctor import _packages, examine_machine
 from brace_drake.cli.main import make_parser
 from tests.commands import run_command
 from tests.shared_data import EXAMPLE
@@ -155,7 +155,7 @@ class TestFamily(unittest.TestCase):
             # Shells let what they start behind ignore it.
             "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
             "from brace_drake.cli import main, options\n"
-            "import brace_drake.gap.plan as plan\n"
+            "import brace_drake.design.plan as plan\n"
             "def stop(*_): os.kill(os.getpid(), signal.SIGINT)\n"
             "plan.planned_floors = stop\n"
             "sys.exit(main.main(['plan', '--motions', 'push']))\n"

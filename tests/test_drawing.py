@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 import pydot
 
+from brace_drake.core.resources import scenario_path
 from brace_drake.drawing import WriteDrawings, draw_kept
 from brace_drake.drawing.devices import MakeDrawnDiagram
 from brace_drake.drawing.diagrams import (
@@ -19,7 +20,6 @@ from brace_drake.drawing.diagrams import (
 from brace_drake.drawing.graph import Box, Graph, Wire
 from brace_drake.drawing.place import LETTER, SMALL_SIZE, place_graph
 from brace_drake.drawing.svg import make_svg
-from brace_drake.resources import scenario_path
 from brace_drake.scenario.load import LoadScenario
 
 DEVICES = (

@@ -9,6 +9,9 @@ from unittest import mock
 
 import numpy as np
 
+from brace_drake.core.errors import EffectError
+from brace_drake.devices.bench.rollout import Motion
+from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects import registry
 from brace_drake.effects.identifiers import BY_BLOCK, IDENTIFIERS
 from brace_drake.effects.registry import (
@@ -20,10 +23,7 @@ from brace_drake.effects.registry import (
     register_effect,
 )
 from brace_drake.effects.stack import stack_effects
-from brace_drake.errors import EffectError
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_rollout import Motion
-from brace_drake.twin.bench_twin import BenchTwin
 
 
 def push(duration=2.0, depth=-0.004):

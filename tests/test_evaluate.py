@@ -10,7 +10,9 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.errors import BraceError, PolicyError
+from brace_drake.core.errors import BraceError, PolicyError
+from brace_drake.core.parallel import open_workers
+from brace_drake.core.resources import policy_path
 from brace_drake.experiments import best_constant, evaluate, rollouts
 from brace_drake.experiments.compare import (
     TABLE_1_RLPIC,
@@ -29,13 +31,7 @@ from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.episodes import run_episode
 from brace_drake.learning.policy import LoadPolicy, SavePolicy
 from brace_drake.learning.rewards import improved
-from brace_drake.learning.subjects import (
-    NOMINAL,
-    Subject,
-    between_patients,
-)
-from brace_drake.parallel import open_workers
-from brace_drake.resources import policy_path
+from brace_drake.learning.subjects import NOMINAL, Subject, between_patients
 from tests.commands import run_command
 from tests.learning_tasks import random_policy, short_task
 

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.gap.floor import (
+from brace_drake.identification.noise_floor import (
     estimate_floor,
     repeat_ratio,
     written_quantum,

@@ -4,15 +4,15 @@ import unittest
 
 import numpy as np
 
-from brace_drake.brace_station import MakeBraceStation
-from brace_drake.hardware.limits import DEFAULT
-from brace_drake.operation.control import HostControl
-from brace_drake.operation.host_station import MakeHostStation
+from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.operation.control import HostControl
+from brace_drake.link.operation.host_station import MakeHostStation
+from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.systems.brace_controllers import MakeController
+from brace_drake.model.systems.device_station import DeviceStation
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
-from brace_drake.systems.brace_controllers import MakeController
-from brace_drake.systems.device_station import DeviceStation
 
 
 class TestDeviceStation(unittest.TestCase):

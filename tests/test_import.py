@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from scipy.io import savemat
 
-from brace_drake.campaign import LoadCampaign, WriteCampaign
-from brace_drake.errors import CampaignError
-from brace_drake.importing.mapped import ImportCampaign
+from brace_drake.core.errors import CampaignError
+from brace_drake.recording import LoadCampaign, WriteCampaign
+from brace_drake.recording.importing.mapped import ImportCampaign
 
 try:
     from nptdms import ChannelObject, TdmsWriter

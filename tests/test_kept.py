@@ -7,7 +7,7 @@ import textwrap
 import unittest
 from pathlib import Path
 
-from brace_drake.effects import coulomb_friction, stribeck_friction
+from brace_drake.effects.actuation import coulomb_friction, stribeck_friction
 from brace_drake.laws.kept import folder_of_sources, takes_files
 
 _INNER = """

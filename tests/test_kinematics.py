@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from brace_drake.errors import KinematicsError
+from brace_drake.core.errors import KinematicsError
 from brace_drake.kinematics import (
     Workspace,
     find_task_coordinates,

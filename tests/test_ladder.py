@@ -2,16 +2,11 @@
 
 import unittest
 
+from brace_drake.devices.bench.block_tests import bench_rungs
 from brace_drake.effects.registry import effects_for
-from brace_drake.gap.bench_ladder import bench_rungs
-from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.ladder import climb, describe_unchecked
-from tests.synthetic_bench import (
-    DEVICE,
-    RATE,
-    SyntheticBench,
-    without_torso,
-)
+from brace_drake.identification.fits import fit_nominal
+from brace_drake.isolation.block_tests import climb, describe_unchecked
+from tests.synthetic_bench import DEVICE, RATE, SyntheticBench, without_torso
 from tests.test_leads_back import TREMOR
 
 

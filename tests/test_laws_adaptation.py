@@ -6,8 +6,8 @@ import unittest
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 
-from brace_drake.laws import mraic, npic
-from brace_drake.laws.regressor import step_regressor
+from brace_drake.laws.control import mraic, npic
+from brace_drake.laws.control.regressor import step_regressor
 
 H = 1e-3
 M, K = 2.0, 6000.0

@@ -5,7 +5,8 @@ import unittest
 
 import numpy as np
 
-from brace_drake.laws import blocks, contact, posture
+from brace_drake.laws import contact, posture
+from brace_drake.laws.loop import blocks
 from brace_drake.laws.reading import read_instrument
 
 # Stiffness, damping, friction, regularisation speed, pad offset, preload.

@@ -5,13 +5,10 @@ import unittest
 
 import numpy as np
 
-from brace_drake.laws import (
-    bench_tick,
-    brace_control,
-    control,
-    pose_estimate,
-)
+from brace_drake.laws.control import brace_control, pose_estimate
+from brace_drake.laws.control import impedance as control
 from brace_drake.laws.linear_solve import solve_in_place
+from brace_drake.laws.loop import bench_tick
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
 

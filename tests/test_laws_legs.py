@@ -5,7 +5,8 @@ import unittest
 import numpy as np
 from pydrake.common.eigen_geometry import AngleAxis
 
-from brace_drake.laws import blocks, legs
+from brace_drake.laws import legs
+from brace_drake.laws.loop import blocks
 from brace_drake.laws.rotation import (
     quaternion_to_matrix,
     quaternion_to_rotation_vector,

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.laws import pid
+from brace_drake.laws.control import pid
 
 H = 1e-3
 

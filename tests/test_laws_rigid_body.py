@@ -6,9 +6,9 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.brace_plant import AddBracePlant
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.laws.rotation import quaternion_to_matrix
+from brace_drake.model.brace_plant import AddBracePlant
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_brace import brace_of_bench
 

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.laws import task_impedance
+from brace_drake.laws.control import task_impedance
 
 H = 1e-3
 M_D, K_D = 2.0, 6000.0

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.laws import vpic
+from brace_drake.laws.control import vpic
 
 H, M, LOWER, UPPER = 1e-3, 2.0, 200.0, 50000.0
 

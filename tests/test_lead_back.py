@@ -6,15 +6,19 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.effects.registry import effects_for
-from brace_drake.fit.gauss_newton import LeastSquaresSolution
-from brace_drake.gap.candidates import finish_fit, fit_nominal
-from brace_drake.gap.causes import try_causes
-from brace_drake.gap.contenders import best_fits
-from brace_drake.gap.ground import Ground
-from brace_drake.gap.lead_back import lead_back, replace_second, strays
-from brace_drake.gap.measures import misfit
-from brace_drake.gap.problem import CandidateProblem
-from brace_drake.gap.screen import race
+from brace_drake.identification.fits import finish_fit, fit_nominal
+from brace_drake.identification.gauss_newton import LeastSquaresSolution
+from brace_drake.identification.problem import CandidateProblem
+from brace_drake.selection.measures import misfit
+from brace_drake.selection.search.joint_refit import (
+    lead_back,
+    replace_second,
+    strays,
+)
+from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.screening import race
+from brace_drake.selection.search.search import try_causes
+from brace_drake.selection.search.shortlist import best_fits
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
 

@@ -5,16 +5,16 @@ import unittest
 
 import numpy as np
 
+from brace_drake.design.confusable import ALIKE
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import effects_for
-from brace_drake.gap.alike import ALIKE
-from brace_drake.gap.candidates import fit_effects, fit_nominal
-from brace_drake.gap.causes import try_causes
-from brace_drake.gap.contenders import best_fits
-from brace_drake.gap.ground import Ground
-from brace_drake.gap.screen import line_up, race
-from brace_drake.gap.verdict import decide
+from brace_drake.identification.fits import fit_effects, fit_nominal
 from brace_drake.laws.hooks import plug
+from brace_drake.selection.decision import decide
+from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.screening import line_up, race
+from brace_drake.selection.search.search import try_causes
+from brace_drake.selection.search.shortlist import best_fits
 from tests.synthetic_bench import DEVICE, SyntheticBench, without_torso
 
 

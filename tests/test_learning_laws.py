@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.errors import EffectError, ScenarioError
+from brace_drake.core.errors import EffectError, ScenarioError
 from brace_drake.laws.cubic import calc_cubic
 from brace_drake.learning.actions import ActionLaw
 from brace_drake.learning.limits import EpisodeLimits, find_violation

@@ -10,16 +10,12 @@ from pathlib import Path
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from brace_drake.errors import PolicyError
+from brace_drake.core.errors import PolicyError
 from brace_drake.learning.actions import ActionLaw
 from brace_drake.learning.diagram_loop import DiagramLoop
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.episodes import run_episode
-from brace_drake.learning.policy import (
-    ExportOnnx,
-    LoadPolicy,
-    SavePolicy,
-)
+from brace_drake.learning.policy import ExportOnnx, LoadPolicy, SavePolicy
 from brace_drake.learning.policy_systems import PolicySystem
 from brace_drake.learning.predict import predict_impedance
 from tests.learning_tasks import random_policy, short_task

@@ -6,13 +6,17 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
+from brace_drake.devices.device import MakeDevice
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.candidates import fit_effects, fit_nominal
-from brace_drake.gap.devices import MakeDevice
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.leftover import SHAPES, describe_left, motion_shapes
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.isolation.residual_shapes import (
+    SHAPES,
+    describe_left,
+    motion_shapes,
+)
+from brace_drake.recording import LoadCampaign
 
 _ROOT = Path(__file__).resolve().parent.parent
 _EMPS = _ROOT.parent / "shared" / "real" / "emps"

@@ -7,19 +7,19 @@ from pathlib import Path
 import numpy as np
 from pydrake.common.yaml import yaml_load_typed
 
-from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.core.errors import BraceError
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.leg_bench.twin import LegBenchTwin, LegMotion
 from brace_drake.effects.registry import find_effect
-from brace_drake.errors import BraceError
-from brace_drake.gap.candidates import fit_effects, fit_nominal
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
-from brace_drake.resources import scenario_path
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.leg_bench import (
     LegBenchScenario,
     MakeLegBenchScenario,
     white_part,
 )
-from brace_drake.twin.leg_bench_twin import LegBenchTwin, LegMotion
 
 RATE = 1000.0
 CONTROL = {"kp_1_s": 160.18, "kv_N_s_m": 8557.27, "force_limit_N": 351.5}

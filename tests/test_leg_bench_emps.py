@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
+from brace_drake.devices.leg_bench.twin import LegBenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.candidates import fit_effects, fit_nominal
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.leg_bench import MakeLegBenchScenario
-from brace_drake.twin.leg_bench_twin import LegBenchTwin
 
 _ROOT = Path(__file__).resolve().parent.parent
 _EMPS = _ROOT.parent / "shared" / "real" / "emps"

@@ -4,11 +4,11 @@ import unittest
 
 import numpy as np
 
+from brace_drake.devices.leg_bench.twin import LegMotion, simulate_leg
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.plug_in import idle
-from brace_drake.leg_station import MakeLegBenchStation, SimulateLegBench
+from brace_drake.model.leg_station import MakeLegBenchStation, SimulateLegBench
 from brace_drake.scenario.leg_bench import LegBenchScenario, pack_leg_bench
-from brace_drake.twin.leg_bench_twin import LegMotion, simulate_leg
 from tests.test_leg_bench import RATE, starts_of
 
 

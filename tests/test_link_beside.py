@@ -6,26 +6,26 @@ import urllib.request
 
 import numpy as np
 
+from brace_drake.core.errors import OutputError
+from brace_drake.devices.bench.rollout import CHANNELS
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.motions.library import MakeMotion
 from brace_drake.effects.registry import find_effect
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.make import MakePlant
-from brace_drake.errors import OutputError
-from brace_drake.hardware.limits import DEFAULT
-from brace_drake.operation.beside import TwinBeside
-from brace_drake.operation.contact_estimate import (
+from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.emulator.make import MakePlant
+from brace_drake.link.operation.beside import TwinBeside
+from brace_drake.link.operation.contact_estimate import (
     ContactEstimate,
     contact_regressors,
 )
-from brace_drake.operation.motion import desired_at_ticks, place_motion
-from brace_drake.operation.overlay import DEVICE, TWIN, Overlay
-from brace_drake.operation.page import Page
-from brace_drake.operation.rows import Row
-from brace_drake.operation.station import MakeControl, moving_rings
+from brace_drake.link.operation.motion import desired_at_ticks, place_motion
+from brace_drake.link.operation.overlay import DEVICE, TWIN, Overlay
+from brace_drake.link.operation.page import Page
+from brace_drake.link.operation.rows import Row
+from brace_drake.link.operation.station import MakeControl, moving_rings
 from brace_drake.playback.look import make_look
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.twin.bench_rollout import CHANNELS
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.motion_library import MakeMotion
 from tests.link_bench import SCENARIO
 from tests.meshcat_page import read_commands
 

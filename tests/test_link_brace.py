@@ -7,37 +7,37 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.effects.registry import find_effect
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.brace_plant import BracePlant
-from brace_drake.errors import (
+from brace_drake.core.errors import (
     CampaignError,
     EffectError,
     LimitsError,
     LinkError,
     ScenarioError,
 )
-from brace_drake.hardware.guards import check_force, check_stroke
-from brace_drake.hardware.limits import DEFAULT, SHARED, refuse_wider
-from brace_drake.hardware.limits import shared_values as values_of
-from brace_drake.hardware.limits_file import LoadLimits
-from brace_drake.hardware.stuck import check_stuck, count_travel
-from brace_drake.hardware.words import Cause, DeviceState, Reason
+from brace_drake.devices.motions.library import MakeMotion, SafeMotion
+from brace_drake.devices.motions.parts import ramp
+from brace_drake.effects.registry import find_effect
 from brace_drake.kinematics import static_leg_forces
-from brace_drake.laws.force_left import calc_forces_left
+from brace_drake.laws.loop.force_left import calc_forces_left
 from brace_drake.laws.stages import place_rings
-from brace_drake.operation.motion import (
+from brace_drake.link.device.guards import check_force, check_stroke
+from brace_drake.link.device.limits import DEFAULT, SHARED, refuse_wider
+from brace_drake.link.device.limits import shared_values as values_of
+from brace_drake.link.device.limits_file import LoadLimits
+from brace_drake.link.device.stuck import check_stuck, count_travel
+from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.emulator.brace_plant import BracePlant
+from brace_drake.link.operation.motion import (
     desired_at_ticks,
     motion_of_rings,
     place_motion,
 )
-from brace_drake.operation.station import MakeControl
+from brace_drake.link.operation.station import MakeControl
+from brace_drake.link.protocol.words import Cause, DeviceState, Reason
+from brace_drake.model.simulate_brace import SimulateBrace
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
-from brace_drake.simulate_brace import SimulateBrace
-from brace_drake.twin.motion_library import MakeMotion, SafeMotion
-from brace_drake.twin.motion_parts import ramp
 from tests.link_bench import Lockstep, begin, wave
 
 RINGS = (1, 2, 3)

@@ -10,17 +10,17 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.campaign import CheckCampaign, LoadCampaign
-from brace_drake.campaign.write import format_table
-from brace_drake.emulator.brace_plant import BracePlant
-from brace_drake.hardware.limits_file import LoadLimits
-from brace_drake.hardware.words import DeviceState
-from brace_drake.operation.columns import columns_of
+from brace_drake.devices.motions.library import SafeMotion
+from brace_drake.devices.motions.parts import ramp
+from brace_drake.link.device.limits_file import LoadLimits
+from brace_drake.link.emulator.brace_plant import BracePlant
+from brace_drake.link.operation.columns import columns_of
+from brace_drake.link.protocol.words import DeviceState
+from brace_drake.model.simulate_brace import RecordBrace, SimulateBrace
+from brace_drake.recording import CheckCampaign, LoadCampaign
+from brace_drake.recording.write import format_table
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import SaveScenario
-from brace_drake.simulate_brace import RecordBrace, SimulateBrace
-from brace_drake.twin.motion_library import SafeMotion
-from brace_drake.twin.motion_parts import ramp
 from tests.commands import run_command
 from tests.emulated_devices import PATIENT_LIMITS, emulated, wait_for
 
@@ -77,8 +77,8 @@ class TestPort(unittest.TestCase):
         with (
             emulated_brace(self.scenario) as device,
             # Whether it keeps its time is another test's matter.
-            mock.patch("brace_drake.cli.deploy._DRY_SECONDS", 0.1),
-            mock.patch("brace_drake.operation.deploy.check_dry_run"),
+            mock.patch("brace_drake.cli.machine.deploy._DRY_SECONDS", 0.1),
+            mock.patch("brace_drake.link.operation.deploy.check_dry_run"),
         ):
             status, _, errors = run_command(
                 "deploy", "--scenario", self.file, "--controller", "pic",
@@ -112,7 +112,7 @@ class TestPort(unittest.TestCase):
         out = self.folder / "campaign"
         reference = push(-0.003, ring=3)
         with emulated_brace(self.scenario) as device:
-            with mock.patch("brace_drake.operation.record.SETTLE", 0.5):
+            with mock.patch("brace_drake.link.operation.record.SETTLE", 0.5):
                 status, said, errors = run_command(
                     "record", "--scenario", self.file, "--motion",
                     self.write_reference(reference), "--countdown", 0,

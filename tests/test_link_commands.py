@@ -15,12 +15,12 @@ from unittest import mock
 import numpy as np
 import yaml
 
+from brace_drake.devices.motions.library import MakeMotion, SafeMotion
+from brace_drake.devices.motions.parts import ramp
+from brace_drake.devices.motions.reference_file import format_reference
 from brace_drake.effects.registry import find_effect
-from brace_drake.hardware.words import Cause, DeviceState
 from brace_drake.learning.policy import SavePolicy
-from brace_drake.twin.motion_library import MakeMotion, SafeMotion
-from brace_drake.twin.motion_parts import ramp
-from brace_drake.twin.reference_file import format_reference
+from brace_drake.link.protocol.words import Cause, DeviceState
 from tests.commands import run_command
 from tests.emulated_devices import (
     PATIENT_LIMITS,
@@ -140,7 +140,7 @@ class TestPlans(Folder):
 
         with (
             mock.patch("sys.stdin", io.StringIO("\n\n\n")),
-            mock.patch("brace_drake.operation.guide.MakeMotion", short),
+            mock.patch("brace_drake.link.operation.guide.MakeMotion", short),
         ):
             return run_command(*words)
 
@@ -204,8 +204,8 @@ class TestPlans(Folder):
 
     def test_results_lie_beside_a_folder_that_ends_in_a_slash(self):
         with (
-            mock.patch("brace_drake.cli.campaign.OpenRecorder"),
-            mock.patch("brace_drake.operation.guide.RecordRuns"),
+            mock.patch("brace_drake.cli.machine.campaign.OpenRecorder"),
+            mock.patch("brace_drake.link.operation.guide.RecordRuns"),
         ):
             for folder in ("monday", "monday/"):
                 options = ("--port", "/dev/null", "--out", folder)

@@ -9,29 +9,29 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.cli.emulate import carry_out
-from brace_drake.errors import (
+from brace_drake.cli.machine.emulate import carry_out
+from brace_drake.core.errors import (
     BraceError,
     CampaignError,
     LinkError,
     StoppedError,
 )
-from brace_drake.hardware.words import Cause, DeviceState
-from brace_drake.operation.campaign_plan import (
+from brace_drake.devices.motions.library import MakeMotion
+from brace_drake.link.operation.campaign_plan import (
     STANDARD_PLAN,
     LoadPlan,
     remaining_runs,
 )
-from brace_drake.operation.control import HostControl
-from brace_drake.operation.deploy import (
+from brace_drake.link.operation.control import HostControl
+from brace_drake.link.operation.deploy import (
     RunController,
     Timing,
     check_dry_run,
     measure_timing,
 )
-from brace_drake.operation.spread import Spread
-from brace_drake.operation.station import OpenDevice
-from brace_drake.twin.motion_library import MakeMotion
+from brace_drake.link.operation.spread import Spread
+from brace_drake.link.operation.station import OpenDevice
+from brace_drake.link.protocol.words import Cause, DeviceState
 from tests.commands import run_command
 from tests.emulated_devices import (
     PATIENT,
@@ -133,9 +133,9 @@ class TestDeploy(unittest.TestCase):
         with (
             emulated() as device,
             tempfile.TemporaryDirectory() as folder,
-            mock.patch("brace_drake.operation.console.ReadKeys", Pressed),
+            mock.patch("brace_drake.link.operation.console.ReadKeys", Pressed),
             # A machine that tests share is late at times.
-            mock.patch("brace_drake.operation.deploy.check_dry_run"),
+            mock.patch("brace_drake.link.operation.deploy.check_dry_run"),
         ):
             limits, out = Path(folder) / "limits.yaml", Path(folder) / "o"
             limits.write_text(PATIENT_LIMITS)

@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.errors import LimitsError
-from brace_drake.hardware.firmware import Firmware
-from brace_drake.hardware.limits import DEFAULT, shared_values
-from brace_drake.hardware.words import Cause, DeviceState, Mode, Reason
-from brace_drake.laws import bench_tick
-from brace_drake.operation.control import HostControl
-from brace_drake.operation.session import Session
+from brace_drake.core.errors import LimitsError
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.motions.library import MakeMotion
+from brace_drake.laws.loop import bench_tick
+from brace_drake.link.device.limits import DEFAULT, shared_values
+from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.operation.control import HostControl
+from brace_drake.link.operation.session import Session
+from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.words import Cause, DeviceState, Mode, Reason
 from brace_drake.scenario.bench_numbers import pack_bench
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.motion_library import MakeMotion
 from tests.link_bench import SCENARIO, Lockstep, begin, start
 
 PERIOD_MS = 1

@@ -11,10 +11,8 @@ from unittest import mock
 import numpy as np
 from pydrake.systems.analysis import Simulator
 
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.brace_plant import BracePlant
-from brace_drake.errors import LinkError, PolicyError
-from brace_drake.hardware.limits import DEFAULT
+from brace_drake.core.errors import LinkError, PolicyError
+from brace_drake.devices.motions.reference import reference_at_ticks
 from brace_drake.learning.deployment import (
     MakePolicyControl,
     load_policy_scenario,
@@ -25,11 +23,13 @@ from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.make import full_task
 from brace_drake.learning.policy import SavePolicy
 from brace_drake.learning.policy_systems import PolicySystem
-from brace_drake.operation.motion import desired_at_ticks
-from brace_drake.operation.station import OpenDevice
+from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.emulator.brace_plant import BracePlant
+from brace_drake.link.operation.motion import desired_at_ticks
+from brace_drake.link.operation.station import OpenDevice
+from brace_drake.model.systems.stiffness_limiter import StiffnessLimiter
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.systems.stiffness_limiter import StiffnessLimiter
-from brace_drake.twin.reference import reference_at_ticks
 from tests.commands import run_command
 from tests.emulated_devices import PATIENT, PATIENT_LIMITS, emulated
 from tests.learning_tasks import random_policy, short_task
@@ -185,7 +185,7 @@ class TestDeploy(unittest.TestCase):
         wide = "".join(f"{name}: {value}\n" for name, value in WIDE.items())
         limits.write_text(PATIENT_LIMITS + wide)
         # A machine that tests share is late at times, which a dry run tells.
-        late = mock.patch("brace_drake.operation.deploy.check_dry_run")
+        late = mock.patch("brace_drake.link.operation.deploy.check_dry_run")
         with late as checked:
             done = run_command(
                 "deploy", "--port", device.terminal.path, "--limits", limits,

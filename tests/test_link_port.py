@@ -14,18 +14,18 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.campaign import CheckCampaign, LoadCampaign
-from brace_drake.errors import LimitsError, LinkError, StoppedError
-from brace_drake.hardware.clock import ClockSync
-from brace_drake.hardware.firmware import Firmware
-from brace_drake.hardware.limits import DEFAULT
-from brace_drake.hardware.link import Link
-from brace_drake.hardware.ports import OpenPort
-from brace_drake.hardware.sequence import SequenceWatch
-from brace_drake.hardware.words import Cause, DeviceState
-from brace_drake.operation.columns import columns_of
-from brace_drake.operation.journal import Journal
-from brace_drake.operation.recorder import Recorder
+from brace_drake.core.errors import LimitsError, LinkError, StoppedError
+from brace_drake.link.device.clock import ClockSync
+from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.device.link import Link
+from brace_drake.link.operation.columns import columns_of
+from brace_drake.link.operation.journal import Journal
+from brace_drake.link.operation.recorder import Recorder
+from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.ports import OpenPort
+from brace_drake.link.protocol.sequence import SequenceWatch
+from brace_drake.link.protocol.words import Cause, DeviceState
+from brace_drake.recording import CheckCampaign, LoadCampaign
 from brace_drake.scenario.bench import BenchScenario
 from tests.commands import run_command
 from tests.emulated_devices import (
@@ -225,8 +225,8 @@ class TestRecording(unittest.TestCase):
 
 _WRITER = """
 import sys
-from brace_drake.operation.journal import Journal
-from brace_drake.operation.columns import columns_of
+from brace_drake.link.operation.journal import Journal
+from brace_drake.link.operation.columns import columns_of
 columns = columns_of("bench stage 2")
 run = Journal(sys.argv[1], "bench stage 2", 200.0, "x", {}).NewRun(
     "push", columns, True, "push", "fit")

@@ -10,18 +10,18 @@ import zlib
 from binascii import crc_hqx
 from pathlib import Path
 
-from brace_drake.hardware.c_header import FILE, format_header
-from brace_drake.hardware.cobs import stuff, unstuff
-from brace_drake.hardware.codec import (
+from brace_drake.link.device.limits import as_sent
+from brace_drake.link.protocol.c_header import FILE, format_header
+from brace_drake.link.protocol.cobs import stuff, unstuff
+from brace_drake.link.protocol.codec import (
     Decoder,
     Packet,
     longest_frame,
     make_codec,
     seal_fits,
 )
-from brace_drake.hardware.document import DOCUMENT, fill_tables
-from brace_drake.hardware.limits import as_sent
-from brace_drake.hardware.messages import MESSAGES, num_items
+from brace_drake.link.protocol.document import DOCUMENT, fill_tables
+from brace_drake.link.protocol.messages import MESSAGES, num_items
 
 _LARGEST = {"u8": 2**8, "u16": 2**16, "u32": 2**32, "u64": 2**64}
 
@@ -307,7 +307,7 @@ class TestLightness(unittest.TestCase):
         folder = FILE.parent
         names = [p.stem for p in folder.glob("*.py") if p.stem != "__init__"]
         code = "import sys\n" + "\n".join(
-            f"import brace_drake.hardware.{name}" for name in names
+            f"import brace_drake.link.{name}" for name in names
         )
         code += (
             "\nheavy = {'pydrake', 'torch', 'numba', 'numpy', 'scipy'}"

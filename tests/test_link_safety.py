@@ -10,10 +10,10 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import BasicVector, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
-from brace_drake.errors import LimitsError
-from brace_drake.hardware import safety
-from brace_drake.hardware.guards import Trip, check_shared, pad_force
-from brace_drake.hardware.limits import (
+from brace_drake.core.errors import LimitsError
+from brace_drake.link.device import safety
+from brace_drake.link.device.guards import Trip, check_shared, pad_force
+from brace_drake.link.device.limits import (
     DEFAULT,
     LIMITS,
     SHARED,
@@ -21,21 +21,21 @@ from brace_drake.hardware.limits import (
     refuse_wider,
     shared_values,
 )
-from brace_drake.hardware.limits_file import LoadLimits
-from brace_drake.hardware.release import (
+from brace_drake.link.device.limits_file import LoadLimits
+from brace_drake.link.device.release import (
     cut_stiffness,
     limit_command,
     release_command,
     remaining,
 )
-from brace_drake.hardware.safety_memory import (
+from brace_drake.link.device.safety_memory import (
     Reading,
     SafetyMode,
     Setup,
     start_memory,
 )
-from brace_drake.hardware.words import Cause
-from brace_drake.systems.safety_supervisor import SafetySupervisor
+from brace_drake.link.protocol.words import Cause
+from brace_drake.model.systems.safety_supervisor import SafetySupervisor
 
 HOLD = (2.0,) * 6
 SETUP = Setup(DEFAULT, HOLD)

@@ -10,11 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.errors import CampaignError
-from brace_drake.importing.mapped import ImportCampaign
-from brace_drake.importing.mcap_file import LoadMcapCampaign, WriteMcap
-from brace_drake.importing.tables import LoadTable
+from brace_drake.core.errors import CampaignError
+from brace_drake.recording import LoadCampaign
+from brace_drake.recording.importing.mapped import ImportCampaign
+from brace_drake.recording.importing.mcap_file import (
+    LoadMcapCampaign,
+    WriteMcap,
+)
+from brace_drake.recording.importing.tables import LoadTable
 from tests.commands import run_command
 
 try:

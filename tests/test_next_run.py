@@ -8,10 +8,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.effects.registry import find_effect
-from brace_drake.errors import CampaignError
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.next_run import (
+from brace_drake.core.errors import CampaignError
+from brace_drake.design.next_run import (
     Rival,
     WriteNextRun,
     best_of,
@@ -19,23 +17,25 @@ from brace_drake.gap.next_run import (
     describe_next,
     open_rivals,
 )
-from brace_drake.gap.planned import planned_floors, planned_runs
-from brace_drake.gap.separation import (
+from brace_drake.design.planned import planned_floors, planned_runs
+from brace_drake.design.separation import (
     choose_best,
     orthonormal_basis,
     separate_pairs,
 )
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.motion_library import (
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.motions.library import (
     MOTIONS,
     RATE_HZ,
     STANDARD,
     MakeMotion,
 )
-from brace_drake.twin.motion_limits import exceeded_limit, largest_pad_force
-from brace_drake.twin.reference_file import LoadReference
-from brace_drake.twin.subject import bench_subject
+from brace_drake.devices.motions.limits import exceeded_limit, largest_pad_force
+from brace_drake.devices.motions.reference_file import LoadReference
+from brace_drake.devices.subject import bench_subject
+from brace_drake.effects.registry import find_effect
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.scenario.bench import BenchScenario
 
 
 def toy_run(x, y_of, slope=1.0):

@@ -8,19 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign.write import WriteCampaign
 from brace_drake.cli.main import main
+from brace_drake.core.errors import CampaignError
+from brace_drake.devices.device import MakeDevice
+from brace_drake.devices.pad_bench.twin import PadBenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.errors import CampaignError
-from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.devices import MakeDevice
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.recording.write import WriteCampaign
 from brace_drake.scenario.pad_bench import (
     MakePadBenchScenario,
     PadBenchScenario,
 )
-from brace_drake.twin.pad_bench_twin import PadBenchTwin
 from tests.pad_recordings import (
     ARM,
     CUBIC,

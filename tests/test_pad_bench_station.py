@@ -4,14 +4,14 @@ import unittest
 
 import numpy as np
 
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.pad_bench.motion import MakePadMotion
+from brace_drake.devices.pad_bench.twin import simulate_pad
 from brace_drake.effects.registry import find_effect
 from brace_drake.effects.stack import stack_effects
-from brace_drake.pad_station import MakePadBenchStation, SimulatePadBench
-from brace_drake.resources import scenario_path
+from brace_drake.model.pad_station import MakePadBenchStation, SimulatePadBench
 from brace_drake.scenario.load import LoadScenario
 from brace_drake.scenario.pad_bench import PadBenchScenario, pack_pad_bench
-from brace_drake.twin.pad_bench_twin import simulate_pad
-from brace_drake.twin.pad_motion import MakePadMotion
 
 RATE = 100.0
 

@@ -8,11 +8,11 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.campaign.write import WriteCampaign
 from brace_drake.cli.main import main
-from brace_drake.errors import BraceError
-from brace_drake.gap.diagnose import diagnose
-from brace_drake.gap.next_run import WriteNextRun, choose_next_run
+from brace_drake.core.errors import BraceError
+from brace_drake.design.next_run import WriteNextRun, choose_next_run
+from brace_drake.diagnose import diagnose
+from brace_drake.recording.write import WriteCampaign
 from tests.pad_recordings import (
     ARM,
     SUBJECT,
@@ -58,7 +58,7 @@ class TestDiagnosis(unittest.TestCase):
 
     def test_a_repair_that_breaks_down_on_new_runs_keeps_the_verdict(self):
         with mock.patch(
-            "brace_drake.gap.diagnose.repair_runs",
+            "brace_drake.diagnose.repair_runs",
             side_effect=BraceError("the twin breaks down"),
         ):
             document = self.diagnose(relaxing)

@@ -5,7 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.laws.pad_path import filter_cosines, noise_gain, path_slopes
+from brace_drake.laws.loop.pad_path import (
+    filter_cosines,
+    noise_gain,
+    path_slopes,
+)
 from brace_drake.scenario.pad_noise import (
     estimate_displacement_noise,
     estimate_force_noise,

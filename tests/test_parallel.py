@@ -14,15 +14,15 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.core.errors import CampaignError, ClusterError
+from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.effects.registry import find_effect
-from brace_drake.errors import CampaignError, ClusterError
 from brace_drake.laws.contact import __name__ as contact_module
 from brace_drake.laws.hooks import NO_LAW
-from brace_drake.parallel import Workers, open_workers
 from tests.commands import run_command
 
 try:
-    from brace_drake.parallel.parcels import Parcel, run_parcel
+    from brace_drake.core.parallel.parcels import Parcel, run_parcel
 except ImportError:
     Parcel = None
 try:
@@ -234,11 +234,14 @@ class TestCluster(unittest.TestCase):
             )
 
     def test_an_evaluator_of_a_diagnosis_gives_the_same_residuals(self):
-        from brace_drake.campaign import LoadCampaign
-        from brace_drake.gap.devices import MakeDevice
-        from brace_drake.gap.evaluation import Evaluator
-        from brace_drake.gap.prepare import estimate_floors, prepare_runs
-        from brace_drake.resources import example_campaign_path
+        from brace_drake.core.resources import example_campaign_path
+        from brace_drake.devices.device import MakeDevice
+        from brace_drake.identification.evaluation import Evaluator
+        from brace_drake.identification.prepare import (
+            estimate_floors,
+            prepare_runs,
+        )
+        from brace_drake.recording import LoadCampaign
 
         campaign = LoadCampaign(example_campaign_path())
         twin = MakeDevice(campaign).twin
@@ -280,7 +283,7 @@ class TestCluster(unittest.TestCase):
 class TestRefusals(unittest.TestCase):
     @unittest.skipIf(distributed is None, _NEEDS_CLUSTER)
     def test_an_address_where_nobody_answers_is_named_in_one_line(self):
-        import brace_drake.parallel.cluster as module
+        import brace_drake.core.parallel.cluster as module
 
         self.addCleanup(setattr, module, "_CONNECT_S", module._CONNECT_S)
         module._CONNECT_S = 0.3

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.gap.phases import PHASES, MotionSignals, motion_phases
+from brace_drake.isolation.phases import PHASES, MotionSignals, motion_phases
 
 RATE = 200.0
 

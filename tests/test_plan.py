@@ -8,17 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign.recording import Run
-from brace_drake.cli.plan import format_plan
+from brace_drake.cli.diagnosis.plan import format_plan
+from brace_drake.core.errors import CampaignError
+from brace_drake.core.resources import scenario_path
+from brace_drake.design.confusable import ALIKE, reason_of
+from brace_drake.design.plan import plan_campaign, standard_errors
+from brace_drake.design.signature import size_of_one_floor, sizes_of
+from brace_drake.devices.subject import SubjectParameter
+from brace_drake.devices.twin import HIGHEST_HZ
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import all_effects, find_effect
-from brace_drake.errors import CampaignError
-from brace_drake.gap.alike import ALIKE, reason_of
-from brace_drake.gap.plan import plan_campaign, standard_errors
-from brace_drake.gap.signature import size_of_one_floor, sizes_of
-from brace_drake.resources import scenario_path
-from brace_drake.twin.replay_twin import HIGHEST_HZ
-from brace_drake.twin.subject import SubjectParameter
+from brace_drake.recording.recording import Run
 from tests.commands import run_command
 
 RATE, SIGMA = 200.0, 0.1

@@ -9,8 +9,8 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.math import RotationMatrix
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.errors import BraceError, ScenarioError
+from brace_drake.core.errors import BraceError, ScenarioError
+from brace_drake.core.resources import scenario_path
 from brace_drake.kinematics import leg_lengths
 from brace_drake.laws import stages
 from brace_drake.playback import (
@@ -29,7 +29,7 @@ from brace_drake.playback.scales import (
 )
 from brace_drake.playback.scene import leg_anchors
 from brace_drake.playback.write import StartLocalMeshcat
-from brace_drake.resources import scenario_path
+from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.leg_bench import LegBenchScenario

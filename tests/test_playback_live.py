@@ -7,15 +7,15 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.campaign.recording import Run
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.motions.reference import COLUMNS
+from brace_drake.model.simulate import RecordBench
+from brace_drake.model.simulate_brace import RecordBrace
 from brace_drake.playback.live import LiveScene
 from brace_drake.playback.states import states_of_now, states_of_run
-from brace_drake.resources import scenario_path
+from brace_drake.recording.recording import Run
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.simulate import RecordBench
-from brace_drake.simulate_brace import RecordBrace
-from brace_drake.twin.reference import COLUMNS
 from tests.commands import run_command
 from tests.meshcat_page import read_commands
 from tests.test_playback import write_reference

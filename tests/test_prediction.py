@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.errors import BraceError
-from brace_drake.gap.diagnose import _compare_new
-from brace_drake.gap.prediction import _MOST, predict_runs
-from brace_drake.gap.shrink import RunComparison
+from brace_drake.core.errors import BraceError
+from brace_drake.diagnose import _compare_new
+from brace_drake.validation.prediction import _MOST, predict_runs
+from brace_drake.validation.shrinkage import RunComparison
 
 RATE, SAMPLES = 200.0, 2000
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.gap.devices import MakeDevice
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
+from brace_drake.devices.device import MakeDevice
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.recording import LoadCampaign
 from tests.shared_data import EXAMPLE
 
 

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.problem import CandidateProblem
-from brace_drake.twin.subject import SubjectParameter
+from brace_drake.identification.problem import CandidateProblem
 
 
 class LinearEvaluator:

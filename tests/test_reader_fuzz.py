@@ -12,9 +12,9 @@ except ImportError as error:
         "hypothesis is not installed: pip install -e '.[dev]'"
     ) from error
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.errors import BraceError
+from brace_drake.core.errors import BraceError
 from brace_drake.learning.policy import LoadPolicy
+from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.load import LoadScenario
 from brace_drake.torso.scan import LoadScan
 from tests.reader_fuzz import READERS, Bench, HangError, Reader, time_limit

@@ -6,18 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign.recording import Campaign, Run
-from brace_drake.scenario.leg_bench import MakeLegBenchScenario
-from brace_drake.scenario.pad_bench import MakePadBenchScenario
-from brace_drake.twin.imposed_motions import leg_motions, pad_motions
-from brace_drake.twin.leg_bench_twin import LegBenchTwin
-from brace_drake.twin.pad_bench_twin import PadBenchTwin
-from brace_drake.twin.recorded_reach import (
+from brace_drake.devices.leg_bench.twin import LegBenchTwin
+from brace_drake.devices.motions.imposed import leg_motions, pad_motions
+from brace_drake.devices.motions.recorded_reach import (
     Reach,
     largest_speed,
     recorded_reach,
     ways_within,
 )
+from brace_drake.devices.pad_bench.twin import PadBenchTwin
+from brace_drake.recording.recording import Campaign, Run
+from brace_drake.scenario.leg_bench import MakeLegBenchScenario
+from brace_drake.scenario.pad_bench import MakePadBenchScenario
 from tests.pad_recordings import make_campaign, relaxing
 
 NAMES = [

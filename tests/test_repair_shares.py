@@ -6,15 +6,15 @@ from unittest import mock
 
 import numpy as np
 
+from brace_drake.devices.device import MakeDevice
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.candidates import fit_effects, fit_nominal
-from brace_drake.gap.devices import MakeDevice
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.ground import Ground
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
-from brace_drake.gap.repair_shares import share_repairs
-from brace_drake.gap.runner import make_runner
-from brace_drake.gap.shapley import UNEXPLAINED
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.isolation.repair_shares import share_repairs
+from brace_drake.isolation.shapley import UNEXPLAINED
+from brace_drake.selection.search.candidate import make_runner
+from brace_drake.selection.search.linearisation import Ground
 from tests.pad_recordings import make_campaign, relaxing
 from tests.synthetic_bench import SyntheticBench
 
@@ -54,7 +54,7 @@ class TestShares(unittest.TestCase):
     def test_of_no_gap_there_are_no_shares(self):
         noise = SimpleNamespace(solution=SimpleNamespace(residual=None))
         with mock.patch(
-            "brace_drake.gap.repair_shares._excess_pieces",
+            "brace_drake.isolation.repair_shares._excess_pieces",
             lambda *_: {frozenset(): np.array([0.5, -1.0])},
         ):
             card = SimpleNamespace(block="contact")

@@ -8,30 +8,33 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
+from brace_drake.core.errors import CampaignError, EffectError, ScenarioError
+from brace_drake.devices.bench.rollout import Motion
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.device import MakeDevice
+from brace_drake.devices.leg_bench.twin import LegBenchTwin
+from brace_drake.devices.motions.reference import (
+    MakeReference,
+    reference_at_ticks,
+)
+from brace_drake.devices.pad_bench.twin import PadBenchTwin
+from brace_drake.diagnose import diagnose
 from brace_drake.effects.registry import all_effects, find_effect
 from brace_drake.effects.stack import stack_effects
-from brace_drake.errors import CampaignError, EffectError, ScenarioError
-from brace_drake.gap.devices import MakeDevice
-from brace_drake.gap.diagnose import diagnose
-from brace_drake.gap.evaluation import Evaluator
-from brace_drake.gap.prepare import estimate_floors, prepare_runs
-from brace_drake.gap.repaired import (
-    MakeRepairedScenario,
-    WriteRepairedScenario,
-)
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.model.simulate import SimulateBench
+from brace_drake.model.station import MakeBenchStation
+from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.bench import BenchScenario, EffectUse
 from brace_drake.scenario.effects import describe_use, scenario_uses
 from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.scenario.load import CheckScenario, LoadScenario, SaveScenario
 from brace_drake.scenario.pad_bench import PadBenchScenario
-from brace_drake.simulate import SimulateBench
-from brace_drake.station import MakeBenchStation
-from brace_drake.twin.bench_rollout import Motion
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.leg_bench_twin import LegBenchTwin
-from brace_drake.twin.pad_bench_twin import PadBenchTwin
-from brace_drake.twin.reference import MakeReference, reference_at_ticks
+from brace_drake.validation.repaired import (
+    MakeRepairedScenario,
+    WriteRepairedScenario,
+)
 from tests.shared_data import EXAMPLE
 from tests.test_station import smooth_push
 

@@ -10,8 +10,8 @@ from unittest import mock
 
 import numpy as np
 
+from brace_drake.core.errors import OutputError
 from brace_drake.effects.registry import all_effects
-from brace_drake.errors import OutputError
 from brace_drake.report import RunTrace, WriteReport
 from brace_drake.report.cards import make_card, make_cards
 from brace_drake.report.page import render_page

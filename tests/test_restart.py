@@ -8,8 +8,8 @@ from unittest import mock
 import numpy as np
 
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap import restart as module
-from brace_drake.gap.restart import is_caught, restart
+from brace_drake.selection.search import restart as module
+from brace_drake.selection.search.restart import is_caught, restart
 
 TWIN = SimpleNamespace(instruments_known=True, carried=(), has_loop=True)
 EVALUATOR = SimpleNamespace(count=100, twin=TWIN)

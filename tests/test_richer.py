@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.candidates import fit_nominal
-from brace_drake.gap.contenders import best_fits
-from brace_drake.gap.ground import Ground
-from brace_drake.gap.measures import misfit
-from brace_drake.gap.richer import race_richer, richer_starts
-from brace_drake.gap.screen import _from_other_start, race
-from brace_drake.gap.small_second import race_fewer
+from brace_drake.identification.fits import fit_nominal
+from brace_drake.selection.measures import misfit
+from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.nested import race_richer, richer_starts
+from brace_drake.selection.search.screening import _from_other_start, race
+from brace_drake.selection.search.shortlist import best_fits
+from brace_drake.selection.search.small_second import race_fewer
 from tests.synthetic_bench import SyntheticBench
 
 COULOMB, STRIBECK = (

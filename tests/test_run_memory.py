@@ -5,11 +5,11 @@ import unittest
 
 import numpy as np
 
+from brace_drake.devices.bench.rollout import Motion
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.run_memory import RunMemory
 from brace_drake.effects.registry import effects_for
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_rollout import Motion
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.run_memory import RunMemory
 from tests.synthetic_bench import reference, strength_of
 
 

@@ -5,9 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.fit.gauss_newton import LeastSquaresSolution
-from brace_drake.gap.candidates import CandidateFit
-from brace_drake.gap.scatter import looks_scattered, refit_spread, whiten
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.gauss_newton import LeastSquaresSolution
+from brace_drake.selection.prior_check import (
+    looks_scattered,
+    refit_spread,
+    whiten,
+)
 
 SUBJECT, ALIKE, ROWS, SPREAD = 3, 36, 400, 0.7
 

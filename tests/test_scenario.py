@@ -10,14 +10,10 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.errors import ScenarioError
-from brace_drake.resources import scenario_path, sdf_path
+from brace_drake.core.errors import ScenarioError
+from brace_drake.core.resources import scenario_path, sdf_path
 from brace_drake.scenario.bench import BenchScenario, EffectUse
-from brace_drake.scenario.load import (
-    CheckScenario,
-    LoadScenario,
-    SaveScenario,
-)
+from brace_drake.scenario.load import CheckScenario, LoadScenario, SaveScenario
 
 BENCH = scenario_path("bench.scenario.yaml")
 SHEET = Path(__file__).parents[2] / "shared" / "datasheet.yaml"

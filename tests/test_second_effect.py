@@ -4,10 +4,13 @@ import unittest
 from types import SimpleNamespace
 from unittest import mock
 
+from brace_drake.document import document
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap import document, pair_moves, screen, second_effect
-from brace_drake.gap.pair_moves import make_simpler, set_out_afresh
-from brace_drake.gap.second_effect import SecondEffects
+from brace_drake.selection.search import forward as second_effect
+from brace_drake.selection.search import pair_moves
+from brace_drake.selection.search import screening as screen
+from brace_drake.selection.search.forward import SecondEffects
+from brace_drake.selection.search.pair_moves import make_simpler, set_out_afresh
 
 
 class TestEnd(unittest.TestCase):

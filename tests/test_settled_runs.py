@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.campaign import LoadCampaign, WriteCampaign
-from brace_drake.campaign.manifest import parse_manifest
 from brace_drake.cli.options import load_motion
+from brace_drake.devices.bench.block_tests import bench_rungs
+from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.bench_ladder import bench_rungs
-from brace_drake.operation.journal import Journal
+from brace_drake.link.operation.journal import Journal
+from brace_drake.recording import LoadCampaign, WriteCampaign
+from brace_drake.recording.manifest import parse_manifest
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_twin import BenchTwin
 
 EXAMPLE = Path(__file__).parent / "data" / "example"
 

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.gap.shrink import rms_interval
+from brace_drake.validation.shrinkage import rms_interval
 
 RATE, BLOCKS = 100.0, 400
 

@@ -7,19 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.campaign.manifest import parse_manifest
-from brace_drake.campaign.recording import Run
-from brace_drake.errors import BraceError, CampaignError
+from brace_drake.core.errors import BraceError, CampaignError
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.motions.reference import reference_columns
 from brace_drake.kinematics import find_task_coordinates, leg_lengths
-from brace_drake.resources import scenario_path
+from brace_drake.model.simulate import RecordBench
+from brace_drake.model.simulate_brace import RecordBrace, SimulateBrace
+from brace_drake.recording import LoadCampaign
+from brace_drake.recording.manifest import parse_manifest
+from brace_drake.recording.recording import Run
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_geometry
 from brace_drake.scenario.load import LoadScenario, SaveScenario
-from brace_drake.simulate import RecordBench
-from brace_drake.simulate_brace import RecordBrace, SimulateBrace
-from brace_drake.twin.reference import reference_columns
 from tests.commands import run_command
 from tests.meshcat_page import read_commands
 from tests.test_station import smooth_push

@@ -7,21 +7,21 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.effects.registry import find_effect
-from brace_drake.errors import CampaignError
-from brace_drake.resources import scenario_path
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.effects import describe_use
-from brace_drake.scenario.load import SaveScenario
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.motion_library import MOTIONS, MakeMotion
-from brace_drake.twin.reference_file import (
+from brace_drake.core.errors import CampaignError
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.motions.library import MOTIONS, MakeMotion
+from brace_drake.devices.motions.reference_file import (
     LoadReference,
     LoadReferences,
     common_rate,
     format_reference,
 )
+from brace_drake.effects.registry import find_effect
+from brace_drake.recording import LoadCampaign
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.effects import describe_use
+from brace_drake.scenario.load import SaveScenario
 from tests.commands import run_command
 from tests.shared_data import EXAMPLE
 from tests.test_station import smooth_push
@@ -169,7 +169,7 @@ class TestSimulate(unittest.TestCase):
         taken = self.folder / "taken"
         taken.mkdir()
         (taken / "notes.txt").write_text("kept")
-        with mock.patch("brace_drake.simulate.RecordBench") as record:
+        with mock.patch("brace_drake.model.simulate.RecordBench") as record:
             code, _, error = run_command(
                 "simulate", self.file, "--motion", "push", "--out", taken
             )

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.effects.registry import effects_for
-from brace_drake.gap.candidates import fit_effects
-from brace_drake.gap.ground import Ground
-from brace_drake.gap.measures import misfit
-from brace_drake.gap.small_second import try_small_second
+from brace_drake.identification.fits import fit_effects
+from brace_drake.selection.measures import misfit
+from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.small_second import try_small_second
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
 NULL = SimpleNamespace(least_gain=lambda freedom: 0.015)

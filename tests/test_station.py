@@ -6,19 +6,22 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.brace_station import MakeBraceStation
+from brace_drake.devices.bench.rollout import Motion, simulate_bench
+from brace_drake.devices.motions.reference import (
+    MakeReference,
+    reference_at_ticks,
+)
 from brace_drake.effects.registry import find_effect
 from brace_drake.effects.stack import modify_numbers, stack_effects
-from brace_drake.laws import brace_control
+from brace_drake.laws.control import brace_control
+from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.simulate import SimulateBench
+from brace_drake.model.station import MakeBenchStation
+from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
-from brace_drake.simulate import SimulateBench
-from brace_drake.station import MakeBenchStation
-from brace_drake.systems.brace_controllers import MakeController
-from brace_drake.twin.bench_rollout import Motion, simulate_bench
-from brace_drake.twin.reference import MakeReference, reference_at_ticks
 
 RATE, PIC = 1000.0, "pic_controller"
 LAYOUTS = ("pic", "blocks")

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.cli.options import load_motion
-from brace_drake.hardware.limits import BY_STAGE, DEFAULT
-from brace_drake.hardware.safety_memory import SafetyMode
-from brace_drake.hardware.words import Cause
+from brace_drake.link.device.limits import BY_STAGE, DEFAULT
+from brace_drake.link.device.safety_memory import SafetyMode
+from brace_drake.link.protocol.words import Cause
+from brace_drake.model.simulate import RecordBench
+from brace_drake.model.simulate_brace import RecordBrace
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.simulate import RecordBench
-from brace_drake.simulate_brace import RecordBrace
 from tests.commands import run_command
 
 FORCE = "ring2_force_y_N"

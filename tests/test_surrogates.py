@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.gap.measures import gains
-from brace_drake.gap.surrogates import NullDistribution
+from brace_drake.selection.measures import gains
+from brace_drake.selection.null_bootstrap import NullDistribution
 
 
 def null(is_known=True, gain=0.001):

@@ -2,7 +2,7 @@
 
 import unittest
 
-from brace_drake.gap.suspects import suspected_blocks
+from brace_drake.isolation.decision import suspected_blocks
 
 
 def row(block, rms, share, threshold=1.2):

@@ -20,7 +20,7 @@ from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 from brace_drake.scenario.bench import Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.torso.contact import (
@@ -35,11 +35,7 @@ from brace_drake.torso.fitted import fit_torso
 from brace_drake.torso.folder import LoadTorso, WriteTorso
 from brace_drake.torso.measures import Curve, TorsoMeasures
 from brace_drake.torso.parametric import make_parametric_loft
-from brace_drake.torso.press import (
-    MakeRingsAndTorso,
-    press_pads,
-    read_forces,
-)
+from brace_drake.torso.press import MakeRingsAndTorso, press_pads, read_forces
 from tests.torso_blocks import (
     CONTACT,
     RINGS,

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 from pydrake.math import RigidTransform, RotationMatrix
 
-from brace_drake.brace_station import MakeBraceStation
-from brace_drake.errors import ScenarioError, TorsoError
+from brace_drake.core.errors import ScenarioError, TorsoError
+from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check import CheckScenario

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from brace_drake.errors import TorsoError
-from brace_drake.resources import scenario_path
+from brace_drake.core.errors import TorsoError
+from brace_drake.core.resources import scenario_path
 from brace_drake.scenario.load import LoadScenario
 from brace_drake.torso.files import LoadSurface
 from brace_drake.torso.fitted import calc_inertia, loft_surface

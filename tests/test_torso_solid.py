@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import TorsoError
-from brace_drake.resources import scenario_path
+from brace_drake.core.errors import TorsoError
+from brace_drake.core.resources import scenario_path
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.torso.depth import deepest
 from brace_drake.torso.fitted import calc_inertia, fit_torso, loft_surface
@@ -19,11 +19,7 @@ from brace_drake.torso.loft import (
     loft_radius,
     side_point,
 )
-from brace_drake.torso.measures import (
-    Curve,
-    LoadMeasures,
-    TorsoMeasures,
-)
+from brace_drake.torso.measures import Curve, LoadMeasures, TorsoMeasures
 from brace_drake.torso.pads import make_pads, place_pads
 from brace_drake.torso.parametric import (
     make_parametric_loft,

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.campaign.recording import Run
-from brace_drake.gap.shrink import RunComparison
-from brace_drake.gap.traces import MakeTraces
+from brace_drake.document.traces import MakeTraces
+from brace_drake.recording.recording import Run
+from brace_drake.validation.shrinkage import RunComparison
 
 CHANNELS = ("ring2_force_y_N", "torso_y_m")
 SAMPLES = 50

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import PolicyError, ScenarioError
+from brace_drake.core.errors import PolicyError, ScenarioError
 from brace_drake.learning.policy import LoadPolicy
 from brace_drake.learning.subjects import (
     NOMINAL,
@@ -29,11 +29,11 @@ try:
     import torch
     from stable_baselines3 import PPO
 
-    from brace_drake.training.actor_critic import ThresholdAdam
-    from brace_drake.training.learner import Learner, _subjects_of
-    from brace_drake.training.numbers import TrainingNumbers
-    from brace_drake.training.run_folder import LoadCheckpoint
-    from brace_drake.training.train import (
+    from brace_drake.learning.training.actor_critic import ThresholdAdam
+    from brace_drake.learning.training.learner import Learner, _subjects_of
+    from brace_drake.learning.training.numbers import TrainingNumbers
+    from brace_drake.learning.training.run_folder import LoadCheckpoint
+    from brace_drake.learning.training.train import (
         ResumeTraining,
         StartTraining,
         TrainPolicy,
@@ -60,7 +60,7 @@ SCRIPT = """
 from pathlib import Path
 import sys, time
 from tests.test_training import tiny_numbers, tiny_task
-from brace_drake.training.train import StartTraining
+from brace_drake.learning.training.train import StartTraining
 def slow(done, total, mean, best):
     print(done, flush=True)
     time.sleep(0.2)

@@ -11,31 +11,31 @@ from unittest import mock
 import numpy as np
 from pydrake.common.yaml import yaml_dump_typed
 
+from brace_drake.core.errors import BraceError
+from brace_drake.core.output import WriteText
+from brace_drake.core.parallel import open_workers
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.bench.rollout import Motion
+from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.errors import BraceError
 from brace_drake.experiments.rollouts import Arena, Contestant
-from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.policy import SavePolicy
-from brace_drake.learning.subjects import NOMINAL, Subject
-from brace_drake.output import WriteText
-from brace_drake.parallel import open_workers
-from brace_drake.resources import scenario_path
-from brace_drake.scenario.bench import EffectUse
-from brace_drake.scenario.load import LoadScenario, SaveScenario
-from brace_drake.transfer import payoff, payoff_options
-from brace_drake.transfer.bench_task import MakeBenchTask
-from brace_drake.transfer.on_stand_in import (
+from brace_drake.experiments.transfer import payoff, payoff_options
+from brace_drake.experiments.transfer.bench_task import MakeBenchTask
+from brace_drake.experiments.transfer.on_stand_in import (
     PhysicalPush,
     cubic_push,
     push_stand_in,
 )
-from brace_drake.transfer.payoff_table import (
+from brace_drake.experiments.transfer.payoff_table import (
     conclude,
     format_csv,
     format_markdown,
 )
-from brace_drake.twin.bench_rollout import Motion
-from brace_drake.twin.bench_twin import BenchTwin
+from brace_drake.learning.env import RlpicEnv
+from brace_drake.learning.policy import SavePolicy
+from brace_drake.learning.subjects import NOMINAL, Subject
+from brace_drake.scenario.bench import EffectUse
+from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.withheld.stand_in.bench import run_bench
 from brace_drake.withheld.stand_in.flaws import Flaws
 from brace_drake.withheld.stand_in.numbers import Subject as Wearer

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.campaign import LoadCampaign
-from brace_drake.cli.fit import format_fit
-from brace_drake.fit.campaign_fit import fit_campaign
-from brace_drake.gap.devices import MakeDevice
+from brace_drake.cli.diagnosis.fit import format_fit
+from brace_drake.devices.device import MakeDevice
+from brace_drake.identification.campaign_fit import fit_campaign
+from brace_drake.recording import LoadCampaign
 from tests.shared_data import EXAMPLE
 
 

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.demands import largest_rest
-from brace_drake.gap.probability import sure_of_effects
-from brace_drake.gap.verdict import decide, is_near_floor
+from brace_drake.selection.acceptance import largest_rest
+from brace_drake.selection.decision import decide, is_near_floor
+from brace_drake.selection.probability import sure_of_effects
 
 COUNT = 1000
 NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)

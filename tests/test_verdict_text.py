@@ -2,8 +2,8 @@
 
 import unittest
 
+from brace_drake.document.verdict_text import verdict_sentence
 from brace_drake.effects.registry import find_effect
-from brace_drake.gap.verdict_text import verdict_sentence
 
 
 def row(name, unit, value):

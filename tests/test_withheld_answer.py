@@ -9,12 +9,8 @@ from unittest import mock
 import numpy as np
 import yaml
 
-from brace_drake.campaign import CheckCampaign, LoadCampaign
-from brace_drake.withheld.answer import (
-    COMMITMENT,
-    AnswerError,
-    answer_cases,
-)
+from brace_drake.recording import CheckCampaign, LoadCampaign
+from brace_drake.withheld.answer import COMMITMENT, AnswerError, answer_cases
 from brace_drake.withheld.make import make_cases
 from brace_drake.withheld.seals import SEALS, check_seal
 from tests.commands import run_command

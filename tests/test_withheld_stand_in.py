@@ -10,10 +10,7 @@ from brace_drake.withheld.stand_in import bristle, numbers, pads
 from brace_drake.withheld.stand_in.bench import COLUMNS, run_bench
 from brace_drake.withheld.stand_in.flaws import Flaws, PadFlaws, with_flaws
 from brace_drake.withheld.stand_in.frame import find_pose, leg_geometry
-from brace_drake.withheld.stand_in.motions import (
-    between_samples,
-    make_motions,
-)
+from brace_drake.withheld.stand_in.motions import between_samples, make_motions
 from brace_drake.withheld.stand_in.numbers import Subject
 from brace_drake.withheld.stand_in.turning import exponential, logarithm
 from tests.shared_data import SHARED, needs_shared
@@ -209,7 +206,7 @@ class TestFaults(unittest.TestCase):
 class TestAgreement(unittest.TestCase):
     @needs_shared("campaigns/open00_nominal")
     def test_with_nothing_wrong_it_is_the_nominal_bench_to_its_noise(self):
-        from brace_drake.campaign import LoadCampaign
+        from brace_drake.recording import LoadCampaign
 
         folder = SHARED / "campaigns" / "open00_nominal"
         for i, run in enumerate(LoadCampaign(folder).runs):

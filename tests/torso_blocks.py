@@ -4,7 +4,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 
-from brace_drake.brace_station import MakeBraceStation
+from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.torso.contact import MakeTorsoGeometry
 from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact

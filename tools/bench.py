@@ -22,24 +22,24 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from brace_drake.brace_plant import AddBraceBodies
-from brace_drake.campaign import LoadCampaign
-from brace_drake.fit.campaign_fit import fit_campaign
-from brace_drake.gap.diagnose import diagnose
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.motions.reference import (
+    MakeReference,
+    reference_of_run,
+)
+from brace_drake.diagnose import diagnose
+from brace_drake.identification.campaign_fit import fit_campaign
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.make import full_task
 from brace_drake.learning.subjects import EffectRange, SubjectRanges
 from brace_drake.learning.task import LearningTask, load_task_scenario
+from brace_drake.model.brace_plant import AddBraceBodies
+from brace_drake.model.simulate import SimulateBench
+from brace_drake.model.station import MakeBenchStation
+from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.load import SaveScenario
-from brace_drake.simulate import SimulateBench
-from brace_drake.station import MakeBenchStation
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.reference import (
-    MakeReference,
-    reference_of_run,
-)
 from tests.learning_tasks import random_policy
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "tests" / "data" / "example"
@@ -119,8 +119,8 @@ def time_learning():
     decision = best_of(2000, lambda: policy.act(observation))
     print(f"{'a decision of a policy, us':44} {1e6 * decision:10.1f}")
     try:
-        from brace_drake.training.learner import Learner
-        from brace_drake.training.numbers import TrainingNumbers
+        from brace_drake.learning.training.learner import Learner
+        from brace_drake.learning.training.numbers import TrainingNumbers
     except ImportError:
         return
     learner = Learner(LearningTask(), TrainingNumbers())

@@ -8,14 +8,14 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.brace_plant import AddBracePlant
-from brace_drake.brace_station import MakeBraceStation
+from brace_drake.core.resources import scenario_path
 from brace_drake.kinematics import static_leg_forces
-from brace_drake.resources import scenario_path
+from brace_drake.model.brace_plant import AddBracePlant
+from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.simulate import without_garbage_collection
+from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.bench import Contact
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
-from brace_drake.simulate import without_garbage_collection
-from brace_drake.systems.brace_controllers import MakeController
 from brace_drake.torso.contact import MakeTorsoGeometry
 from brace_drake.torso.fitted import PAD_RESOLUTION, fit_torso
 from brace_drake.torso.measures import LoadMeasures

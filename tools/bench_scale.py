@@ -110,9 +110,9 @@ def cut_runs(campaign, count: int):
 
 def run_task(task: Task, answer) -> None:
     """Diagnoses; sends CPU s, wall s, peak MB, the verdict, the stages."""
-    from brace_drake.campaign import LoadCampaign
-    from brace_drake.gap.diagnose import diagnose
-    from brace_drake.gap.document import MakeDocument
+    from brace_drake.diagnose import diagnose
+    from brace_drake.document.document import MakeDocument
+    from brace_drake.recording import LoadCampaign
 
     if task.causes is not None:
         keep_causes(task.causes)

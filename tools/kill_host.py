@@ -15,18 +15,18 @@ import sys
 import threading
 import time
 
-from brace_drake.emulator.bench_plant import BenchPlant
-from brace_drake.emulator.describe import describe_device
-from brace_drake.emulator.device import EmulatedDevice
-from brace_drake.hardware.limits import DEFAULT
-from brace_drake.hardware.words import Cause, DeviceState
+from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.emulator.describe import describe_device
+from brace_drake.link.emulator.device import EmulatedDevice
+from brace_drake.link.protocol.words import Cause, DeviceState
 from brace_drake.scenario.bench import BenchScenario
 
 _HOST = """
 import sys, time
-from brace_drake.hardware.limits import DEFAULT
-from brace_drake.hardware.link import Link
-from brace_drake.hardware.words import Cause, DeviceState
+from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.device.link import Link
+from brace_drake.link.protocol.words import Cause, DeviceState
 link = Link(sys.argv[1])
 link.Connect(10.0)
 link.Agree(DEFAULT)

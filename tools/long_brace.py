@@ -17,8 +17,8 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from brace_drake.articulated import calc_closure_error
-from brace_drake.brace_station import MakeBraceStation
+from brace_drake.model.articulated import calc_closure_error
+from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.brace_numbers import pack_brace
 from tests.brace_runs import brace, run
 from tests.brace_servo import BraceServo

@@ -15,7 +15,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import Delaunay
 
-from brace_drake.resources import scenario_path
+from brace_drake.core.resources import scenario_path
 from brace_drake.torso.files import obj_text
 from brace_drake.torso.fitted import loft_surface
 from brace_drake.torso.loft import loft_centre, loft_points

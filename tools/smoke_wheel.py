@@ -39,7 +39,7 @@ COMMANDS = (
 )  # fmt: skip
 DEMO = ((("diagnose", "{example}", "--out", "{here}/demo"), 0),)
 _INSIDE = (
-    "import brace_drake; from brace_drake.resources import *;"
+    "import brace_drake; from brace_drake.core.resources import *;"
     "print(brace_drake.__path__[0]); print(scenario_path(''));"
     "print(policy_path())"
 )

@@ -24,18 +24,18 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.cli.link_options import load_link_scenario
-from brace_drake.hardware.limits import DEFAULT, Limits
-from brace_drake.hardware.limits_file import LoadLimits
-from brace_drake.operation.motion import desired_at_ticks, place_motion
-from brace_drake.operation.session import Session
-from brace_drake.operation.station import (
+from brace_drake.cli.machine.link_options import load_link_scenario
+from brace_drake.devices.motions.library import MakeMotion
+from brace_drake.link.device.limits import DEFAULT, Limits
+from brace_drake.link.device.limits_file import LoadLimits
+from brace_drake.link.operation.motion import desired_at_ticks, place_motion
+from brace_drake.link.operation.session import Session
+from brace_drake.link.operation.station import (
     MakeControl,
     OpenDevice,
     moving_rings,
 )
-from brace_drake.operation.watch import WatchSession
-from brace_drake.twin.motion_library import MakeMotion
+from brace_drake.link.operation.watch import WatchSession
 
 # What the memory of a process may grow by over the second half, MB.
 _MOST_GROWTH = 2.0

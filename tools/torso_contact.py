@@ -23,7 +23,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import DiscreteContactApproximation
 from pydrake.systems.analysis import Simulator
 
-from brace_drake.resources import scenario_path
+from brace_drake.core.resources import scenario_path
 from brace_drake.scenario.bench import Contact
 from brace_drake.torso.contact import map_linear_contact
 from brace_drake.torso.fitted import PAD_RESOLUTION, RESOLUTION, fit_torso

@@ -7,9 +7,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from brace_drake.articulated import WriteBraceModels
-from brace_drake.errors import BraceError, ScenarioError
-from brace_drake.resources import scenario_path
+from brace_drake.core.errors import BraceError, ScenarioError
+from brace_drake.core.resources import scenario_path
+from brace_drake.model.articulated import WriteBraceModels
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import LoadScenario
 

@@ -3,9 +3,9 @@
 python tools/write_protocol.py
 """
 
-from brace_drake.hardware.c_header import FILE, format_header
-from brace_drake.hardware.document import DOCUMENT, fill_tables
-from brace_drake.output import WriteText
+from brace_drake.core.output import WriteText
+from brace_drake.link.protocol.c_header import FILE, format_header
+from brace_drake.link.protocol.document import DOCUMENT, fill_tables
 
 
 def main() -> None:

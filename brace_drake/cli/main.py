@@ -11,34 +11,34 @@ from typing import TYPE_CHECKING
 # set before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from brace_drake.errors import BraceError
-from brace_drake.output import ReleaseFolders
+from brace_drake.core.errors import BraceError
+from brace_drake.core.output import ReleaseFolders
 
 if TYPE_CHECKING:
     import argparse
 
 _COMMANDS = (
-    "check",
-    "fit",
-    "validate",
-    "diagnose",
-    "simulate",
-    "compare",
-    "plan",
-    "personalize",
-    "train",
-    "predict",
-    "evaluate",
-    "payoff",
-    "withheld",
-    "emulate",
-    "record",
-    "campaign",
-    "deploy",
-    "twin",
-    "import_",
-    "export",
-    "doctor",
+    "data.check",
+    "diagnosis.fit",
+    "diagnosis.validate",
+    "diagnosis.diagnose",
+    "diagnosis.simulate",
+    "learning.compare",
+    "diagnosis.plan",
+    "diagnosis.personalize",
+    "learning.train",
+    "learning.predict",
+    "learning.evaluate",
+    "learning.payoff",
+    "diagnosis.withheld",
+    "machine.emulate",
+    "machine.record",
+    "machine.campaign",
+    "machine.deploy",
+    "diagnosis.twin",
+    "data.import_",
+    "learning.export",
+    "data.doctor",
     "completion",
 )
 _EPILOG = """\

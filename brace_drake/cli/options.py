@@ -13,9 +13,9 @@ from typing import NoReturn
 
 from tqdm import tqdm
 
-from brace_drake.errors import PolicyError
-from brace_drake.output import WriteJson
-from brace_drake.parallel import Workers, open_workers
+from brace_drake.core.errors import PolicyError
+from brace_drake.core.output import WriteJson
+from brace_drake.core.parallel import Workers, open_workers
 
 _BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"
 
@@ -181,8 +181,8 @@ def names_file(text: str) -> bool:
 
 def load_motion(text: str, rings: tuple[int, ...] = (2,)):
     """The reference of --motion, as a run that is not recorded yet."""
-    from brace_drake.twin.motion_library import MakeMotion
-    from brace_drake.twin.reference_file import LoadReference
+    from brace_drake.devices.motions.library import MakeMotion
+    from brace_drake.devices.motions.reference_file import LoadReference
 
     if names_file(text):
         return LoadReference(text, rings)

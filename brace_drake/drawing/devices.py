@@ -8,19 +8,19 @@ from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Diagram
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.articulated import GetClosures
-from brace_drake.brace_station import MakeBraceStation
-from brace_drake.leg_station import MakeLegBenchStation
-from brace_drake.pad_station import MakePadBenchStation
+from brace_drake.devices.leg_bench.twin import LegMotion
+from brace_drake.model.articulated import GetClosures
+from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.leg_station import MakeLegBenchStation
+from brace_drake.model.pad_station import MakePadBenchStation
+from brace_drake.model.station import MakeBenchStation
+from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 from brace_drake.scenario.leg_bench import LegBenchScenario, pack_leg_bench
 from brace_drake.scenario.load import Scenario
 from brace_drake.scenario.pad_bench import PadBenchScenario, pack_pad_bench
-from brace_drake.station import MakeBenchStation
-from brace_drake.systems.brace_controllers import MakeController
-from brace_drake.twin.leg_bench_twin import LegMotion
 
 
 def MakeDrawnDiagram(

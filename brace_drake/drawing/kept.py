@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from brace_drake.core.output import WriteText
+from brace_drake.core.resources import scenario_path
 from brace_drake.drawing.devices import MakeDrawnDiagram
 from brace_drake.drawing.diagrams import make_body_graph, make_system_graph
 from brace_drake.drawing.write import draw_svg
-from brace_drake.output import WriteText
-from brace_drake.resources import scenario_path
 from brace_drake.scenario.load import LoadScenario
 
 # Scenario, and what is laid over it; files are of systems, then of bodies.

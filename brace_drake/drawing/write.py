@@ -6,6 +6,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
+from brace_drake.core.errors import OutputError
+from brace_drake.core.output import MakeFolder, WriteText
 from brace_drake.drawing.devices import MakeDrawnDiagram
 from brace_drake.drawing.diagrams import (
     make_body_graph,
@@ -15,8 +17,6 @@ from brace_drake.drawing.diagrams import (
 from brace_drake.drawing.graph import Graph
 from brace_drake.drawing.place import place_graph
 from brace_drake.drawing.svg import make_svg
-from brace_drake.errors import OutputError
-from brace_drake.output import MakeFolder, WriteText
 from brace_drake.scenario.load import Scenario
 
 INSTALL = "sudo apt-get install graphviz"

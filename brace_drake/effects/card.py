@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from brace_drake.errors import EffectError
+from brace_drake.core.errors import EffectError
 from brace_drake.laws.hooks import PLUG_POINTS
 
 BLOCKS = ("actuation", "mechanism", "contact", "torso", "sensing")

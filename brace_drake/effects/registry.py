@@ -15,8 +15,8 @@ from collections.abc import Iterator
 from functools import cache
 
 import brace_drake.effects
+from brace_drake.core.errors import EffectError, suggest
 from brace_drake.effects.card import Effect
-from brace_drake.errors import EffectError, suggest
 
 ENTRY_POINTS = "brace_drake.effects"
 
@@ -69,8 +69,10 @@ def _library() -> dict[str, Effect]:
 
 
 def _bundled() -> Iterator[Effect]:
-    for module in pkgutil.iter_modules(brace_drake.effects.__path__):
-        loaded = importlib.import_module(f"brace_drake.effects.{module.name}")
+    for module in pkgutil.walk_packages(
+        brace_drake.effects.__path__, "brace_drake.effects."
+    ):
+        loaded = importlib.import_module(module.name)
         card = getattr(loaded, "CARD", None)
         yield from getattr(loaded, "CARDS", () if card is None else (card,))
 

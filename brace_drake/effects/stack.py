@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from brace_drake.core.errors import EffectError
 from brace_drake.effects.card import Effect
-from brace_drake.errors import EffectError
 from brace_drake.laws.hooks import MAX_EFFECTS, NO_LAW, PLUG_POINTS
 from brace_drake.laws.plug_in import PlugIn
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brace_drake.core.parallel import Workers
 from brace_drake.experiments.rollouts import Arena, Contestant
 from brace_drake.learning.subjects import Subject
-from brace_drake.parallel import Workers
 
 _GRID = 9
 _ROUNDS = 3

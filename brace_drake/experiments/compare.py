@@ -9,15 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from brace_drake.campaign.recording import Run
+from brace_drake.core.resources import scenario_path
+from brace_drake.devices.motions.reference import reference_columns
+from brace_drake.devices.motions.reference_file import LoadReference
 from brace_drake.experiments.measures import Tracking, measure_tracking
-from brace_drake.resources import scenario_path
+from brace_drake.model.simulate_brace import BraceLog, OnProgress, SimulateBrace
+from brace_drake.recording.recording import Run
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.controllers import TAGS
 from brace_drake.scenario.load import LoadScenario
-from brace_drake.simulate_brace import BraceLog, OnProgress, SimulateBrace
-from brace_drake.twin.reference import reference_columns
-from brace_drake.twin.reference_file import LoadReference
 
 # Opens a progress bar of a run under a label.
 OpenBar = Callable[[Run, str], AbstractContextManager[OnProgress | None]]

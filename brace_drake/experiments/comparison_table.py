@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.core.output import WriteBytes, WriteText
 from brace_drake.experiments.compare import TABLE_1_PIC, ControllerRun
 from brace_drake.experiments.measures import DRIFT_LIMIT_M, FORCE_LIMIT_N
 from brace_drake.experiments.table_columns import PEAK_FORCE, TABLE_1, Column
-from brace_drake.output import WriteBytes, WriteText
 from brace_drake.report.canvas import WIDTH, figure_style, make_figure
 
 COLUMNS = (

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydrake.common.yaml import yaml_dump_typed
 
-from brace_drake.errors import PolicyError
+from brace_drake.core.errors import PolicyError
+from brace_drake.core.parallel import Workers
 from brace_drake.experiments.best_constant import Search, search_constant
 from brace_drake.experiments.rollouts import Arena, Contestant, Rollout
 from brace_drake.experiments.scores import Score, score_rollout
@@ -23,7 +24,6 @@ from brace_drake.learning.subjects import (
     draw_subject,
 )
 from brace_drake.learning.task import LearningTask, load_task_scenario
-from brace_drake.parallel import Workers
 
 TAGS = ("pic", "npic", "mraic", "vpic")
 # Streams of subjects: those a constant is searched on, and those never seen.

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.core.output import WriteBytes
 from brace_drake.experiments.comparison_table import to_png
 from brace_drake.experiments.evaluate import Evaluation
 from brace_drake.experiments.rollouts import Rollout
 from brace_drake.experiments.scores import Score
-from brace_drake.output import WriteBytes
 from brace_drake.report.canvas import (
     FLOOR,
     WIDTH,

@@ -6,16 +6,12 @@ import base64
 import math
 from pathlib import Path
 
+from brace_drake.core.output import WriteText
 from brace_drake.experiments.evaluate import Evaluation
-from brace_drake.experiments.evaluation_table import (
-    MORE,
-    summarize,
-    table_1,
-)
+from brace_drake.experiments.evaluation_table import MORE, summarize, table_1
 from brace_drake.experiments.evaluation_words import explain
 from brace_drake.experiments.scores import Spread
 from brace_drake.experiments.table_columns import TABLE_1
-from brace_drake.output import WriteText
 from brace_drake.report import page as report_page
 
 _TEMPLATE = "evaluation.html.j2"

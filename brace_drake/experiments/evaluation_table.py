@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.core.output import WriteText
 from brace_drake.experiments.compare import (
     TABLE_1_PIC,
     TABLE_1_RLPIC,
@@ -28,7 +29,6 @@ from brace_drake.experiments.table_columns import (
     TABLE_1,
     Column,
 )
-from brace_drake.output import WriteText
 
 MORE = (
     Column("start_rate", "start_rate_error_mm_s", "start of y', mm/s", 1e3),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.simulate_brace import BraceLog
+from brace_drake.model.simulate_brace import BraceLog
 
 # Where the paper ends an episode, equations (17) to (19).
 FORCE_LIMIT_N = 50.0

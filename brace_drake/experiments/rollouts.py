@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from brace_drake.errors import BraceError
+from brace_drake.core.errors import BraceError
 from brace_drake.learning.compiled_loop import CompiledLoop
 from brace_drake.learning.episode import draw_episode
 from brace_drake.learning.limits import find_violation

@@ -6,16 +6,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.campaign.columns import BENCH
-from brace_drake.campaign.recording import Campaign, Run
-from brace_drake.errors import CampaignError
+from brace_drake.core.errors import CampaignError
+from brace_drake.devices.bench.recorded_motion import ring_poses
+from brace_drake.devices.bench.rollout import LENGTHS
+from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.experiments.measures import rms
-from brace_drake.fit.nn_regression import NnContactEstimate, fit_contact_nn
-from brace_drake.fit.start import contact_motion, contact_starts, start_values
+from brace_drake.identification.nn_regression import (
+    NnContactEstimate,
+    fit_contact_nn,
+)
+from brace_drake.identification.start import (
+    contact_motion,
+    contact_starts,
+    start_values,
+)
+from brace_drake.recording.columns import BENCH
+from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.twin.bench_rollout import LENGTHS
-from brace_drake.twin.bench_twin import BenchTwin
-from brace_drake.twin.recorded_way import ring_poses
 
 FORMAT = "brace-validation/1"
 _FORCE_Y, _TORSO_Y = 13, 16

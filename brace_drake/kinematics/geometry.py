@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from brace_drake.errors import KinematicsError
+from brace_drake.core.errors import KinematicsError
 from brace_drake.laws import stages
 
 # A leg shorter than this is no leg, m.

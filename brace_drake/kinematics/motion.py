@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.errors import KinematicsError
+from brace_drake.core.errors import KinematicsError
 from brace_drake.kinematics.geometry import BraceGeometry, check_vector
 from brace_drake.laws import stage_poses, stages
 

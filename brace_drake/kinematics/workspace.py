@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.errors import KinematicsError
+from brace_drake.core.errors import KinematicsError
 from brace_drake.kinematics.geometry import BraceGeometry
 
 

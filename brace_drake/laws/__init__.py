@@ -23,8 +23,8 @@ from brace_drake.laws.kept import folder_of_sources, kept_in, takes_files
 
 def _import_all(folder: str) -> None:
     with kept_in(folder):
-        for module in pkgutil.iter_modules(__path__):
-            importlib.import_module(f"{__name__}.{module.name}")
+        for module in pkgutil.walk_packages(__path__, f"{__name__}."):
+            importlib.import_module(module.name)
 
 
 def _import_without_cache() -> None:

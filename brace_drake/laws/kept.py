@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numba
 
-from brace_drake.resources import cache_path
+from brace_drake.core.resources import cache_path
 
 
 @cache
@@ -25,7 +25,7 @@ def folder_of_sources(folder: Path) -> Path:
     digest = hashlib.sha256(numba.__version__.encode())
     laws = Path(__file__).parent
     for part in dict.fromkeys((laws, folder)):
-        for source in sorted(part.glob("*.py")):
+        for source in sorted(part.rglob("*.py")):
             digest.update(source.read_bytes())
     return cache_path(f"{folder.name}-{digest.hexdigest()[:16]}")
 

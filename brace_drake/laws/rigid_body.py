@@ -3,10 +3,7 @@
 import numpy as np
 
 from brace_drake.laws.compiled import compiled_law, compiled_maker
-from brace_drake.laws.rotation import (
-    integrate_quaternion,
-    quaternion_to_matrix,
-)
+from brace_drake.laws.rotation import integrate_quaternion, quaternion_to_matrix
 
 
 @compiled_law

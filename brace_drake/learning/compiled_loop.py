@@ -4,26 +4,28 @@ from __future__ import annotations
 
 import numpy as np
 
+from brace_drake.core.errors import BraceError
 from brace_drake.effects.stack import stack_laws
-from brace_drake.errors import BraceError
-from brace_drake.laws import brace_control, cubic, kernels
-from brace_drake.laws.brace_loop import (
+from brace_drake.laws import cubic
+from brace_drake.laws.control import brace_control
+from brace_drake.laws.hooks import PLUG_POINTS
+from brace_drake.laws.loop import kernels
+from brace_drake.laws.loop.brace_loop import (
     LOST,
     advance_brace_loop,
     advance_hooked_loop,
     read_task_state,
 )
-from brace_drake.laws.hooks import PLUG_POINTS
 from brace_drake.laws.stages import place_rings
 from brace_drake.learning.episode import Episode
 from brace_drake.learning.signals import Signals
-from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
-from brace_drake.scenario.control_numbers import pack_control
-from brace_drake.systems.brace_controller import (
+from brace_drake.model.systems.brace_controller import (
     PROBLEMS,
     estimate_of_memory,
 )
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
+from brace_drake.scenario.control_numbers import pack_control
 
 
 class CompiledLoop:

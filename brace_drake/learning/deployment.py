@@ -6,17 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.errors import PolicyError
-from brace_drake.hardware.limits import Limits
+from brace_drake.core.errors import PolicyError
+from brace_drake.devices.motions.library import RATE_HZ, SafeMotion
+from brace_drake.devices.motions.limits import check_reach
 from brace_drake.laws.cubic import calc_cubic
 from brace_drake.learning.policy import Policy
 from brace_drake.learning.policy_systems import PolicySystem
 from brace_drake.learning.task import LearningTask, load_task_scenario
-from brace_drake.operation.control import HostControl
+from brace_drake.link.device.limits import Limits
+from brace_drake.link.operation.control import HostControl
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.control_numbers import spread
-from brace_drake.twin.motion_library import RATE_HZ, SafeMotion
-from brace_drake.twin.motion_limits import check_reach
 
 _ALONG = 1
 

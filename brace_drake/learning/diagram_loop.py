@@ -10,15 +10,15 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.brace_station import BraceStation, MakeBraceStation
-from brace_drake.laws.brace_loop import read_task_state
+from brace_drake.laws.loop.brace_loop import read_task_state
 from brace_drake.learning.actions import ActionLaw
 from brace_drake.learning.episode import Episode
 from brace_drake.learning.policy_systems import Observer, StiffnessHold
 from brace_drake.learning.signals import Signals
+from brace_drake.model.brace_station import BraceStation, MakeBraceStation
+from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
-from brace_drake.systems.brace_controllers import MakeController
 
 
 def MakeCubic(

@@ -11,7 +11,7 @@ from pydrake.common import RandomGenerator
 from pydrake.gym import DrakeGymEnv
 from pydrake.systems.analysis import Simulator, SimulatorStatus
 
-from brace_drake.errors import BraceError
+from brace_drake.core.errors import BraceError
 
 # What a simulation that fails raises; DRAKE_DEMAND ends in SystemExit. Other
 # exceptions are mistakes in a program and go to the caller.

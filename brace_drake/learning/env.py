@@ -25,9 +25,9 @@ from brace_drake.learning.task import (
     make_action_law,
     spread_task,
 )
+from brace_drake.model.systems.ticks import TICK_LEAD
 from brace_drake.scenario.brace_numbers import pack_brace
 from brace_drake.scenario.control_numbers import parse_coordinates
-from brace_drake.systems.ticks import TICK_LEAD
 
 
 class RlpicEnv(RepairedDrakeGymEnv):

@@ -10,11 +10,11 @@ import numpy as np
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 from yaml import YAMLError
 
-from brace_drake.errors import PolicyError
+from brace_drake.core.errors import PolicyError
+from brace_drake.core.output import WriteBytes
 from brace_drake.learning.actions import ActionLaw
 from brace_drake.learning.signals import OBSERVERS, signals_of_estimate
 from brace_drake.learning.task import LearningTask
-from brace_drake.output import WriteBytes
 
 FORMAT = 1
 

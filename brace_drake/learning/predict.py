@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.errors import PolicyError
+from brace_drake.core.errors import PolicyError
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.episodes import EpisodeLog, run_episode
 from brace_drake.learning.policy import Policy

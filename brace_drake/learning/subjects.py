@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from brace_drake.core.errors import EffectError, ScenarioError
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import find_effect
 from brace_drake.effects.stack import Use
-from brace_drake.errors import EffectError, ScenarioError
 
 
 def _range(low: float = 1.0, high: float = 1.0):

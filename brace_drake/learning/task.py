@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import ScenarioError
+from brace_drake.core.errors import ScenarioError
+from brace_drake.core.resources import scenario_path
 from brace_drake.learning.actions import SCALES, ActionLaw, ActionNumbers
 from brace_drake.learning.limits import EpisodeLimits
 from brace_drake.learning.rewards import RewardNumbers
 from brace_drake.learning.signals import OBSERVERS
 from brace_drake.learning.subjects import SubjectRanges, check_ranges
-from brace_drake.resources import scenario_path
 from brace_drake.scenario.brace import DEVICE, BraceScenario
 from brace_drake.scenario.control_numbers import parse_coordinates
 from brace_drake.scenario.load import LoadScenario

@@ -6,11 +6,7 @@ from brace_drake.playback.states import (
     states_of_readings,
     states_of_run,
 )
-from brace_drake.playback.write import (
-    AddPlayback,
-    ShowPlayback,
-    WritePlayback,
-)
+from brace_drake.playback.write import AddPlayback, ShowPlayback, WritePlayback
 
 __all__ = [
     "AddPlayback",

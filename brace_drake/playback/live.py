@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pydrake.systems.framework import Context
 
-from brace_drake.brace_station import BraceStation
+from brace_drake.model.brace_station import BraceStation
 from brace_drake.playback.look import make_look
 from brace_drake.playback.scales import Scales, calc_pressures
 from brace_drake.playback.scene import AddScene, SetScene

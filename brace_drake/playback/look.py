@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.errors import ScenarioError
+from brace_drake.core.errors import ScenarioError
 from brace_drake.kinematics import BraceGeometry, make_geometry
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceLeg, BraceRing, BraceScenario

@@ -11,10 +11,10 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
-from brace_drake.brace_station import BraceStation
-from brace_drake.errors import BraceError
+from brace_drake.core.errors import BraceError
 from brace_drake.kinematics import BraceGeometry, find_task_coordinates
 from brace_drake.laws import stages
+from brace_drake.model.brace_station import BraceStation
 
 LEFT, RIGHT = 0, 1  # pads at +y and -y of a ring
 

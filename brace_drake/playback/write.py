@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydrake.geometry import Meshcat, MeshcatParams
 
-from brace_drake.output import WriteText
+from brace_drake.core.output import WriteText
 from brace_drake.playback.look import Look, make_look
 from brace_drake.playback.scales import (
     NO_PRESSURE,

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from brace_drake.core.errors import EffectError
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import find_effect
-from brace_drake.errors import EffectError
 from brace_drake.report.access import names, rows, text
 from brace_drake.report.tables import is_chosen, name_of, parts_of
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.errors import OutputError
-from brace_drake.output import WriteBytes
+from brace_drake.core.errors import OutputError
+from brace_drake.core.output import WriteBytes
 from brace_drake.report.traces import RunTrace
 from brace_drake.report.view import make_view
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-from brace_drake.output import WriteText
+from brace_drake.core.output import WriteText
 from brace_drake.report.access import bar_width, items, names, part, text
 from brace_drake.report.words import percent, percent_interval, times, to_number
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.campaign.columns import split_unit
+from brace_drake.recording.columns import split_unit
 from brace_drake.report.canvas import (
     AFTER,
     BEFORE,

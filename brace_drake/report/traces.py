@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.errors import OutputError
+from brace_drake.core.errors import OutputError
 
 VALIDATION = "validation"
 

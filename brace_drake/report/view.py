@@ -17,11 +17,7 @@ from brace_drake.report.access import (
 from brace_drake.report.budget_figures import draw_attribution, draw_cube
 from brace_drake.report.canvas import WIDTH
 from brace_drake.report.cards import has_run_parameters, make_cards
-from brace_drake.report.figures import (
-    draw_blocks,
-    draw_correlation,
-    draw_pairs,
-)
+from brace_drake.report.figures import draw_blocks, draw_correlation, draw_pairs
 from brace_drake.report.plane_figures import draw_plane
 from brace_drake.report.tables import (
     attribution_row,

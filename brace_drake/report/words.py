@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from brace_drake.campaign.columns import split_unit
+from brace_drake.recording.columns import split_unit
 
 NOTHING = "–"
 

@@ -67,8 +67,8 @@ class Contact:
     """Pads against torso: `linear` or `hydroelastic`, one law or the other.
 
     The linear law's numbers are always given; the hydroelastic ones are used
-    where `model` says so, and `brace_drake.contact_mapping` measures those
-    that give the linear stiffness and damping.
+    where `model` says so, and `brace_drake.model.contact_mapping` measures
+    those that give the linear stiffness and damping.
     """
 
     model: str = "linear"
@@ -82,7 +82,7 @@ class Contact:
     # On a torso's mesh, hydroelastic: points of a pad, across and up, that
     # stand for its face, see brace_drake.torso.points; 0, 0: the whole face.
     pad_points: list[int] = field(default_factory=lambda: [2, 4])
-    # What `brace_drake.contact_mapping` gives for the stiffness and damping
+    # What `brace_drake.model.contact_mapping` gives for stiffness and damping
     # above at the preload; tests/test_contact_mapping.py measures it.
     hydroelastic_modulus: float = 26666.666666666668  # Pa, k H / A
     hydroelastic_thickness: float = 0.02  # m, H of the compliant layer

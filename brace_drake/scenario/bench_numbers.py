@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry, holding_leg_forces
-from brace_drake.laws.brace_control import C_D, ESTIMATOR, LOWER, UPPER
+from brace_drake.laws.control.brace_control import C_D, ESTIMATOR, LOWER, UPPER
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.brace import BraceScenario

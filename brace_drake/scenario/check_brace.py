@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.errors import KinematicsError
+from brace_drake.core.errors import KinematicsError
 from brace_drake.kinematics import BraceGeometry
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import (

@@ -6,9 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from brace_drake.errors import suggest
-from brace_drake.laws.control import low_pass_gain_cutoff
-from brace_drake.laws.vpic import highest_next_stiffness
+from brace_drake.core.errors import suggest
+from brace_drake.laws.control.impedance import low_pass_gain_cutoff
+from brace_drake.laws.control.vpic import highest_next_stiffness
 from brace_drake.scenario.control_numbers import (
     BraceRings,
     parse_coordinates,

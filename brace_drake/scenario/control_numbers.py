@@ -8,8 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry
-from brace_drake.laws import brace_control, mraic, pose_estimate, stages
-from brace_drake.laws.control import low_pass_gain_cutoff, low_pass_gain_tau
+from brace_drake.laws import stages
+from brace_drake.laws.control import brace_control, mraic, pose_estimate
+from brace_drake.laws.control.impedance import (
+    low_pass_gain_cutoff,
+    low_pass_gain_tau,
+)
 from brace_drake.scenario.controllers import TAGS, BraceControl
 
 AXES = ("x", "y", "z")

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from brace_drake.core.errors import suggest
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import Use
-from brace_drake.errors import suggest
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.bench import EffectUse
 from brace_drake.scenario.messages import fail

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from brace_drake.campaign.recording import Campaign, Run
+from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.bench import EffectUse
 
 DEVICE = "leg bench"

@@ -10,8 +10,8 @@ import numpy as np
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
-from brace_drake.errors import OutputError, ScenarioError, reason, suggest
-from brace_drake.output import WriteText
+from brace_drake.core.errors import OutputError, ScenarioError, reason, suggest
+from brace_drake.core.output import WriteText
 from brace_drake.scenario.bench import DEVICE, BenchScenario
 from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
 from brace_drake.scenario.brace import BraceScenario

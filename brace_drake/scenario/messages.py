@@ -6,7 +6,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from brace_drake.errors import ScenarioError
+from brace_drake.core.errors import ScenarioError
 
 
 def fail(source: str, path: str, value, allowed: str) -> NoReturn:

@@ -4,8 +4,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from brace_drake.campaign.recording import Campaign, Run
-from brace_drake.laws.pad_path import filter_cosines, noise_gain, path_slopes
+from brace_drake.laws.loop.pad_path import (
+    filter_cosines,
+    noise_gain,
+    path_slopes,
+)
+from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.bench import EffectUse
 from brace_drake.scenario.pad_noise import (
     NOISE_EDGES_HZ,

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.campaign.recording import Run
+from brace_drake.recording.recording import Run
 from brace_drake.scenario.leg_bench import white_part
 
 # Lower limits of the bands in which noise is taken as white, Hz; the last is

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.signal import lfilter
 
-from brace_drake.campaign.recording import Run
-from brace_drake.errors import CampaignError
+from brace_drake.core.errors import CampaignError
+from brace_drake.recording.recording import Run
 
 # Contact offsets that are tried, over twice the pad's excursion.
 _OFFSETS = 61

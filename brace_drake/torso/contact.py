@@ -37,12 +37,9 @@ from pydrake.multibody.plant import (
 )
 from pydrake.multibody.tree import RigidBody
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.torso.contact_numbers import (
-    TorsoContact,
-    map_linear_contact,
-)
+from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact
 from brace_drake.torso.files import obj_text, vtk_text
 from brace_drake.torso.fitted import FittedTorso
 from brace_drake.torso.pads import Pad

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 from brace_drake.torso.solid import Solid, make_solid
 
 _TETRAHEDRON = 10  # VTK's number of that cell

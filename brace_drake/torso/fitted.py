@@ -9,7 +9,7 @@ import numpy as np
 from pydrake.geometry import SurfaceTriangle, TriangleSurfaceMesh
 from pydrake.multibody.tree import CalcSpatialInertia, SpatialInertia
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 from brace_drake.torso.depth import deepest
 from brace_drake.torso.grid import make_grid
 from brace_drake.torso.loft import Loft

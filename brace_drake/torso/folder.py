@@ -7,16 +7,11 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.errors import TorsoError
-from brace_drake.output import WriteText
+from brace_drake.core.errors import TorsoError
+from brace_drake.core.output import WriteText
 from brace_drake.torso.contact_numbers import TorsoContact
 from brace_drake.torso.depth import deepest
-from brace_drake.torso.files import (
-    LoadSolid,
-    LoadSurface,
-    obj_text,
-    vtk_text,
-)
+from brace_drake.torso.files import LoadSolid, LoadSurface, obj_text, vtk_text
 from brace_drake.torso.fitted import FittedTorso, calc_inertia
 from brace_drake.torso.pads import Pad, PadPlace
 

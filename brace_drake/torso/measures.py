@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import ScenarioError, TorsoError
+from brace_drake.core.errors import ScenarioError, TorsoError
 from brace_drake.scenario.load import LoadRecord
 from brace_drake.scenario.messages import fail
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 from brace_drake.torso.loft import Loft, side_point
 from brace_drake.torso.solid import Solid
 

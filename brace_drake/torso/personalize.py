@@ -9,15 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.errors import TorsoError
-from brace_drake.output import MakeFolder, WriteBytes
+from brace_drake.core.errors import TorsoError
+from brace_drake.core.output import MakeFolder, WriteBytes
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import SaveScenario
-from brace_drake.torso.contact_numbers import (
-    TorsoContact,
-    map_linear_contact,
-)
+from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact
 from brace_drake.torso.fitted import (
     DENSITY,
     PAD_RESOLUTION,

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 from brace_drake.torso.pads import Pad
 
 # All specks of a pad over its face.

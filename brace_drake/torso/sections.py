@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 from brace_drake.torso.loft import Loft
 from brace_drake.torso.solid import surface_volume
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.errors import TorsoError
+from brace_drake.core.errors import TorsoError
 
 # A wedge's nodes turned so that the smallest comes first (Dompierre, table 2).
 _TURNS = np.array(

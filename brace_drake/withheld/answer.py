@@ -21,8 +21,8 @@ from pathlib import Path
 
 import yaml
 
-from brace_drake.errors import BraceError
-from brace_drake.output import HoldFolder, WriteJson, WriteText
+from brace_drake.core.errors import BraceError
+from brace_drake.core.output import HoldFolder, WriteJson, WriteText
 from brace_drake.withheld.seals import SEALS
 
 ANSWERS = "answers.json"

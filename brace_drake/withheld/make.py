@@ -9,28 +9,14 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.campaign import Campaign, Run, WriteCampaign
-from brace_drake.errors import OutputError
-from brace_drake.output import HoldFolder, MakeFolder, WriteJson, WriteText
-from brace_drake.parallel.workers import Workers
-from brace_drake.withheld.cases import (
-    Case,
-    build_case,
-    draw_faults,
-    draw_kinds,
-)
+from brace_drake.core.errors import OutputError
+from brace_drake.core.output import HoldFolder, MakeFolder, WriteJson, WriteText
+from brace_drake.core.parallel.workers import Workers
+from brace_drake.recording import Campaign, Run, WriteCampaign
+from brace_drake.withheld.cases import Case, build_case, draw_faults, draw_kinds
 from brace_drake.withheld.floors import measure
-from brace_drake.withheld.seals import (
-    SEALS,
-    VAULT_FORMAT,
-    new_salt,
-    seal,
-)
-from brace_drake.withheld.stand_in.bench import (
-    COLUMNS,
-    REFERENCE,
-    run_bench,
-)
+from brace_drake.withheld.seals import SEALS, VAULT_FORMAT, new_salt, seal
+from brace_drake.withheld.stand_in.bench import COLUMNS, REFERENCE, run_bench
 from brace_drake.withheld.stand_in.flaws import Flaws
 from brace_drake.withheld.stand_in.motions import (
     LOG_PERIOD,

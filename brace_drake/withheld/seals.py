@@ -10,7 +10,7 @@ import hashlib
 import json
 import secrets
 
-from brace_drake.errors import BraceError
+from brace_drake.core.errors import BraceError
 
 SEALS = "SEALS.yaml"
 VAULT_FORMAT = "brace-vault/1"

@@ -4,10 +4,10 @@ import random
 import struct
 from binascii import crc_hqx
 
-from brace_drake.hardware.cobs import stuff
-from brace_drake.hardware.codec import make_codec
-from brace_drake.hardware.messages import MESSAGES, VERSION
-from brace_drake.hardware.words import DeviceState
+from brace_drake.link.protocol.cobs import stuff
+from brace_drake.link.protocol.codec import make_codec
+from brace_drake.link.protocol.messages import MESSAGES, VERSION
+from brace_drake.link.protocol.words import DeviceState
 
 KINDS = (
     *("corrupt", "truncate", "duplicate", "reorder", "drop"),

@@ -2,11 +2,11 @@
 
 import struct
 
-from brace_drake.hardware.codec import Decoder
-from brace_drake.hardware.device_ticks import Identity, Measured
-from brace_drake.hardware.firmware import Firmware
-from brace_drake.hardware.limits import DEFAULT, SHARED, shared_values
-from brace_drake.hardware.words import DeviceState
+from brace_drake.link.device.device_ticks import Identity, Measured
+from brace_drake.link.device.limits import DEFAULT, SHARED, shared_values
+from brace_drake.link.protocol.codec import Decoder
+from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.words import DeviceState
 from link_fuzz.damage import KINDS, Fuzz
 
 _REST = Measured((0.141,) * 6, (0.0,) * 3, None)

@@ -10,11 +10,7 @@ import math
 import numpy as np
 
 from brace_drake.withheld.stand_in.compiled import maker, worker
-from brace_drake.withheld.stand_in.frame import (
-    find_pose,
-    leg_geometry,
-    screws,
-)
+from brace_drake.withheld.stand_in.frame import find_pose, leg_geometry, screws
 from brace_drake.withheld.stand_in.numbers import (
     CUTOFF_HZ,
     DESIRED_DAMPING,

@@ -10,11 +10,7 @@ from brace_drake.withheld.stand_in.compiled import worker
 from brace_drake.withheld.stand_in.drives import is_loose
 from brace_drake.withheld.stand_in.frame import leg_geometry
 from brace_drake.withheld.stand_in.motion import DRIVE
-from brace_drake.withheld.stand_in.numbers import (
-    FORCE_STEP,
-    LENGTH_STEP,
-    TICK,
-)
+from brace_drake.withheld.stand_in.numbers import FORCE_STEP, LENGTH_STEP, TICK
 
 
 @worker

@@ -11,18 +11,10 @@ import numpy as np
 
 from brace_drake.withheld.stand_in import control as controller
 from brace_drake.withheld.stand_in.compiled import maker, worker
-from brace_drake.withheld.stand_in.drives import (
-    delivered,
-)
-from brace_drake.withheld.stand_in.frame import (
-    inverse_mass,
-)
+from brace_drake.withheld.stand_in.drives import delivered
+from brace_drake.withheld.stand_in.frame import inverse_mass
 from brace_drake.withheld.stand_in.instruments import sense
-from brace_drake.withheld.stand_in.motion import (
-    NUM_STATE,
-    TORSO,
-    calc_rates,
-)
+from brace_drake.withheld.stand_in.motion import NUM_STATE, TORSO, calc_rates
 from brace_drake.withheld.stand_in.numbers import (
     LOG_EVERY,
     RING_INERTIA,

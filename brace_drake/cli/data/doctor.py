@@ -1,0 +1,204 @@
+"""The command `brace-drake doctor`: what is missing on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import ctypes.util
+import glob
+import importlib.metadata
+import os
+import platform
+import re
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from packaging.requirements import Requirement
+
+from brace_drake.cli.options import AddCommand, AddJson, PrintJson
+from brace_drake.core.resources import cache_path
+
+_EPILOG = """\
+example:
+  brace-drake doctor
+  brace-drake doctor --json
+
+Ends with status 2 when something is missing that is needed, and with 0 when
+only optional things are.
+"""
+_OK, _OPTIONAL, _MISSING = "ok", "optional", "missing"
+_LEAST_MEMORY, _LEAST_DISK = 4.0, 2.0
+# What each extra is for.
+_EXTRAS = {
+    "lab": "files of a lab [lab]",
+    "mcap": "MCAP files [mcap]",
+    "train": "training [train]",
+    "onnx": "networks as ONNX [onnx]",
+    "cluster": "work on several machines [cluster]",
+    "notebooks": "notebooks run by tests [notebooks]",
+    "docs": "building the documentation [docs]",
+    "dev": "developers alone [dev]",
+}
+_PYTHONS = (3, 11), (3, 13)
+
+
+class Finding(NamedTuple):
+    """One thing that was looked at.
+
+    Attributes:
+        what: Its name.
+        status: ok, optional (missing, and not needed by most) or missing.
+        text: What was found, and what to do.
+    """
+
+    what: str
+    status: str
+    text: str
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `doctor`."""
+    parser = AddCommand(
+        subparsers,
+        "doctor",
+        Run,
+        help="say what is missing on this machine",
+        description="Looks at Python, packages, programs, ports and folders.",
+        epilog=_EPILOG,
+    )
+    AddJson(parser)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Prints a line for each thing; 2 when one that is needed is missing."""
+    found = examine_machine()
+    if args.json:
+        PrintJson({f.what: {"status": f.status, "text": f.text} for f in found})
+    else:
+        width = max(len(f.what) for f in found)
+        for f in found:
+            print(f"{f.status:8}  {f.what:{width}}  {f.text}")
+    return 2 if any(f.status == _MISSING for f in found) else 0
+
+
+def examine_machine() -> list[Finding]:
+    """All findings, in the order of what a newcomer meets."""
+    return [
+        Finding("brace_drake", _OK, importlib.metadata.version("brace_drake")),
+        _python(),
+        *_packages(importlib.metadata.requires("brace_drake") or []),
+        _program("dot", "its own layout of drawings; ours needs none"),
+        _program("chromium", "to look at reports; any browser does"),
+        _serial_ports(sorted(glob.glob("/dev/tty[AU][CS][MB]*"))),
+        _law_cache(),
+        _cores(),
+        _memory(),
+        _disk(),
+    ]
+
+
+def _python() -> Finding:
+    version, low, high = sys.version_info[:2], *_PYTHONS
+    text = f"{platform.python_version()}, {platform.machine()}"
+    if low <= version <= high:
+        return Finding("python", _OK, text)
+    allowed = f"{low[0]}.{low[1]} to {high[0]}.{high[1]}"
+    return Finding("python", _MISSING, f"{text}; allowed: {allowed}")
+
+
+def _packages(requirements: list[str]) -> Iterator[Finding]:
+    """What the package requires, extras after what is always needed."""
+    found: dict[str, Requirement] = {}
+    # Developers ask for all that other extras ask for.
+    for wanted in sorted(
+        map(Requirement, requirements), key=lambda w: _extra(w) == "dev"
+    ):
+        found.setdefault(wanted.name, wanted)
+    found.pop("brace_drake", None)
+    yield from map(_package, found.values())
+    if platform.system() == "Linux":
+        there = ctypes.util.find_library("glib-2.0") is not None
+        hint = "there" if there else "apt-get install libglib2.0-0"
+        yield Finding("libglib-2.0", _OK if there else _MISSING, hint)
+
+
+def _package(wanted: Requirement) -> Finding:
+    """Whether a package is there, in a version that is allowed."""
+    needed = wanted.marker is None or wanted.marker.evaluate({"extra": ""})
+    status = _MISSING if needed else _OPTIONAL
+    hint = f"pip install '{wanted.name}{wanted.specifier}'"
+    use = ""
+    if not needed:
+        use = f", for {_EXTRAS.get(_extra(wanted), 'an extra')}"
+        hint += use
+    try:
+        found = importlib.metadata.version(wanted.name)
+    except importlib.metadata.PackageNotFoundError:
+        return Finding(wanted.name, status, hint)
+    if wanted.specifier.contains(found, prereleases=True):
+        return Finding(wanted.name, _OK, found + use)
+    return Finding(wanted.name, status, f"{found} is another; {hint}")
+
+
+def _extra(wanted: Requirement) -> str:
+    """The first extra that asks for a package."""
+    found = re.search(r'extra == "([^"]+)"', str(wanted.marker))
+    return found.group(1) if found else ""
+
+
+def _program(name: str, what_for: str) -> Finding:
+    path = shutil.which(name)
+    if path:
+        return Finding(name, _OK, path)
+    return Finding(name, _OPTIONAL, f"not on the path: {what_for}")
+
+
+def _serial_ports(ports: list[str]) -> Finding:
+    if not ports:
+        return Finding(
+            "serial", _OPTIONAL, "no port; brace-drake emulate makes one"
+        )
+    closed = [p for p in ports if not os.access(p, os.R_OK | os.W_OK)]
+    if closed:
+        text = f"{', '.join(closed)}: no permission; join the group dialout"
+        return Finding("serial", _OPTIONAL, text)
+    return Finding("serial", _OK, ", ".join(ports))
+
+
+def _law_cache() -> Finding:
+    """Where compiled laws are kept; without it each start compiles anew."""
+    base = folder = Path(os.environ.get("NUMBA_CACHE_DIR") or cache_path())
+    while not folder.exists():
+        folder = folder.parent
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            return Finding("compiled laws", _OK, f"kept in {base}")
+    except OSError as error:
+        text = f"{folder}: {error.strerror}; set XDG_CACHE_HOME elsewhere"
+        return Finding("compiled laws", _MISSING, text)
+
+
+def _cores() -> Finding:
+    return Finding("cores", _OK, f"{os.cpu_count() or 1}")
+
+
+def _memory() -> Finding:
+    try:
+        size = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (ValueError, OSError, AttributeError):
+        return Finding("memory", _OPTIONAL, "not known on this system")
+    return _amount("memory", size / 2**30, _LEAST_MEMORY)
+
+
+def _disk() -> Finding:
+    return _amount("disk", shutil.disk_usage(".").free / 2**30, _LEAST_DISK)
+
+
+def _amount(what: str, gigabytes: float, least: float) -> Finding:
+    if gigabytes >= least:
+        return Finding(what, _OK, f"{gigabytes:.1f} GB")
+    text = f"{gigabytes:.1f} GB; a diagnosis wants {least:g}"
+    return Finding(what, _OPTIONAL, text)

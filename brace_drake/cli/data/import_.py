@@ -1,0 +1,61 @@
+"""The command `brace-drake import`: a campaign from a lab's own files."""
+
+from __future__ import annotations
+
+import argparse
+
+from brace_drake.cli.options import AddCommand
+
+_EPILOG = """\
+example:
+  brace-drake import monday.map.yaml --out recordings/monday
+
+where monday.map.yaml says which column is which channel:
+  format: brace-import/1
+  device: pad bench
+  subject: phantom 2
+  columns:
+    time_s: Time
+    displacement_m: {from: "Travel (mm)", scale: 0.001}
+    force_N: {from: Load, offset: -0.2}
+  options: {delimiter: ";", decimal: ","}
+  runs:
+  - {file: first.csv, motion: push, split: fit}
+  - {file: second.tdms, motion: push, split: validation}
+
+Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS, JSON messages of MCAP (options:
+{group: TOPIC}). `rate_hz` resamples them. What `brace-drake export` has written
+(*.mcap) needs no map.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `import`."""
+    parser = AddCommand(
+        subparsers,
+        "import",
+        Run,
+        help="make a campaign from CSV, MATLAB, TDMS or MCAP files",
+        description="Turns a lab's own recordings into a campaign.",
+        epilog=_EPILOG,
+    )
+    parser.add_argument(
+        "map", metavar="MAP", help="*.yaml, see the example; or *.mcap"
+    )
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="campaign folder to make"
+    )
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Imports and writes; prints what to do next."""
+    from brace_drake.recording import WriteCampaign
+    from brace_drake.recording.importing.mapped import ImportCampaign
+    from brace_drake.recording.importing.mcap_file import LoadMcapCampaign
+
+    from_map = not args.map.endswith(".mcap")
+    campaign = (ImportCampaign if from_map else LoadMcapCampaign)(args.map)
+    WriteCampaign(campaign, args.out)
+    print(f"campaign: {args.out}, {len(campaign.runs)} runs")
+    print(f"next: brace-drake check {args.out}")
+    return 0

@@ -1,0 +1,149 @@
+"""The command `brace-drake diagnose`: where, which, how far."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from brace_drake.cli.options import (
+    AddCampaign,
+    AddCommand,
+    AddJobs,
+    AddJson,
+    AddScenario,
+    PrintJson,
+    load_scenario_option,
+    open_workers_option,
+    share_bar,
+)
+from brace_drake.core.errors import BraceError
+from brace_drake.core.output import HoldFolder, MakeFolder, WriteJson
+from brace_drake.recording import LoadCampaign
+
+_EPILOG = """\
+example:
+  brace-drake diagnose campaigns/monday --out results/monday
+
+Writes diagnosis.json and report.html into the folder and, where effects were
+found, repaired.scenario.yaml: the twin with them, for --scenario. Where causes
+stay open, next_run.csv is the safe motion that separates them best. Nothing is
+estimated on runs of the validation split; they only show how far the gap
+shrinks.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `diagnose`."""
+    parser = AddCommand(
+        subparsers,
+        "diagnose",
+        Run,
+        help="say where the gap lies, what causes it, how far it shrinks",
+        description="Diagnoses the gap between twin and recording.",
+        epilog=_EPILOG,
+    )
+    AddCampaign(parser, "campaigns", nargs="+")
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="folder for the results"
+    )
+    AddScenario(parser)
+    AddJobs(parser)
+    AddJson(parser)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Diagnoses and writes; prints the verdicts and the files."""
+    if len(args.campaigns) > 1:
+        return _RunMany(args)
+    campaign = LoadCampaign(args.campaigns[0])
+    out = HoldFolder(Path(args.out))
+    scenario = load_scenario_option(args.scenario)
+    document = _Diagnose(campaign, scenario, out, args)
+    if args.json:
+        PrintJson(document)
+        return 0
+    print(document["verdict"]["sentence"])
+    print(f"report: {out / 'report.html'}")
+    print(f"diagnosis: {out / 'diagnosis.json'}")
+    for what, name in _MORE.items():
+        if (out / name).is_file():
+            print(f"{what}: {out / name}")
+    return 0
+
+
+def _RunMany(args: argparse.Namespace) -> int:
+    """One after the other; 2 where any failed, the others are written."""
+    from brace_drake.report.summary import WriteSummary, failed_row, summary_row
+
+    # A scenario or a place that is wrong is wrong for all: fail at once.
+    scenario = load_scenario_option(args.scenario)
+    out = HoldFolder(Path(args.out))
+    rows = []
+    for path, name in zip(
+        args.campaigns, folder_names(args.campaigns), strict=True
+    ):
+        try:
+            campaign = LoadCampaign(path)
+            folder = MakeFolder(out / name)
+            document = _Diagnose(campaign, scenario, folder, args)
+            rows.append(summary_row(name, document))
+            if not args.json:
+                print(f"{name}: {document['verdict']['sentence']}")
+        except BraceError as error:
+            text = " ".join(str(error).split())
+            rows.append(failed_row(name, text))
+            print(f"brace-drake: {name}: {text}", file=sys.stderr)
+        # After each, so that a long list stopped in its middle leaves one.
+        WriteSummary(out, rows)
+    if args.json:
+        PrintJson({"campaigns": rows})
+    else:
+        print(f"summary: {out / 'summary.html'}")
+    return 2 if any(row["error"] for row in rows) else 0
+
+
+def folder_names(campaigns: Sequence[str]) -> list[str]:
+    """A folder for each campaign: its own name, numbered where taken."""
+    names: list[str] = []
+    for path in campaigns:
+        base = Path(path).resolve().name or "campaign"
+        name, count = base, 1
+        while name in names:
+            count += 1
+            name = f"{base}_{count}"
+        names.append(name)
+    return names
+
+
+def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
+    """Diagnoses one campaign, writes its files, returns the document."""
+    # Numba and Drake are slow to import: only once the input is good.
+    from brace_drake.design.next_run import WriteNextRun, choose_next_run
+    from brace_drake.diagnose import diagnose
+    from brace_drake.document.document import MakeDocument
+    from brace_drake.document.traces import MakeTraces
+    from brace_drake.report import WriteReport
+    from brace_drake.validation.repaired import WriteRepairedScenario
+
+    with open_workers_option(args) as workers:
+        with share_bar() as progress:
+            found = diagnose(
+                campaign, workers, args.seed, scenario, progress=progress
+            )
+            progress("where", 0.96)
+            next_run = choose_next_run(found)
+            document = MakeDocument(found, next_run)
+        WriteReport(document, MakeTraces(found), out / "report.html")
+        WriteRepairedScenario(found, out)
+        WriteNextRun(next_run, out)
+        WriteJson(out / "diagnosis.json", document)
+    return document
+
+
+# Files that some diagnoses write beside the others.
+_MORE = {
+    "repaired twin": "repaired.scenario.yaml",
+    "next run": "next_run.csv",
+}

@@ -1,0 +1,128 @@
+"""The command `brace-drake fit`: the subject's parameters from a campaign."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from tqdm import tqdm
+
+from brace_drake.cli.options import (
+    AddCampaign,
+    AddCommand,
+    AddJobs,
+    AddJson,
+    AddScenario,
+    TellDocument,
+    load_scenario_option,
+    open_workers_option,
+)
+from brace_drake.core.output import HoldFolder
+from brace_drake.core.parallel import Workers
+from brace_drake.recording import LoadCampaign
+
+_EPILOG = """\
+example:
+  brace-drake fit campaigns/monday --out results/monday
+
+Prints the parameters with standard errors; with --out writes fit.json.
+"""
+# Evaluations that a fit usually takes; for the estimate of the time left.
+_USUAL = 8
+# Floors of mean square beyond which the subject alone explains no recording.
+_FAR = 2.0
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `fit`."""
+    parser = AddCommand(
+        subparsers,
+        "fit",
+        Run,
+        help="fit the subject's parameters to the fit runs",
+        description="Fits the subject's parameters to all fit runs jointly.",
+        epilog=_EPILOG,
+    )
+    AddCampaign(parser)
+    parser.add_argument("--out", metavar="DIR", help="folder for fit.json")
+    parser.add_argument(
+        "--solver",
+        choices=("snopt", "ipopt", "nlopt"),
+        default="snopt",
+        help="solver of the MathematicalProgram (default: snopt)",
+    )
+    AddScenario(parser)
+    AddJobs(parser)
+    AddJson(parser)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Fits, prints a table, and writes fit.json where asked."""
+    campaign = LoadCampaign(args.campaign)
+    out = HoldFolder(Path(args.out)) if args.out else None
+    scenario = load_scenario_option(args.scenario)
+    with open_workers_option(args) as workers:
+        found = fit_with_bar(
+            campaign, scenario, workers, args.seed, args.solver
+        )
+    TellDocument(args, found, out, "fit", format_fit)
+    return 0
+
+
+def fit_with_bar(
+    campaign, scenario, jobs: Workers, seed: int, solver: str = "snopt"
+) -> dict:
+    """`fit_campaign` under a bar of its evaluations."""
+    from brace_drake.identification.campaign_fit import fit_campaign
+
+    with tqdm(total=_USUAL, unit="evaluation", leave=False) as bar:
+
+        def progress(evaluation: int, mean_square: float) -> None:
+            bar.total = max(bar.total, evaluation + 1)
+            bar.set_postfix_str(f"mean square {mean_square:.4g} floors")
+            bar.update(evaluation - bar.n)
+
+        return fit_campaign(campaign, jobs, seed, scenario, solver, progress)
+
+
+def format_fit(found: dict) -> str:
+    """The starts, the parameters as a table, and how sharp the fit is."""
+    lines = [
+        f"start from {start['run']}: k {start['stiffness']:.0f} N/m,"
+        f" c {start['damping']:.0f} N s/m"
+        f" (equation (2) as printed: {start['printed_stiffness']:.0f},"
+        f" {start['printed_damping']:.0f})"
+        for start in found["contact_starts"]
+    ]
+    names = [p["name"] for p in found["parameters"]]
+    width = max(map(len, names))
+    lines.append(
+        f"{'':{width}}  {'value':>11} {'std. error':>10} {'nominal':>10}"
+    )
+    for p in found["parameters"]:
+        flag = "  at its limit" if p["at_limit"] else ""
+        error = "unknown"
+        if p["standard_error"] is not None:
+            error = f"{p['standard_error']:.2g}"
+        lines.append(
+            f"{p['name']:{width}}  {p['value']:11.5g}"
+            f" {error:>10} {p['nominal']:10.5g}{flag}"
+        )
+    correlation = np.array(found["correlation"])
+    np.fill_diagonal(correlation, 0.0)
+    i, j = np.unravel_index(np.argmax(np.abs(correlation)), correlation.shape)
+    condition = found["condition_number"]
+    sharp = "unknown" if condition is None else f"{condition:.1f}"
+    lines.append(
+        f"mean square {found['mean_square']:.4f} floors,"
+        f" condition {sharp}, strongest correlation"
+        f" {correlation[i, j]:.2f} ({names[i]}, {names[j]}),"
+        f" {found['solver']}: {found['evaluations']} evaluations"
+    )
+    if found["mean_square"] > _FAR:
+        lines.append(
+            "far above 1: the twin lacks something, and its parameters follow"
+            " what it lacks; run brace-drake diagnose"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,227 @@
+"""The command `brace-drake simulate`: a recording by the Drake diagram."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.cli.diagnosis.playback import (
+    AddPlaybackOptions,
+    PlayStates,
+    wants_playback,
+)
+from brace_drake.cli.options import (
+    AddCommand,
+    AddMotion,
+    AddNoiseSeed,
+    MakeBar,
+    load_motion,
+)
+from brace_drake.core.errors import ScenarioError
+
+_EPILOG = """\
+example:
+  brace-drake simulate results/monday/repaired.scenario.yaml \\
+      --motion results/monday/next_run.csv --out simulated/monday
+  brace-drake simulate diagrams/bench.scenario.yaml --motion push \\
+      --out simulated/push --html simulated/push.html
+
+The motion is a file with the columns time_s, ring2_y_desired_m,
+ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library;
+rings 1 and 3 of a brace may have such columns too, and stay where they start
+without. Where a file's name begins with "free", or its column `contact` is 0,
+the torso is absent. What is written is a campaign with that one run,
+of the stages that the scenario picks; stage 2 alone records as the bench does.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `simulate`."""
+    parser = AddCommand(
+        subparsers,
+        "simulate",
+        Run,
+        help="record a motion with the twin of a scenario",
+        description="Runs the Drake diagram of a scenario over a reference.",
+        epilog=_EPILOG,
+    )
+    parser.add_argument(
+        "scenario",
+        metavar="SCENARIO",
+        help="file of the bench or of the brace, *.scenario.yaml",
+    )
+    AddMotion(parser, required=True)
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="campaign folder to make"
+    )
+    parser.add_argument(
+        "--torso",
+        metavar="FOLDER",
+        help="folder of `personalize`: what the hydroelastic rings of a brace"
+        " meet (default: half spaces)",
+    )
+    parser.add_argument(
+        "--limits",
+        metavar="FILE",
+        help="hold these limits as on a device, such as diagrams/limits.yaml:"
+        " what breaks them releases the rings (default: no supervisor)",
+    )
+    AddNoiseSeed(parser)
+    AddPlaybackOptions(parser)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Simulates and writes a campaign; prints where."""
+    from brace_drake.scenario.bench import DEVICE
+    from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
+    from brace_drake.scenario.load import LoadScenario
+
+    scenario = LoadScenario(args.scenario)
+    record = {DEVICE: _record_bench, BRACE_DEVICE: _record_brace}
+    if scenario.device not in record:
+        names = " or ".join(repr(name) for name in record)
+        raise ScenarioError(
+            f"{args.scenario}: simulated is {names}, this is a"
+            f" {scenario.device!r}"
+        )
+    from brace_drake.recording import Campaign, WriteCampaign
+    from brace_drake.recording.write import check_new_folder
+
+    out, ended = Path(args.out), []
+    check_new_folder(out)
+    recorded, device, stages, live = record[scenario.device](
+        scenario, args, lambda *end: ended.append(end)
+    )
+    rate = 1.0 / scenario.sensors.log_period
+    subject = f"twin of {Path(args.scenario).name}"
+    WriteCampaign(
+        Campaign(out, device, rate, subject, (recorded,), stages=stages), out
+    )
+    _warn_of_errors(out)
+    seconds = recorded.time_s[-1]
+    print(f"campaign: {out}, {recorded.file}, {seconds:.3f} s")
+    _print_stop(*ended[0])
+    if wants_playback(args):
+        scenario.torso.present = recorded.contact
+        states = _states(scenario, recorded, *ended[0])
+        title = f"{subject}, {recorded.file}"
+        PlayStates(args, scenario, states, title, _torso_mesh(args), live)
+    return 0
+
+
+def _warn_of_errors(out: Path) -> None:
+    """Says why a campaign that has just been recorded is of no use."""
+    from brace_drake.recording import CheckCampaign
+
+    for problem in CheckCampaign(out):
+        if problem.severity == "error":
+            print(f"brace-drake: not usable, {problem}", file=sys.stderr)
+            return
+
+
+def _print_stop(station, context) -> None:
+    """Says what a supervisor has stopped, where there is one."""
+    if station.supervisor is None:
+        return
+    own = station.supervisor.GetMyContextFromRoot(context)
+    memory = station.supervisor.memory(own)
+    if memory.trip.cause:
+        print(f"stopped at {memory.since:.3f} s: {memory.trip}")
+    else:
+        print("limits: held")
+
+
+def _load_limits(scenario, args):
+    """Of --limits, for the scenario's rings; None without."""
+    from brace_drake.link.device.limits_file import LoadLimits
+
+    rings = getattr(scenario, "stages", [2])
+    return LoadLimits(args.limits, rings) if args.limits else None
+
+
+def _states(scenario, recorded, station, context):
+    """What a playback shows of a run that has just ended."""
+    from brace_drake.playback import states_of_run
+
+    rings = tuple(f"ring{i}" for i in getattr(scenario, "stages", [2]))
+    force = [
+        recorded.channels[f"{ring}_force_{axis}_N"]
+        for ring in rings
+        for axis in "xyz"
+    ]
+    return states_of_run(station, context, rings, np.transpose(force))
+
+
+def _torso_mesh(args) -> Path | None:
+    """The surface of --torso."""
+    from brace_drake.torso.folder import SURFACE
+
+    return Path(args.torso) / SURFACE if args.torso else None
+
+
+def _record_bench(scenario, args, at_end):
+    from brace_drake.model.simulate import RecordBench
+
+    if args.torso:
+        raise ScenarioError(f"{args.scenario}: --torso is for a brace")
+    run = load_motion(args.motion)
+    options, live = _options(scenario, args, run, at_end)
+    with MakeBar(run) as on_progress:
+        recorded = RecordBench(
+            scenario, run, on_progress=on_progress, **options
+        )
+    return recorded, scenario.device, (), live
+
+
+def _record_brace(scenario, args, at_end):
+    from brace_drake.model.simulate_brace import (
+        RecordBrace,
+        recorded_device,
+        recorded_stages,
+    )
+
+    run, add_geometry = load_motion(args.motion, rings=(1, 2, 3)), None
+    if args.torso:
+        models = [contact.model for contact in scenario.contacts]
+        if "hydroelastic" not in models:
+            raise ScenarioError(
+                f"{args.scenario}: contact.{scenario.rings[0]}.model is"
+                f" {models[0]!r}, and no other ring's is 'hydroelastic', which"
+                " --torso is for"
+            )
+        from brace_drake.torso.contact import MakeTorsoGeometry
+        from brace_drake.torso.folder import LoadTorso
+
+        add_geometry = MakeTorsoGeometry(LoadTorso(args.torso))
+    options, live = _options(scenario, args, run, at_end)
+    with MakeBar(run) as on_progress:
+        recorded = RecordBrace(
+            scenario,
+            run,
+            on_progress=on_progress,
+            add_geometry=add_geometry,
+            **options,
+        )
+    device, stages = recorded_device(scenario), recorded_stages(scenario)
+    return recorded, device, stages, live
+
+
+def _options(scenario, args, run, at_end):
+    """Of either recording; and the Meshcat that shows it live, or None."""
+    options = {
+        "noise_seed": args.noise_seed,
+        "at_end": at_end,
+        "log_pads": wants_playback(args),
+        "limits": _load_limits(scenario, args),
+    }
+    if not args.meshcat:
+        return options, None
+    from brace_drake.playback.live import LiveScene
+
+    scenario.torso.present = run.contact
+    scene = LiveScene(scenario, _torso_mesh(args))
+    print(f"live at {scene.meshcat.web_url()}", flush=True)
+    return options | {"watch": scene.Show}, scene.meshcat

@@ -1,0 +1,131 @@
+"""The command `brace-drake validate`: the paper's Figures 5 to 7."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from brace_drake.cli.options import (
+    AddCampaign,
+    AddCommand,
+    AddJobs,
+    AddScenario,
+    load_scenario_option,
+    open_workers_option,
+)
+from brace_drake.core.errors import CampaignError
+from brace_drake.core.output import HoldFolder, WriteBytes, WriteJson
+
+_EPILOG = """\
+example:
+  brace-drake validate campaigns/monday --out out/monday
+
+Writes replay.png (the recorded reference in the twin, beside ring and torso),
+regression.png (the paper's network on the measured force, and its error),
+force.png (twin and measured force before and after the optimisation, on a fit
+run and on one held back), and validation.json with their numbers.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `validate`."""
+    parser = AddCommand(
+        subparsers,
+        "validate",
+        Run,
+        help="draw the twin beside the recording, before and after the fit",
+        description="Replays a campaign of the bench, as the paper validates.",
+        epilog=_EPILOG,
+    )
+    AddCampaign(
+        parser,
+        nargs="?",
+        help="folder with campaign.yaml (default: the recorded example)",
+    )
+    parser.add_argument(
+        "--out",
+        default="out/validate",
+        metavar="DIR",
+        help="folder for the figures (default: out/validate)",
+    )
+    parser.add_argument(
+        "--fit",
+        metavar="FILE",
+        help="fit.json of this campaign (default: it is fitted now)",
+    )
+    parser.add_argument(
+        "--show", metavar="NAME", help="fit run to show (default: the first)"
+    )
+    AddScenario(parser)
+    AddJobs(parser)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Fits where needed, draws, and prints the errors."""
+    from brace_drake.core.resources import example_campaign_path
+    from brace_drake.experiments import validation_figures as figures
+    from brace_drake.experiments.validate import (
+        choose_run,
+        describe,
+        validate_twin,
+    )
+    from brace_drake.recording import LoadCampaign
+
+    path = args.campaign or example_campaign_path()
+    if not args.campaign and not path.is_dir():
+        raise CampaignError(
+            "name a campaign: the recorded example comes with the source alone"
+        )
+    campaign = LoadCampaign(path)
+    choose_run(campaign, args.show)
+    scenario = load_scenario_option(args.scenario)
+    given = _load_fit(args.fit) if args.fit else None
+    out = HoldFolder(Path(args.out))
+    found = given or _fit(campaign, scenario, args)
+    shown = validate_twin(campaign, found, scenario, args.show)
+    WriteBytes(out / "replay.png", figures.draw_replay(shown.fit))
+    regression = figures.draw_regression(shown.regression, shown.fit.run.file)
+    WriteBytes(out / "regression.png", regression)
+    WriteBytes(out / "force.png", figures.draw_forces(shown))
+    document = describe(shown)
+    WriteJson(out / "validation.json", document)
+    network = document["regression"]
+    print(
+        f"network on {network['run']}: k {network['stiffness_N_m']:.0f} N/m,"
+        f" c {network['damping_N_s_m']:.0f} N s/m,"
+        f" RMSE {network['rmse_N']:.3f} N"
+    )
+    for split, run in document["runs"].items():
+        print(
+            f"force, {run['file']} ({split}): RMSE"
+            f" {run['force_rmse_N_before']:.3f} N before,"
+            f" {run['force_rmse_N_after']:.3f} N after the fit"
+        )
+    print(f"figures: {out}")
+    return 0
+
+
+def _fit(campaign, scenario, args) -> dict:
+    from brace_drake.cli.diagnosis.fit import fit_with_bar
+
+    with open_workers_option(args) as workers:
+        return fit_with_bar(campaign, scenario, workers, args.seed)
+
+
+def _load_fit(path: str) -> dict:
+    from brace_drake.identification.campaign_fit import FORMAT
+
+    try:
+        found = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise CampaignError(
+            f"{path}: cannot be read: {error.strerror}"
+        ) from error
+    except ValueError:
+        found = None
+    if not isinstance(found, dict) or found.get("format") != FORMAT:
+        raise CampaignError(
+            f"{path}: is not a fit.json of `brace-drake fit --out`"
+        )
+    return found

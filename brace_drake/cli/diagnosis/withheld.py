@@ -1,0 +1,209 @@
+"""The command `brace-drake withheld`: blind cases, answers, scores."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tqdm import tqdm
+
+from brace_drake.cli.options import (
+    AddCommand,
+    AddJobCount,
+    not_negative,
+    positive,
+)
+from brace_drake.core.errors import BraceError
+from brace_drake.core.output import HoldFolder, WriteJson, WriteText
+
+_EPILOG = """\
+example:
+  brace-drake withheld make --cases 40 --out cases --vault secret/vault.json
+  brace-drake withheld answer cases --out answers
+  brace-drake withheld score cases --vault secret/vault.json --answers answers
+
+The cases come from a stand-in of the bench that shares no code with the twin.
+Their truth lies in the vault; SEALS.yaml among the cases promises it by hash,
+COMMITMENT among the answers promises those.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `withheld` with its three parts."""
+    parser = AddCommand(
+        subparsers,
+        "withheld",
+        None,
+        help="put the diagnosis to a blind test",
+        description="Puts the diagnosis to a blind test.",
+        epilog=_EPILOG,
+    )
+    parts = parser.add_subparsers(metavar="PART", required=True)
+    _add_make(parts)
+    _add_answer(parts)
+    _add_score(parts)
+
+
+def _add_part(
+    parts, name: str, run, what: str, arguments: str
+) -> argparse.ArgumentParser:
+    return AddCommand(
+        parts,
+        name,
+        run,
+        help=what,
+        description=f"{what.capitalize()}.",
+        epilog=f"example:\n  brace-drake withheld {name} {arguments}\n",
+    )
+
+
+def _add_make(parts: argparse._SubParsersAction) -> None:
+    parser = _add_part(
+        parts,
+        "make",
+        RunMake,
+        "make sealed cases",
+        "--cases 40 --out cases --vault secret/vault.json",
+    )
+    parser.add_argument(
+        "--cases",
+        type=positive,
+        required=True,
+        metavar="N",
+        help="how many to make",
+    )
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="folder for the cases"
+    )
+    parser.add_argument(
+        "--vault",
+        required=True,
+        metavar="FILE",
+        help="file for their truth, outside DIR",
+    )
+    parser.add_argument(
+        "--seed",
+        type=not_negative,
+        metavar="S",
+        help="makes repeatable cases, which are then not blind (default:"
+        " entropy of the operating system)",
+    )
+    AddJobCount(parser, "cases at a time (default: all cores)")
+
+
+def _add_answer(parts: argparse._SubParsersAction) -> None:
+    parser = _add_part(
+        parts, "answer", RunAnswer, "diagnose all cases", "cases --out answers"
+    )
+    parser.add_argument("cases", metavar="DIR", help="folder of the cases")
+    parser.add_argument(
+        "--out",
+        required=True,
+        metavar="ANSWERS",
+        help="folder for the diagnoses",
+    )
+    AddJobCount(parser, "cases at a time (default: all cores)")
+
+
+def _add_score(parts: argparse._SubParsersAction) -> None:
+    parser = _add_part(
+        parts,
+        "score",
+        RunScore,
+        "open the vault and compare the answers with the truth",
+        "cases --vault secret/vault.json --answers answers",
+    )
+    parser.add_argument(
+        "cases",
+        nargs="+",
+        metavar="DIR",
+        help="folder of the cases; several are scored together",
+    )
+    for name, metavar, what in (
+        ("--vault", "FILE", "vault"),
+        ("--answers", "ANSWERS", "folder of the answers"),
+    ):
+        parser.add_argument(
+            name,
+            nargs="+",
+            required=True,
+            metavar=metavar,
+            help=f"{what} of each folder of cases, in the same order",
+        )
+    parser.add_argument(
+        "--detectable",
+        type=float,
+        default=0.3,
+        metavar="F",
+        help="noise floors above which a gap counts as detectable"
+        " (default: 0.3)",
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="folder for score.json, score.txt and reliability.svg",
+    )
+
+
+def RunMake(args: argparse.Namespace) -> int:
+    """Makes the cases; prints where they and their truth lie."""
+    from brace_drake.withheld.make import make_cases
+    from brace_drake.withheld.seals import SEALS
+
+    out = Path(args.out)
+    with tqdm(total=args.cases, unit="case", leave=False) as bar:
+        make_cases(
+            out,
+            Path(args.vault),
+            args.cases,
+            args.seed,
+            lambda done: bar.update(done - bar.n),
+            args.jobs,
+        )
+    print(f"cases: {out}, promised by {out / SEALS}")
+    print(f"truth: {args.vault}")
+    return 0
+
+
+def RunAnswer(args: argparse.Namespace) -> int:
+    """Diagnoses the cases; prints each answer as it comes."""
+    from brace_drake.withheld.answer import COMMITMENT, answer_cases
+
+    def tell(name: str, answer: str) -> None:
+        print(f"{name}: {answer}", flush=True)
+
+    answers = answer_cases(
+        Path(args.cases), Path(args.out), args.jobs, progress=tell
+    )
+    failed = [c for c in answers["cases"].values() if c["error"]]
+    for case in failed[:1]:
+        print(f"{len(failed)} not answered, the first: {case['error']}")
+    print(f"commitment: {Path(args.out) / COMMITMENT}")
+    return 0
+
+
+def RunScore(args: argparse.Namespace) -> int:
+    """Prints the scores, and writes them where asked."""
+    from brace_drake.withheld.score import load_judged, score
+    from brace_drake.withheld.score_table import draw_reliability, format_score
+
+    sets = (args.cases, args.vault, args.answers)
+    if len({len(paths) for paths in sets}) > 1:
+        raise BraceError(
+            f"withheld score: {len(args.cases)} folders of cases,"
+            f" {len(args.vault)} vaults and {len(args.answers)} folders of"
+            " answers; each folder of cases has one of either"
+        )
+    judged = []
+    for paths in zip(*sets, strict=True):
+        judged += load_judged(*map(Path, paths))
+    found = score(judged, args.detectable)
+    text = format_score(found)
+    print(text, end="")
+    if args.out:
+        out = HoldFolder(Path(args.out))
+        WriteJson(out / "score.json", found)
+        WriteText(out / "score.txt", text)
+        WriteText(out / "reliability.svg", draw_reliability(found))
+        print(f"score: {out / 'score.json'}")
+    return 0

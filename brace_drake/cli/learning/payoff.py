@@ -1,0 +1,107 @@
+"""The command `brace-drake payoff`: does closing the gap pay?"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from brace_drake.cli.options import (
+    AddCommand,
+    AddJobs,
+    check_training_extra,
+    open_workers_option,
+    positive,
+)
+from brace_drake.core.errors import BraceError
+
+_EPILOG = """\
+example:
+  brace-drake payoff --out out/payoff
+  brace-drake payoff --out out/payoff --causes command_delay --episodes 200
+
+For each cause: a campaign of the stand-in of the bench that has it, its
+diagnosis, the repaired twin, a policy trained there, and one of the nominal
+twin; then pushes of that stand-in under both and under PIC. Started again with
+the same options it goes on with what the folder has. Writes payoff.yaml, the
+options, payoff.csv and payoff.md. Needs pip install -e '.[train]'.
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `payoff`."""
+    parser = AddCommand(
+        subparsers,
+        "payoff",
+        Run,
+        help="policies of the nominal and the repaired twin, on the machine",
+        description="Measures what closing the gap is worth to a policy.",
+        epilog=_EPILOG,
+    )
+    add = parser.add_argument
+    add("--out", required=True, metavar="DIR", help="folder for all of it")
+    add(
+        "--causes",
+        metavar="A,B",
+        help="effects to hide and repair (default:"
+        " coulomb_friction,command_delay,relaxation)",
+    )
+    add(
+        "--severity",
+        choices=("small", "medium", "large"),
+        default="large",
+        help="size of these effects (default: large)",
+    )
+    add(
+        "--episodes",
+        type=positive,
+        default=1000,
+        metavar="N",
+        help="budget of each training (default: 1000)",
+    )
+    add(
+        "--force-limit",
+        type=float,
+        default=20.0,
+        metavar="N",
+        help="F_max of the reward (default: 20; the bench's wearer is stiffer"
+        " than the paper's)",
+    )
+    add(
+        "--pushes",
+        type=positive,
+        default=3,
+        metavar="N",
+        help="pushes of each controller on each machine (default: 3)",
+    )
+    AddJobs(parser)
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Runs the experiment and prints its table."""
+    check_training_extra()
+    from brace_drake.experiments.transfer.payoff import CAUSES, run_payoff
+    from brace_drake.experiments.transfer.payoff_table import WritePayoff
+    from brace_drake.learning.training.numbers import TrainingNumbers
+    from brace_drake.learning.training.train import TrainPolicy
+
+    if not args.force_limit > 0.0:
+        raise BraceError(f"--force-limit {args.force_limit}; allowed: above 0")
+    out = Path(args.out)
+    numbers = TrainingNumbers(episodes=args.episodes, seed=args.seed)
+    causes = CAUSES if args.causes is None else args.causes.split(",")
+    with open_workers_option(args) as workers:
+        outcomes = run_payoff(
+            out,
+            lambda folder, task: TrainPolicy(folder, task, numbers),
+            workers,
+            causes,
+            args.severity,
+            args.force_limit,
+            args.pushes,
+            args.seed,
+            lambda what: print(what, file=sys.stderr, flush=True),
+        )
+    WritePayoff(out, outcomes)
+    print((out / "payoff.md").read_text(encoding="utf-8"), end="")
+    return 0

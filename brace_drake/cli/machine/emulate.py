@@ -1,0 +1,276 @@
+"""The command `brace-drake emulate`: a brace that is not there."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import signal
+import sys
+import threading
+
+from brace_drake.cli.options import AddCommand, not_negative, positive_real
+from brace_drake.core.errors import BraceError, LinkError
+
+_EPILOG = """\
+example:
+  brace-drake emulate --link /tmp/brace --effect relaxation
+  brace-drake record --port /tmp/brace --motion push --out recordings/monday
+
+  brace-drake emulate --link /tmp/brace --scenario diagrams/brace.scenario.yaml
+
+Lines on standard input change it while it runs:
+  torso on|off               the subject comes or goes
+  rest                       ring and torso are put back at rest
+  estop on|off               the emergency stop
+  drive on|off               a drive's own fault
+  stuck 3 | frozen 3 | free  leg 3 jams | its reading stands still | neither
+  to-host drop 0.01          drop, corrupt, truncate, duplicate, reorder: share
+  to-device delay 0.005      of frames; delay: s
+  noise 500                  bytes of noise before each hello
+  unplug | plug              the line
+  stop                       ends
+"""
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `emulate`."""
+    parser = AddCommand(
+        subparsers,
+        "emulate",
+        Run,
+        help="serve an emulated brace on a pseudo-terminal",
+        description="A device with the laws of bench or brace, for working"
+        " without one.",
+        epilog=_EPILOG,
+    )
+    parser.add_argument(
+        "--link", metavar="PATH", help="symbolic link to make to the terminal"
+    )
+    parser.add_argument(
+        "--scenario",
+        metavar="FILE",
+        help="file of the bench, or of a brace in task space with linear pads"
+        " (default: nominal bench)",
+    )
+    parser.add_argument(
+        "--limits", metavar="FILE", help="the device's own (default: package's)"
+    )
+    parser.add_argument(
+        "--effect",
+        action="append",
+        default=[],
+        metavar="NAME[:P=V,...]",
+        help="effect of the library, at its first start; twice at most; on a"
+        " brace alike on every stage, but none that changes the bench's"
+        " numbers",
+    )
+    parser.add_argument(
+        "--subject",
+        metavar="N=V,...",
+        default="",
+        help="subject on the bench, such as torso_mass_kg=35",
+    )
+    parser.add_argument(
+        "--serial",
+        default="emulated-1",
+        metavar="TEXT",
+        help="serial number that it tells (default: emulated-1)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=not_negative,
+        default=0,
+        metavar="S",
+        help="start of its instruments' noise (default: 0)",
+    )
+    parser.add_argument(
+        "--free", action="store_true", help="begin without the torso"
+    )
+    parser.add_argument(
+        "--host-paced",
+        type=positive_real,
+        nargs="?",
+        const=1.0,
+        default=0.0,
+        metavar="S",
+        help="device time waits up to S (default: 1) for each answer of an"
+        " armed host, for a computer too busy to keep real time",
+    )
+    parser.add_argument(
+        "--duration",
+        type=positive_real,
+        metavar="S",
+        help="seconds until it ends by itself (default: it serves on)",
+    )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="LINE",
+        help="line as on standard input, from the start",
+    )
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Serves until it is stopped; prints the terminal's path."""
+    device = _make_device(args)
+    for line in args.fault:
+        carry_out(device, line)
+    print(f"port: {device.terminal.path}", flush=True)
+    signal.signal(signal.SIGTERM, lambda *_: device.stop())
+    threading.Thread(target=_Obey, args=(device,), daemon=True).start()
+    try:
+        device.run(args.duration)
+    finally:
+        device.terminal.disconnect()
+        print(
+            f"ticks: {device.firmware.tick_count},"
+            f" late {device.late_ticks}, unanswered {device.unanswered};"
+            f" commands {device.firmware.accepted},"
+            f" refused {device.firmware.rejected}"
+        )
+    return 0
+
+
+def _make_device(args: argparse.Namespace):
+    from brace_drake.cli.machine.link_options import load_link_scenario
+    from brace_drake.link.device.limits_file import LoadLimits
+    from brace_drake.link.emulator.describe import describe_device
+    from brace_drake.link.emulator.device import EmulatedDevice
+    from brace_drake.link.operation.station import moving_rings
+    from brace_drake.scenario.bench import BenchScenario
+
+    scenario = load_link_scenario(args.scenario)
+    uses = tuple(parse_effect(text) for text in args.effect)
+    is_bench = isinstance(scenario, BenchScenario)
+    make = _make_bench if is_bench else _make_brace
+    plant = make(scenario, uses, args)
+    plant.with_torso = scenario.torso.present and not args.free
+    return EmulatedDevice(
+        plant,
+        describe_device(scenario, args.serial),
+        LoadLimits(args.limits, moving_rings(scenario)),
+        args.link,
+        args.host_paced,
+        args.seed,
+    )
+
+
+def _make_bench(scenario, uses, args: argparse.Namespace):
+    import numpy as np
+
+    from brace_drake.devices.subject import bench_subject
+    from brace_drake.link.emulator.bench_plant import BenchPlant
+    from brace_drake.scenario.bench_numbers import pack_bench
+
+    subject = bench_subject(pack_bench(scenario))
+    values = {p.name: p.nominal for p in subject}
+    for name, value in parse_numbers(args.subject).items():
+        if name not in values:
+            raise BraceError(
+                f"no parameter {name!r} of a subject; there are"
+                f" {', '.join(values)}"
+            )
+        values[name] = value
+    return BenchPlant(
+        scenario, uses, np.array(list(values.values())), args.seed
+    )
+
+
+def _make_brace(scenario, uses, args: argparse.Namespace):
+    from brace_drake.link.emulator.brace_plant import BracePlant
+
+    if args.subject:
+        raise BraceError(
+            f"--subject {args.subject}: of a brace the subject is in its"
+            " scenario, under torso and contact"
+        )
+    return BracePlant(scenario, uses, args.seed)
+
+
+def parse_numbers(text: str) -> dict[str, float]:
+    """Names with values from "a=1,b=2".
+
+    Raises:
+        BraceError: A part that is none.
+    """
+    numbers = {}
+    for part in filter(None, text.split(",")):
+        name, _, value = part.partition("=")
+        try:
+            numbers[name.strip()] = float(value)
+        except ValueError as error:
+            raise BraceError(f"{part!r} is not NAME=NUMBER") from error
+    return numbers
+
+
+def parse_effect(text: str):
+    """An effect of the library with its values, from "name:p=v,...".
+
+    Raises:
+        EffectError: Unknown, or values outside their limits.
+    """
+    from brace_drake.effects.registry import find_effect
+
+    name, _, numbers = text.partition(":")
+    card = find_effect(name)
+    values = dict(zip(card.parameter_names, card.starts()[0], strict=True))
+    values |= parse_numbers(numbers)
+    return card, card.in_run(card.vector(values), 0)
+
+
+def _Obey(device) -> None:
+    for line in sys.stdin:
+        try:
+            carry_out(device, line)
+        except BraceError as error:
+            print(f"brace-drake: {error}", file=sys.stderr, flush=True)
+
+
+def carry_out(device, line: str) -> None:
+    """Changes an emulated device by one line of text, see the help.
+
+    Raises:
+        LinkError: No such line.
+    """
+    words = shlex.split(line)
+    faults, plant = device.faults, device.plant
+    try:
+        match words:
+            case []:
+                pass
+            case ["torso", "on" | "off" as value]:
+                device.plan_torso(value == "on")
+            case ["rest"]:
+                device.plan_rest()
+            case ["estop", "on" | "off" as value]:
+                faults.estop = value == "on"
+            case ["drive", "on" | "off" as value]:
+                faults.drive_fault = value == "on"
+            case ["stuck", leg]:
+                faults.stuck_legs = (_leg(leg, plant),)
+            case ["frozen", leg]:
+                faults.frozen_legs = (_leg(leg, plant),)
+            case ["free"]:
+                faults.stuck_legs = faults.frozen_legs = ()
+            case ["to-host", name, value]:
+                faults.to_host.set(name, float(value))
+            case ["to-device", name, value]:
+                faults.to_device.set(name, float(value))
+            case ["noise", number]:
+                faults.noise_before_hello = int(number)
+            case ["unplug" | "plug" as word]:
+                device.plug(word == "plug")
+            case ["stop"]:
+                device.stop()
+            case _:
+                raise LinkError(f"{line.strip()!r}: no such line; see --help")
+    except ValueError as error:
+        raise LinkError(f"{line.strip()!r}: {error}") from error
+
+
+def _leg(text: str, plant) -> int:
+    number = int(text)
+    if not 1 <= number <= len(plant.hold):
+        raise LinkError(f"leg {number}: there are 1 to {len(plant.hold)}")
+    return number - 1

@@ -1,0 +1,87 @@
+"""The command `brace-drake record`: a motion on a device, into a campaign."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from brace_drake.cli.machine.link_options import (
+    AddDevice,
+    AddRecording,
+    OpenRecorder,
+    load_device_motion,
+    load_link_scenario,
+)
+from brace_drake.cli.options import AddCommand, AddMotion
+from brace_drake.core.errors import CampaignError
+
+_EPILOG = """\
+example:
+  brace-drake record --port /dev/ttyACM0 --motion push --out recordings/monday
+
+The motion is a name of the library (push, stairs, reversal, multisine,
+quiet_hold, free_reversal ...), a reference (*.csv), or a plan of runs (*.yaml,
+see `brace-drake campaign --help`), all of which are recorded. On a brace ring 2
+follows it, or that of --ring, and the others are held; a reference may have
+columns of each ring. What is in the folder stays; a motion that is there
+already is recorded as its repeat (of a plan, where it says so). Any key stops;
+so does Ctrl-C. A crash or an unplugged device leaves a shorter recording.
+"""
+_PLANS = (".yaml", ".yml")
+
+
+def AddParser(subparsers: argparse._SubParsersAction) -> None:
+    """Adds the subcommand `record`."""
+    parser = AddCommand(
+        subparsers,
+        "record",
+        Run,
+        help="run a motion on a device and record it",
+        description="Drives a device through a motion and records it.",
+        epilog=_EPILOG,
+    )
+    AddDevice(parser)
+    AddMotion(
+        parser,
+        required=True,
+        help="reference (*.csv), motion of the library, or plan (*.yaml)",
+    )
+    AddRecording(parser)
+    parser.add_argument(
+        "--split",
+        choices=("fit", "validation"),
+        help="what the run is for (default: fit)",
+    )
+
+
+def Run(args: argparse.Namespace) -> int:
+    """Records one motion, or all runs of a plan."""
+    if args.motion.endswith(_PLANS):
+        return _RecordPlan(args)
+    from brace_drake.link.operation.console import ReadKeys
+    from brace_drake.link.operation.station import moving_rings
+
+    rings = moving_rings(load_link_scenario(args.scenario))
+    motion = load_device_motion(args.motion, rings, args.ring)
+    split = args.split or "fit"
+    with ReadKeys() as keys, OpenRecorder(args) as recorder:
+        run = recorder.Record(motion, split, args.countdown, keys)
+    print(f"recorded: {Path(args.out) / run.entry['file']}, {run.rows} rows")
+    return 0
+
+
+def _RecordPlan(args: argparse.Namespace) -> int:
+    from brace_drake.link.operation.campaign_plan import LoadPlan
+    from brace_drake.link.operation.guide import RecordRuns
+
+    if args.split is not None:
+        raise CampaignError(
+            f"--split {args.split}: each run of {args.motion} has its own"
+        )
+    plan = LoadPlan(args.motion)
+    with OpenRecorder(args) as recorder:
+        RecordRuns(
+            recorder, list(enumerate(plan, 1)), len(plan), args.countdown
+        )
+    print(f"recorded: {args.out}, {len(plan)} runs")
+    return 0

@@ -1,0 +1,122 @@
+"""Results on disk: written aside, then renamed, or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import fcntl
+import json
+import os
+import uuid
+from pathlib import Path
+
+from brace_drake.core.errors import OutputError
+
+# Folders that this process holds, by their place on the disk.
+_held: dict[tuple[int, int], int] = {}
+
+
+def MakeFolder(path: Path) -> Path:
+    """Makes a folder for results, with its parents.
+
+    Raises:
+        OutputError: It cannot be made or written to.
+    """
+    path = Path(path)
+    probe = path / f".{uuid.uuid4().hex}"
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        probe.touch()
+        probe.unlink()
+    except OSError as error:
+        why = "is a file" if path.is_file() else error.strerror
+        raise OutputError(f"{path}: cannot write there: {why}") from error
+    return path
+
+
+def HoldFolder(path: Path) -> Path:
+    """Makes a folder that no other process holds, and holds it.
+
+    Until `ReleaseFolder`, or the end of the process however it comes. A folder
+    is held once for the whole process. Disks that know no locks hold nothing.
+
+    Raises:
+        OutputError: It cannot be made or written to, or another process holds
+            it.
+    """
+    path = MakeFolder(path)
+    fd = os.open(path, os.O_RDONLY)
+    place = _place(fd)
+    if place in _held:
+        os.close(fd)
+        return path
+    try:
+        fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(fd)
+        if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
+            raise OutputError(
+                f"{path}: another process is writing its results there"
+            ) from error
+        return path
+    _held[place] = fd
+    return path
+
+
+def ReleaseFolder(path: Path) -> None:
+    """Ends a hold; a folder that is not held stays as it is."""
+    with contextlib.suppress(OSError):
+        status = Path(path).stat()
+        fd = _held.pop((status.st_dev, status.st_ino), None)
+        if fd is not None:
+            os.close(fd)
+
+
+def ReleaseFolders() -> None:
+    """Ends all holds of this process."""
+    while _held:
+        os.close(_held.popitem()[1])
+
+
+def _place(fd: int) -> tuple[int, int]:
+    status = os.fstat(fd)
+    return status.st_dev, status.st_ino
+
+
+def WriteText(path: Path, text: str) -> None:
+    """Writes a text file that appears only when it is complete.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    WriteBytes(path, text.encode("utf-8"))
+
+
+def WriteBytes(path: Path, data: bytes) -> None:
+    """Writes a file that appears only when it is complete, and on the disk.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    path = Path(path)
+    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    try:
+        with draft.open("wb") as file:
+            file.write(data)
+            file.flush()
+            # Else a machine that loses power may keep the name alone.
+            os.fsync(file.fileno())
+        os.replace(draft, path)
+    except OSError as error:
+        raise OutputError(
+            f"{path}: cannot be written: {error.strerror}"
+        ) from error
+    finally:
+        # Gone where all went well; on a read-only disk it never was.
+        with contextlib.suppress(OSError):
+            draft.unlink(missing_ok=True)
+
+
+def WriteJson(path: Path, document: dict) -> None:
+    """Writes a document as JSON."""
+    WriteText(path, json.dumps(document, indent=1, allow_nan=False) + "\n")

@@ -1,0 +1,96 @@
+"""The bench's twin as fits and diagnoses see it: values in, channels out."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+
+from brace_drake.devices.bench.rollout import (
+    CHANNELS,
+    Motion,
+    draw_noise,
+    simulate_bench,
+)
+from brace_drake.devices.motions.reference import (
+    reference_at_ticks,
+    reference_of_run,
+)
+from brace_drake.devices.run_memory import RunMemory, key_of_run
+from brace_drake.devices.subject import (
+    bench_subject,
+    scenario_of_subject,
+    with_subject,
+)
+from brace_drake.devices.twin import ReplayTwin
+from brace_drake.effects.stack import stack_effects
+from brace_drake.recording.recording import Run
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
+
+# Three plant steps in a control period: long enough to save a third of the
+# cost, well inside the limit that the regularised friction sets (see
+# `laws.contact`): mu N / v_s over the ring's mass.
+_COARSE_STEP = 1e-3 / 3.0
+
+
+# Longest time to settle, s: then the start is gone from the readings.
+_SETTLE_S = 2.0
+
+
+class BenchTwin(ReplayTwin):
+    """Replays recorded references on the compiled bench."""
+
+    channels = CHANNELS
+    instruments_known = True
+    has_loop = True
+
+    def __init__(self, scenario: BenchScenario, time_step: float | None = None):
+        super().__init__(scenario, pack_bench(scenario), time_step)
+        self.device = scenario.device
+        self.subject = bench_subject(self.numbers)
+        self._memory = RunMemory()
+
+    def coarse(self) -> Self:
+        """The same twin with the longest plant step that stays accurate."""
+        return type(self)(self.scenario, max(self.time_step, _COARSE_STEP))
+
+    def scenario_of(self, subject: np.ndarray) -> BenchScenario:
+        """The scenario with a subject's numbers, a copy."""
+        return scenario_of_subject(self.scenario, subject)
+
+    def with_subject(self, values: np.ndarray) -> BenchNumbers:
+        """The numbers of a subject, values in the order of `subject`."""
+        return with_subject(self.numbers, values)
+
+    def motion(self, run: Run) -> Motion:
+        """The reference of a recorded run at control ticks."""
+        times, samples = reference_of_run(run)
+        rate = self.scenario.control.rate
+        every = round(np.median(np.diff(times)) * rate)
+        desired = reference_at_ticks(times, samples, rate)
+        # Held at its first place, until what was switched on has settled.
+        settle_s = min(run.settled_s, _SETTLE_S)
+        settled = every * round(settle_s * rate / every)
+        held = np.zeros((settled, 3))
+        held[:, 0] = desired[0, 0]
+        desired = np.vstack([held, desired])
+        return Motion(desired, run.contact, every, settled)
+
+    def active(self, run: Run) -> np.ndarray:
+        """Which channels carry information in a run, bool (C,)."""
+        names = np.array(self.channels)
+        return run.contact | ~np.char.startswith(names, "torso")
+
+    def _replay(self, numbers, motion, subject, uses, generator):
+        """In closed loop; not writable where readings are exact."""
+        plug_ins = stack_effects(uses, numbers)
+
+        def run(noise=None):
+            return simulate_bench(
+                numbers, motion, self.time_step, plug_ins, noise
+            )
+
+        if generator is not None:
+            return run(draw_noise(numbers, len(motion.desired), generator))
+        return self._memory.recall(key_of_run(numbers, motion, plug_ins), run)

@@ -1,0 +1,245 @@
+"""Reference motions for the bench that stay within its limits.
+
+Slow ones show dry friction, play and creep; fast ones inertia, damping and
+delays; holds show what moves by itself; free runs show everything but contact
+and torso. The numbers keep |y| below `motion_limits.EXCURSION`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.core.errors import CampaignError, suggest
+from brace_drake.devices.motions.parts import (
+    growing_sine,
+    multisine,
+    product,
+    ramp,
+    steps,
+)
+from brace_drake.devices.motions.reference import COLUMNS
+from brace_drake.recording.recording import Run
+
+RATE_HZ = 200.0
+# Of multisines, Hz.
+_RATES = np.array([0.15, 0.35, 0.6, 0.95, 1.45, 2.1])
+_FAST = np.array([0.5, 1.1, 1.9, 2.7, 3.7, 4.9])
+
+
+@dataclass(frozen=True)
+class SafeMotion:
+    """A reference to run; see `PlannedMotion`.
+
+    Attributes:
+        name: Identifier.
+        meaning: What the ring does, in a few words.
+        contact: Whether the torso is there.
+        kind: push, stairs, reversal, multisine or quiet_hold.
+        time: Sample times from 0 (N,), s.
+        samples: y, m; y', m/s; y'', m/s^2 (N, 3); of a device of several
+            rings (N, 3, S).
+    """
+
+    name: str
+    meaning: str
+    contact: bool
+    kind: str
+    time: np.ndarray
+    samples: np.ndarray
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Channels of the reference."""
+        return COLUMNS
+
+    @property
+    def run(self) -> Run:
+        """The reference as a run that has not been recorded yet."""
+        columns = dict(zip(COLUMNS, self.samples.T, strict=True))
+        channels = {"time_s": self.time, **columns}
+        file = f"{self.name}.csv"
+        return Run(file, self.contact, self.kind, None, "fit", channels)
+
+
+def _hold(t):
+    return np.zeros((len(t), 3))
+
+
+def _push(height, rise):
+    return lambda t: ramp(t, 0.5, rise, height)
+
+
+def _stairs(heights, hold, rise=0.5):
+    millimetres = 1e-3 * np.array(heights)
+    return lambda t: steps(t, millimetres, hold, rise)
+
+
+def _reversal(mean, amplitude, rate):
+    return lambda t: growing_sine(t, mean, amplitude, rate, 1.5)
+
+
+def _multisine(mean, size, rates):
+    """Sines of falling amplitude about a mean; at most `size` from it."""
+
+    def motion(t):
+        grow = ramp(t, 0.5, 1.5, 1.0)
+        wave = multisine(t, size, rates)
+        return ramp(t, 0.0, 1.5, mean) + product(grow, wave)
+
+    return motion
+
+
+# Name: meaning, contact, kind, duration in s, y of t.
+_LIBRARY: dict[str, tuple[str, bool, str, float, Callable]] = {
+    "quiet_hold": ("still, 12 s", True, "quiet_hold", 12, _hold),
+    "quiet_hold_long": ("still, 60 s", True, "quiet_hold", 60, _hold),
+    "push": ("10 mm in 6 s, held", True, "push", 12, _push(-0.010, 6.0)),
+    "push_fast": ("9 mm in 0.6 s, held", True, "push", 12, _push(-0.009, 0.6)),
+    "push_deep": ("12 mm in 3 s, held", True, "push", 12, _push(-0.0119, 3.0)),
+    "push_other_side": (
+        "10 mm to the other side in 4 s, held",
+        True,
+        "push",
+        12,
+        _push(0.010, 4.0),
+    ),
+    "push_hold_long": ("9 mm in 1 s, held", True, "push", 60, _push(-9e-3, 1)),
+    "stairs": (
+        "six depths to 9 mm, 1.4 s each",
+        True,
+        "stairs",
+        12,
+        _stairs([-2, -5, -9, -6, -2, -7], 1.4),
+    ),
+    "stairs_both_sides": (
+        "eight heights within 10 mm to both sides, 0.9 s each",
+        True,
+        "stairs",
+        12,
+        _stairs([-3, -7, -10, -4, 4, 10, 6, 0], 0.9),
+    ),
+    "stairs_long": (
+        "three depths to 11 mm, 10 s each",
+        True,
+        "stairs",
+        33,
+        _stairs([-4, -8, -11], 10.0),
+    ),
+    "reversal": (
+        "up to 4 mm about a depth of 4 mm at 0.25 Hz",
+        True,
+        "reversal",
+        12,
+        _reversal(-0.004, 0.004, 0.25),
+    ),
+    "reversal_small": (
+        "up to 1 mm about a depth of 5 mm at 0.4 Hz",
+        True,
+        "reversal",
+        12,
+        _reversal(-0.005, 0.001, 0.4),
+    ),
+    "reversal_through_zero": (
+        "up to 8 mm to both sides at 0.3 Hz",
+        True,
+        "reversal",
+        12,
+        _reversal(0.0, 0.008, 0.3),
+    ),
+    "reversal_fast": (
+        "up to 3 mm about a depth of 6 mm at 1.5 Hz",
+        True,
+        "reversal",
+        12,
+        _reversal(-0.006, 0.003, 1.5),
+    ),
+    "multisine": (
+        "0.15 to 2.1 Hz about a depth of 5 mm",
+        True,
+        "multisine",
+        12,
+        _multisine(-0.005, 0.005, _RATES),
+    ),
+    "multisine_fast": (
+        "0.5 to 4.9 Hz about a depth of 6 mm",
+        True,
+        "multisine",
+        12,
+        _multisine(-0.006, 0.003, _FAST),
+    ),
+    "free_hold": ("without torso, still", False, "quiet_hold", 12, _hold),
+    "free_reversal": (
+        "without torso, up to 6 mm at 0.25 Hz",
+        False,
+        "reversal",
+        12,
+        _reversal(0.0, 0.006, 0.25),
+    ),
+    "free_reversal_slow": (
+        "without torso, up to 4 mm at 0.1 Hz",
+        False,
+        "reversal",
+        24,
+        _reversal(0.0, 0.004, 0.1),
+    ),
+    "free_reversal_small": (
+        "without torso, up to 1 mm at 0.4 Hz",
+        False,
+        "reversal",
+        12,
+        _reversal(0.0, 0.001, 0.4),
+    ),
+    "free_reversal_fast": (
+        "without torso, up to 4 mm at 1.5 Hz",
+        False,
+        "reversal",
+        12,
+        _reversal(0.0, 0.004, 1.5),
+    ),
+    "free_multisine": (
+        "without torso, 0.15 to 2.1 Hz",
+        False,
+        "multisine",
+        12,
+        _multisine(0.0, 0.008, _RATES),
+    ),
+    "free_multisine_fast": (
+        "without torso, 0.5 to 4.9 Hz",
+        False,
+        "multisine",
+        12,
+        _multisine(0.0, 0.004, _FAST),
+    ),
+}
+MOTIONS = tuple(_LIBRARY)
+
+# What a campaign commonly holds.
+STANDARD = (
+    "free_multisine",
+    "free_reversal",
+    "quiet_hold",
+    "push",
+    "stairs",
+    "reversal",
+    "multisine",
+)
+
+
+def MakeMotion(name: str) -> SafeMotion:
+    """The motion of a name.
+
+    Raises:
+        CampaignError: No such motion; the message offers the closest.
+    """
+    if name not in _LIBRARY:
+        hint = suggest(name, MOTIONS)
+        there = " There" if hint else "; there"
+        raise CampaignError(
+            f"no motion {name!r}{hint}{there} are {', '.join(MOTIONS)}"
+        )
+    meaning, contact, kind, duration, calc = _LIBRARY[name]
+    time = np.arange(round(duration * RATE_HZ)) / RATE_HZ
+    return SafeMotion(name, meaning, contact, kind, time, calc(time))

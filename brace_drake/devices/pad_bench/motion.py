@@ -1,0 +1,73 @@
+"""The imposed path of a pad as the twin takes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from brace_drake.laws.loop.pad_path import (
+    filter_cosines,
+    noise_gain,
+    path_slopes,
+)
+
+
+@dataclass(frozen=True)
+class PadMotion:
+    """Where a pad is asked to be.
+
+    Attributes:
+        time: Sample times from 0 (N,), s.
+        displacement: As recorded (N,), m.
+        sigma: Noise of a displacement reading, m.
+        pass_band: Of the light smoothing, see `noise_gain` (N,).
+    """
+
+    time: np.ndarray
+    displacement: np.ndarray
+    sigma: float
+    pass_band: np.ndarray
+
+    def path(
+        self, noise: np.ndarray | None = None, share: float = 0.0
+    ) -> np.ndarray:
+        """Displacement, m, and rate, m/s, at the samples (N, 2).
+
+        A cubic Hermite through them is the path. It follows corners without
+        the swings of a spline with continuous curvature.
+
+        Args:
+            noise: Added to the recorded displacement (N,), m.
+            share: Of the jump of a corner on a sample, what its rate has over
+                the mean of both sides, -1/2 to 1/2.
+        """
+        if noise is None:
+            smooth, rate, jumps = self._recorded
+        else:
+            smooth, rate, jumps = self._smoothed(self.displacement + noise)
+        return np.column_stack([smooth, rate + share * jumps])
+
+    @cached_property
+    def _recorded(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self._smoothed(self.displacement)
+
+    def _smoothed(self, displacement: np.ndarray):
+        """Smoothed displacement, its rate, and jumps of that, each (N,)."""
+        smooth = filter_cosines(displacement, self.pass_band)
+        return smooth, *path_slopes(self.time, smooth, self.sigma)
+
+
+def MakePadMotion(
+    time: np.ndarray, displacement: np.ndarray, sigma: float
+) -> PadMotion:
+    """The motion of recorded times (N,), s, and displacements (N,), m.
+
+    Args:
+        time, displacement: (N,), s and m.
+        sigma: Noise of a displacement reading, m.
+    """
+    displacement = np.array(displacement, dtype=float)
+    gain = noise_gain(displacement, sigma)
+    return PadMotion(time - time[0], displacement, sigma, gain)

@@ -1,0 +1,93 @@
+"""Replays that a twin remembers, by what they depend on.
+
+A repeat asks for the motion of its original, and without the torso a run
+depends on nothing that the torso and its contact have: about a third of the
+replays of a fit were computed before. What is remembered is exact.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Mapping
+from threading import Lock
+
+import numpy as np
+
+from brace_drake.devices.bench.rollout import Motion
+from brace_drake.laws.plug_in import PlugIn
+from brace_drake.scenario.bench_numbers import BenchNumbers
+
+# Points at which effects act where there is no torso.
+_OF_THE_BRACE = ("drive", "ring", "sensing")
+# Logs that are kept: 12 s at 200 Hz take a third of a megabyte each.
+_MOST = 64
+
+
+class RunMemory:
+    """The last logs, by their keys. Threads may share one.
+
+    It stays behind where a twin is sent to another process.
+    """
+
+    def __init__(self, most: int = _MOST):
+        self._most = most
+        self._logs: OrderedDict[Hashable, np.ndarray] = OrderedDict()
+        self._lock = Lock()
+
+    def __reduce__(self):
+        return RunMemory, (self._most,)
+
+    def recall(
+        self, key: Hashable, compute: Callable[[], np.ndarray]
+    ) -> np.ndarray:
+        """The log of a key, computed where it is not known; not writable."""
+        with self._lock:
+            if key in self._logs:
+                self._logs.move_to_end(key)
+                return self._logs[key]
+        log = compute()
+        log.flags.writeable = False
+        with self._lock:
+            self._logs[key] = log
+            while len(self._logs) > self._most:
+                self._logs.popitem(last=False)
+        return log
+
+
+def key_of_run(
+    numbers: BenchNumbers, motion: Motion, plug_ins: Mapping[str, PlugIn]
+) -> Hashable:
+    """All that the log of a run with exact readings depends on.
+
+    Args:
+        numbers: Of the twin.
+        motion: The run.
+        plug_ins: Effects, see `stack_effects`.
+    """
+    arrays = [
+        numbers.p_WB,
+        numbers.p_RT,
+        numbers.rest,
+        numbers.viscous,
+        numbers.controller_law,
+        numbers.ring,
+    ]
+    points = _OF_THE_BRACE
+    if motion.with_torso:
+        arrays += [numbers.contact, numbers.posture, numbers.torso]
+        points = tuple(plug_ins)
+    laws = []
+    for point in points:
+        plug = plug_ins[point]
+        for law, parameters, acts in zip(
+            plug.laws, plug.parameters, plug.active, strict=True
+        ):
+            laws.append((law, parameters.tobytes()) if acts else None)
+    return (
+        motion.digest,
+        motion.with_torso,
+        motion.ticks_per_sample,
+        motion.settled_ticks,
+        tuple(a.tobytes() for a in arrays),
+        tuple(laws),
+    )

@@ -1,0 +1,111 @@
+"""What the twins of all devices share: values in, recorded channels out."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from brace_drake.devices.subject import SubjectParameter
+from brace_drake.effects.stack import Use, modify_numbers
+from brace_drake.recording.recording import Run
+from brace_drake.scenario.effects import scenario_uses
+
+# Faster than this a brace and a torso do not move; noise alone is above.
+HIGHEST_HZ = 50.0
+
+
+class ReplayTwin(ABC):
+    """Replays recorded references on a compiled device.
+
+    Attributes:
+        channels: Names of the columns of what `simulate` returns.
+        has_loop: Whether readings, with their noise, feed back to the motion.
+        instruments_known: Whether noise and numbers are given by a data
+            sheet, not taken from the recording itself.
+        highest_hz: Up to which its replays are compared with recordings.
+        device: That the twin is of.
+        numbers: What the compiled laws take.
+        subject: Parameters to be estimated for every subject.
+        carried: Effects of the scenario, always on.
+    """
+
+    channels: ClassVar[tuple[str, ...]]
+    has_loop: ClassVar[bool]
+    instruments_known: ClassVar[bool]
+    highest_hz: ClassVar[float] = HIGHEST_HZ
+    device: str
+    subject: tuple[SubjectParameter, ...]
+
+    def __init__(self, scenario, numbers, time_step: float | None = None):
+        """Takes a scenario, its packed numbers and a plant step, s.
+
+        Without a step, that of the scenario.
+        """
+        self.scenario = scenario
+        self.numbers = numbers
+        self.time_step = time_step or scenario.time_step
+        self.carried = scenario_uses(scenario)
+
+    @abstractmethod
+    def coarse(self) -> Self:
+        """The same twin with the longest plant step that stays accurate."""
+
+    def finer(self) -> Self:
+        """The same twin with half the plant step."""
+        return type(self)(self.scenario, self.time_step / 2.0)
+
+    @abstractmethod
+    def scenario_of(self, subject: np.ndarray) -> Any:
+        """The scenario with a subject's numbers, a copy."""
+
+    @abstractmethod
+    def with_subject(self, values: np.ndarray) -> Any:
+        """The numbers of a subject, values in the order of `subject`."""
+
+    @abstractmethod
+    def motion(self, run: Run) -> Any:
+        """What a recorded run is asked to do."""
+
+    def measured(self, run: Run) -> np.ndarray:
+        """The run's recorded channels, shape (N, C)."""
+        return run.stack(self.channels)
+
+    @abstractmethod
+    def active(self, run: Run) -> np.ndarray:
+        """Which channels carry information in a run, bool (C,)."""
+
+    def simulate(
+        self,
+        motion,
+        subject: np.ndarray,
+        uses: Sequence[Use] = (),
+        generator: np.random.Generator | None = None,
+    ) -> np.ndarray:
+        """Replay of a run, shape (N, C); it may not be writable.
+
+        Args:
+            motion: From `motion`.
+            subject: Values of the subject's parameters.
+            uses: Effects with their parameters, beside the carried ones.
+            generator: Draws the reading noise; None: exact readings.
+
+        Raises:
+            BraceError: The simulated run broke down.
+        """
+        uses = (*self.carried, *uses)
+        numbers = modify_numbers(self.with_subject(subject), uses)
+        return self._replay(numbers, motion, subject, uses, generator)
+
+    @abstractmethod
+    def _replay(
+        self,
+        numbers,
+        motion,
+        subject: np.ndarray,
+        uses: Sequence[Use],
+        generator: np.random.Generator | None,
+    ) -> np.ndarray:
+        """`simulate` of the subject's numbers, with all effects."""

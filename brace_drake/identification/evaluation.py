@@ -1,0 +1,211 @@
+"""Weighted residuals of a twin over runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.core.errors import BraceError
+from brace_drake.core.parallel import Workers, open_workers
+from brace_drake.effects.stack import Use
+from brace_drake.identification.noise_floor import NoiseFloor
+from brace_drake.recording.recording import Run
+
+# Noisy replays averaged for effects on which noise acts as a dither: in a
+# comparison that counts, and in one that only ranks.
+NUM_DITHERS = 3
+_FEW_DITHERS = 1
+
+
+@dataclass(frozen=True)
+class PreparedRun:
+    """A run ready for comparison.
+
+    Attributes:
+        run: The recording.
+        motion: What the twin takes of it.
+        measured: Recorded channels (N, C).
+        weights: Of the transform up to the highest frequency that counts,
+            see `NoiseFloor.weights`; 0 where a channel carries no information.
+        floor: Noise floor of this kind of run.
+        seed: Of the dithers.
+        index: Place among the runs of its evaluator.
+    """
+
+    run: Run
+    motion: object
+    measured: np.ndarray
+    weights: np.ndarray
+    floor: NoiseFloor
+    seed: int
+    index: int = 0
+
+    @property
+    def used(self) -> np.ndarray:
+        """Channels that carry information (C,)."""
+        return self.weights[1] > 0.0
+
+    def weigh(self, residual: np.ndarray) -> np.ndarray:
+        """Residual (N, C) as a vector of unit variance for pure noise."""
+        transform = np.fft.rfft(residual, axis=0)[: len(self.weights)]
+        transform = transform * self.weights
+        transform = transform[:, self.used]
+        return np.concatenate(
+            [transform.real.ravel(), transform[1:].imag.ravel()]
+        )
+
+    @property
+    def num_weighted(self) -> int:
+        """Length of what `weigh` returns."""
+        return (2 * len(self.weights) - 1) * int(self.used.sum())
+
+    @property
+    def count(self) -> int:
+        """Number of independent values, expectation of the noise's squares."""
+        # An even number of samples has a Nyquist bin, which is real.
+        whole = len(self.weights) == len(self.measured) // 2 + 1
+        real = 1 if whole and len(self.measured) % 2 == 0 else 0
+        return self.num_weighted - real * int(self.used.sum())
+
+
+def uses_in_run(uses: Sequence[Use], index: int) -> tuple[Use, ...]:
+    """Effects with the parameters that they have in one run."""
+    return tuple((e, e.in_run(values, index)) for e, values in uses)
+
+
+def is_dithered(twin, uses: Sequence[Use]) -> bool:
+    """Whether a twin with these effects is averaged over noisy replays.
+
+    Where readings feed a loop, their noise moves the machine; what that does
+    to effects such as dry friction has to be averaged.
+    """
+    rough = any(effect.dithered for effect, _ in (*twin.carried, *uses))
+    return rough and twin.has_loop
+
+
+def sticks(twin, uses: Sequence[Use]) -> bool:
+    """Whether drives of a twin with these effects stick and slip by chance."""
+    stuck = any(effect.sticks for effect, _ in (*twin.carried, *uses))
+    return stuck and twin.has_loop
+
+
+def replay(
+    twin,
+    prepared: PreparedRun,
+    subject: np.ndarray,
+    uses: Sequence[Use],
+    noisy: int,
+) -> np.ndarray:
+    """A run by a twin (N, C): the mean of noisy replays, 0: an exact one."""
+    if noisy == 0:
+        return twin.simulate(prepared.motion, subject, uses)
+    replays = [
+        twin.simulate(
+            prepared.motion,
+            subject,
+            uses,
+            np.random.default_rng([prepared.seed, i]),
+        )
+        for i in range(noisy)
+    ]
+    return np.mean(replays, axis=0)
+
+
+class Evaluator:
+    """Evaluates a twin on runs, in parallel threads or on a cluster.
+
+    The compiled rollout releases the interpreter lock, so that threads scale
+    with cores and share one compiled twin. Results do not depend on their
+    number.
+
+    Attribute `replays` counts the points that `residuals` was asked for: what
+    a search has cost, the same on any machine.
+    """
+
+    def __init__(
+        self, twin, prepared: Sequence[PreparedRun], jobs: int | Workers
+    ):
+        self.twin = twin
+        self._coarse_twin, self._fine_twin = twin.coarse(), twin.finer()
+        self.prepared, self.jobs = list(prepared), jobs
+        self.replays = 0
+        self._workers = open_workers(jobs)
+
+    @property
+    def count(self) -> int:
+        """Number of independent values over all runs."""
+        return sum(p.count for p in self.prepared)
+
+    @property
+    def recorded(self) -> float:
+        """Share of the channels that carry information that was recorded."""
+        active = sum(self.twin.active(p.run).sum() for p in self.prepared)
+        return float(sum(p.used.sum() for p in self.prepared) / active)
+
+    @property
+    def ends(self) -> list[int]:
+        """Where each run's rows of the weighted residual end."""
+        sizes = [p.num_weighted for p in self.prepared]
+        return [int(n) for n in np.cumsum(sizes)]
+
+    def map(self, function: Callable, tasks: Sequence) -> list:
+        """Results of `function(*task)` in order."""
+        return self._workers.map(function, tasks)
+
+    def simulate(
+        self,
+        prepared: PreparedRun,
+        subject: np.ndarray,
+        uses: Sequence[Use],
+        twin=None,
+        dithers: int = NUM_DITHERS,
+    ) -> np.ndarray:
+        """The twin's expected recording of a run (N, C)."""
+        twin, uses = twin or self.twin, uses_in_run(uses, prepared.index)
+        noisy = dithers if is_dithered(twin, uses) else 0
+        return replay(twin, prepared, subject, uses, noisy)
+
+    def residuals(
+        self,
+        points: Sequence[tuple[np.ndarray, Sequence[Use]]],
+        coarse: bool = False,
+        fine: bool = False,
+    ) -> list[np.ndarray | None]:
+        """Weighted residuals of all runs at several points at once.
+
+        None where the twin broke down. `coarse` takes the longer plant step
+        of `twin.coarse()` and fewer dithers, for differences between points
+        and first rankings; `fine` half the plant step.
+        """
+        twin = self._coarse_twin if coarse else self.twin
+        twin = self._fine_twin if fine else twin
+        dithers = _FEW_DITHERS if coarse else NUM_DITHERS
+        tasks = [
+            (p, s, u, twin, dithers) for s, u in points for p in self.prepared
+        ]
+        self.replays += len(points)
+        parts = self.map(self._weighted, tasks)
+        size = len(self.prepared)
+        chunks = [parts[i : i + size] for i in range(0, len(parts), size)]
+        return [
+            None if any(p is None for p in chunk) else np.concatenate(chunk)
+            for chunk in chunks
+        ]
+
+    def _weighted(self, prepared, subject, uses, twin, dithers):
+        try:
+            simulated = self.simulate(prepared, subject, uses, twin, dithers)
+        except BraceError:
+            return None
+        return prepared.weigh(prepared.measured - simulated)
+
+    def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
+        """Expected square of a weighted residual of noise alone.
+
+        1, and what averaging over few dithers leaves of theirs.
+        """
+        if not is_dithered(self.twin, uses):
+            return 1.0
+        return 1.0 + 1.0 / (_FEW_DITHERS if coarse else NUM_DITHERS)

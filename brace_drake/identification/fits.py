@@ -1,0 +1,277 @@
+"""Rival explanations, each refitted with the subject inside the twin."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.gauss_newton import (
+    LeastSquaresSolution,
+    bounded_step,
+    solve_gauss_newton,
+)
+from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.triangle import calc_triangle
+from brace_drake.selection.prior_check import looks_scattered, refit_spread
+
+_STEPS, _FAR_STEPS = 10, 30
+# Relative decrease of the sum of squares that ends the search at the coarse
+# plant step, and at the twin's own.
+_NEAR, _END = 1e-3, 1e-5
+# Where drives stick the sum of squares is rough: what a search gains by less
+# at a time, or in later steps, is chance. Over dozens of parameters the last
+# of it is dear, and little beside what any twin is exact to.
+_NEAR_ROUGH, _ROUGH_STEPS = 1e-2, 8
+_MANY, _NEAR_OF_MANY, _END_OF_MANY = 12, 1e-2, 1e-3
+# A change of the common spread by less is none, in logarithms.
+_SAME_SPREAD = 0.05
+_SPREAD_ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class CandidateFit:
+    """A candidate after its fit on the fit runs.
+
+    Attributes:
+        effects: The effects it adds, none for the nominal twin.
+        subject: Values of the subject's parameters.
+        values: Parameters of each effect, those of the runs behind.
+        solution: The search's end, scaled parameters.
+        scales: Of those, so that parameter = z * scale.
+        excess: Sum of squares above noise, prior rows left out.
+        spread: Fitted standard deviation of many alike parameters, or None.
+        num_runs: Runs that it was fitted on.
+        num_prior: Rows of the residual that are the prior's.
+        refined: Whether the search was led to its end.
+    """
+
+    effects: tuple[Effect, ...]
+    subject: np.ndarray
+    values: tuple[np.ndarray, ...]
+    solution: LeastSquaresSolution
+    scales: np.ndarray
+    excess: float
+    spread: float | None
+    num_runs: int
+    num_prior: int = 0
+    refined: bool = False
+
+    @property
+    def name(self) -> str:
+        """Keys of the effects joined by +, or "nominal"."""
+        return "+".join(e.key for e in self.effects) or "nominal"
+
+    @property
+    def identifiers(self) -> tuple[str, ...]:
+        """Names of the effects, whatever their form."""
+        return tuple(e.name for e in self.effects)
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """Names of the effects, in no order."""
+        return frozenset(self.identifiers)
+
+    @cached_property
+    def is_scattered(self) -> bool:
+        """Whether its alike parameters may be a draw, see `scatter`."""
+        return looks_scattered(self)
+
+    @property
+    def uses(self) -> tuple[Use, ...]:
+        """The effects with their fitted parameters."""
+        return tuple(zip(self.effects, self.values, strict=True))
+
+    @property
+    def is_searched(self) -> bool:
+        """Whether a search has moved it, beyond what a race foresees."""
+        return self.solution.jacobian is not None
+
+    @property
+    def num_free(self) -> int:
+        """Parameters beyond the subject's that were moved."""
+        return len(self.scales) - len(self.subject)
+
+    @property
+    def freedom(self) -> int:
+        """Parameters beyond the subject's, moved or chosen."""
+        return self.num_free + sum(
+            len(p.choices) > 1 for e in self.effects for p in e.parameters
+        )
+
+
+def fit_nominal(evaluator: Evaluator) -> CandidateFit:
+    """Fits the subject's parameters alone."""
+    problem = CandidateProblem(evaluator, ())
+    nominal = np.array([p.nominal for p in evaluator.twin.subject])
+    solution = search(problem, nominal / problem.scales)
+    return correct_step(problem, finish_fit(problem, solution))
+
+
+def fit_effects(
+    evaluator: Evaluator,
+    effects: Sequence[Effect],
+    start: CandidateFit | Sequence[np.ndarray],
+) -> CandidateFit:
+    """Fits effects together with the subject, to the end.
+
+    Args:
+        evaluator: Over the fit runs.
+        effects: One or more.
+        start: A fit of the same effects to go on from, or parameters of each
+            effect; then the subject sets out from its nominal values.
+    """
+    if isinstance(start, CandidateFit):
+        subject, values, spread = start.subject, start.values, start.spread
+    else:
+        subject = np.array([p.nominal for p in evaluator.twin.subject])
+        values, spread = tuple(start), None
+    problem = CandidateProblem(evaluator, effects, values)
+    z = problem.join(subject, values)
+    if not problem.has_spread:
+        solution = search(problem, z)
+        return correct_step(problem, finish_fit(problem, solution))
+    if spread is not None:
+        problem.spread = spread / problem.spread_scale
+    # Of dozens of parameters a Jacobian is dear, and a race has left one.
+    is_fit = isinstance(start, CandidateFit)
+    jacobian = start.solution.jacobian if is_fit else None
+    known = None
+    for _ in range(_SPREAD_ROUNDS):
+        solution = search(problem, z, known, jacobian)
+        z = solution.z
+        # The spread that they show; then search again from here.
+        change = np.log(shown_spread(problem, solution) / problem.spread)
+        problem.spread *= np.exp(change)
+        known = with_prior(problem, solution)
+        # The fit's rows of the prior are those of its spread.
+        solution = replace(solution, residual=known[0], jacobian=known[1])
+        if abs(change) < _SAME_SPREAD:
+            break
+    return correct_step(problem, finish_fit(problem, solution))
+
+
+def search(
+    problem: CandidateProblem,
+    z: np.ndarray,
+    known: tuple[np.ndarray, np.ndarray] | None = None,
+    jacobian: np.ndarray | None = None,
+) -> LeastSquaresSolution:
+    """Gauss-Newton from z to the end: first at the coarse plant step, from
+    there at the twin's own, with the sensitivities of the coarse one.
+
+    Args:
+        problem: Of the candidate.
+        z: Where it begins.
+        known: Residual at the twin's own step and Jacobian, where the coarse
+            part was done before.
+        jacobian: For the coarse part to begin with.
+    """
+    limits = problem.lower, problem.upper, problem.steps, problem.radius
+    is_dear = problem.num_free > _MANY
+    if known is None:
+        rough = problem.is_rough
+        tolerance = _NEAR_OF_MANY if is_dear else _NEAR
+        batch = partial(problem.batch, coarse=True)
+        near = solve_gauss_newton(
+            batch,
+            z,
+            *limits,
+            known=(batch([z])[0], jacobian),
+            differentiate=lambda z, r: problem.columns(z, base=r),
+            max_iterations=_ROUGH_STEPS if rough else _FAR_STEPS,
+            tolerance=_NEAR_ROUGH if rough else tolerance,
+        )
+        z = near.z
+        known = problem.batch([z])[0], near.jacobian
+    return solve_gauss_newton(
+        problem.batch,
+        z,
+        *limits,
+        differentiate=lambda z, residual: known[1],
+        known=known,
+        max_iterations=_STEPS,
+        tolerance=_END_OF_MANY if is_dear else _END,
+    )
+
+
+def with_prior(
+    problem: CandidateProblem, solution: LeastSquaresSolution
+) -> tuple[np.ndarray, np.ndarray]:
+    """Residual and Jacobian of a solution with the prior as it is now."""
+    rows = len(solution.residual) - problem.num_prior
+    residual = solution.residual.copy()
+    residual[rows:] = problem.prior_rows(solution.z)
+    jacobian = solution.jacobian.copy()
+    jacobian[rows:] = problem.prior_jacobian()
+    return residual, jacobian
+
+
+def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
+    """Takes off a fit what the plant's step has put into its parameters.
+
+    One Gauss-Newton step on residuals at half the plant step, with the
+    sensitivities at hand: mass and damping move by about their standard
+    errors, at a small part of the cost of a fit at that step.
+    """
+    solution = fit.solution
+    (residual,) = problem.batch([solution.z], fine=True)
+    if residual is None:
+        return replace(fit, refined=True)
+    step = bounded_step(
+        solution.jacobian,
+        residual,
+        solution.z,
+        problem.lower,
+        problem.upper,
+        problem.radius,
+    )
+    (moved,) = problem.batch([solution.z + step], fine=True)
+    if moved is None or moved @ moved > residual @ residual:
+        return replace(fit, refined=True)
+    corrected = replace(solution, z=solution.z + step, residual=moved)
+    return replace(finish_fit(problem, corrected), refined=True)
+
+
+def shown_spread(
+    problem: CandidateProblem, solution: LeastSquaresSolution
+) -> float:
+    """Spread that the alike parameters show, scaled, see `scatter`."""
+    triangle = calc_triangle([solution.jacobian])
+    inverse = np.linalg.pinv(triangle)
+    alike = problem.alike
+    rows = inverse[alike]
+    return refit_spread(solution.z[alike], rows @ rows.T, problem.spread)
+
+
+def finish_fit(
+    problem: CandidateProblem,
+    solution: LeastSquaresSolution,
+    coarse: bool = False,
+) -> CandidateFit:
+    """The fit that a search has ended with; `coarse` as it was evaluated."""
+    evaluator = problem.evaluator
+    rows = len(solution.residual) - problem.num_prior
+    residual = solution.residual[:rows]
+    subject, uses = problem.split(solution.z)
+    level = evaluator.noise_level(uses, coarse)
+    excess = float(residual @ residual) - level * evaluator.count
+    spread = None
+    if problem.has_spread:
+        spread = problem.spread * problem.spread_scale
+    return CandidateFit(
+        problem.effects,
+        subject,
+        tuple(v for _, v in uses),
+        solution,
+        problem.scales,
+        excess,
+        spread,
+        len(evaluator.prepared),
+        problem.num_prior,
+    )

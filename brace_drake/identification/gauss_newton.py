@@ -1,0 +1,224 @@
+"""Bounded nonlinear least squares when residuals come from simulations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from brace_drake.identification.triangle import calc_triangle
+
+# A Jacobian is kept while steps bring this share of what it promised, and take
+# this share of the cost: less where its columns are many, and dear.
+_KEPT_PROMISE = 0.7
+_FEW, _FAST, _FAST_OF_MANY = 12, 0.5, 0.2
+# Of many columns combinations are hardly told of, and steps along them go too
+# far: where a step leaves more than this many times what it promised to leave,
+# these shares of the diagonal of J'J are added and the best step is taken
+# (Marquardt, SIAM J. Appl. Math. 11, 1963).
+_AS_PROMISED = 1.1
+_DAMPED = (1e-4, 1e-3, 1e-2)
+# Noise in a Jacobian, as of drives that stick, makes steps too short: one of
+# few parameters that brings so many times its promise is tried so much longer.
+_EXCEEDED, _LONGER = 1.3, (2.0, 4.0)
+
+
+class Batch(Protocol):
+    """Residual vectors of many points at once, None where one failed.
+
+    `coarse` allows a cheaper simulation, good enough for differences; then
+    all points are evaluated with that.
+    """
+
+    def __call__(
+        self, points: Sequence[np.ndarray], coarse: bool = False
+    ) -> list[np.ndarray | None]: ...
+
+
+@dataclass(frozen=True)
+class LeastSquaresSolution:
+    """Where a bounded Gauss-Newton search ended.
+
+    Attributes:
+        z: Scaled parameters (n,).
+        residual: There (m,).
+        jacobian: (m, n); rows of residuals, columns of scaled parameters.
+        iterations: Steps taken.
+        converged: Whether the last step was negligible.
+    """
+
+    z: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    iterations: int
+    converged: bool
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+
+def difference_jacobian(
+    batch: Batch,
+    z: np.ndarray,
+    steps: np.ndarray,
+    upper: np.ndarray,
+) -> np.ndarray:
+    """Forward differences of the residual (m, n).
+
+    A step that would leave the upper limit goes the other way; a point that
+    fails leaves a zero column.
+    """
+    signed = np.where(z + steps > upper, -steps, steps)
+    points = [z, *(z + np.diag(signed))]
+    base, *moved = batch(points, coarse=True)
+    return np.column_stack(
+        [
+            np.zeros_like(base) if r is None else (r - base) / h
+            for r, h in zip(moved, signed, strict=True)
+        ]
+    )
+
+
+def bounded_step(
+    jacobian: np.ndarray,
+    residual: np.ndarray,
+    z: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    radius: np.ndarray,
+) -> np.ndarray:
+    """Least-squares step inside the limits and a box of given radius."""
+    triangle = calc_triangle([jacobian, residual])
+    return _step_within(triangle, z, (lower, upper, radius))
+
+
+def _step_within(triangle, z, limits, share: float = 0.0) -> np.ndarray:
+    """The step, a share of the diagonal of J'J added."""
+    lower, upper, radius = limits
+    matrix, right = triangle[:-1, :-1], -triangle[:-1, -1]
+    low = np.maximum(lower - z, -radius)
+    high = np.minimum(upper - z, radius)
+    high = np.maximum(high, low + 1e-15)
+    if share > 0.0:
+        size = np.linalg.norm(matrix, axis=0)
+        matrix = np.vstack([matrix, np.diag(np.sqrt(share) * size)])
+        right = np.append(right, np.zeros(len(z)))
+    return lsq_linear(matrix, right, (low, high), method="bvls").x
+
+
+def solve_gauss_newton(
+    batch: Batch,
+    start: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
+    steps: np.ndarray,
+    radius: np.ndarray,
+    differentiate: Callable[[np.ndarray, np.ndarray], np.ndarray] | None = None,
+    known: tuple[np.ndarray, np.ndarray] | None = None,
+    max_iterations: int = 12,
+    tolerance: float = 3e-6,
+) -> LeastSquaresSolution:
+    """Minimises the sum of squares of a simulated residual in a box.
+
+    Gauss-Newton; a step that does not help is halved up to three times, of
+    many parameters damped before; of few parameters one that brings more than
+    it promised is lengthened. The Jacobian is kept (the chord method) as long
+    as steps bring what it has promised; the search ends when a step with a new
+    one brings nothing.
+
+    Args:
+        batch: Residuals of many points at once.
+        start, lower, upper: Scaled parameters (n,).
+        steps: Of the differences (n,).
+        radius: Largest step of one iteration (n,).
+        differentiate: Jacobian from parameters and the residual there;
+            forward differences of all parameters by default.
+        known: Residual and Jacobian at the start, where they are known.
+        max_iterations: Limit.
+        tolerance: On the relative decrease of the cost.
+
+    Raises:
+        ValueError: The residual could not be evaluated at the start.
+    """
+    z = np.clip(start, lower, upper)
+    residual, jacobian = known or (batch([z])[0], None)
+    if residual is None:
+        raise ValueError("the residual cannot be evaluated at the start")
+    if differentiate is None:
+
+        def differentiate(z, residual):
+            return difference_jacobian(batch, z, steps, upper)
+
+    converged, stale, iteration = False, jacobian is None, 0
+    while iteration < max_iterations:
+        iteration += 1
+        fresh = stale
+        if stale:
+            jacobian = differentiate(z, residual)
+        cost = float(residual @ residual)
+        limits = lower, upper, radius
+        triangle = calc_triangle([jacobian, residual])
+        step = _step_within(triangle, z, limits)
+        left = residual + jacobian @ step
+        promised = cost - float(left @ left)
+        wanted = _AS_PROMISED * float(left @ left)
+        accepted = _improve(batch, z, step, cost, triangle, limits, wanted)
+        if accepted is not None and len(z) <= _FEW:
+            if cost - _cost_of(accepted) > _EXCEEDED * promised:
+                longer = [factor * step for factor in _LONGER]
+                found = _try_steps(batch, z, longer, lower, upper)
+                accepted = min([accepted, *found], key=_cost_of)
+        decrease = 0.0
+        if accepted is not None:
+            z, residual = accepted
+            decrease = cost - float(residual @ residual)
+        small = decrease < tolerance * max(cost, 1.0)
+        if small and fresh:
+            converged = True
+            break
+        fast = _FAST if len(z) <= _FEW else _FAST_OF_MANY
+        slow = decrease < fast * cost
+        stale = small or slow or decrease < _KEPT_PROMISE * promised
+    return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
+
+
+def _improve(batch, z, step, cost, triangle, limits, wanted):
+    """The full step, or a shorter one that lowers the cost, or None.
+
+    Of many parameters damped steps are tried where the full one leaves more
+    than is `wanted`.
+    """
+    lower, upper, _ = limits
+    tries = 4
+    if len(z) > _FEW:
+        found = _try_steps(batch, z, [step], lower, upper)
+        if not found or _cost_of(found[0]) > wanted:
+            steps = [_step_within(triangle, z, limits, s) for s in _DAMPED]
+            found += _try_steps(batch, z, steps, lower, upper)
+        best = min(found, key=_cost_of, default=None)
+        if best is not None and _cost_of(best) < cost:
+            return best
+        step, tries = 0.5 * step, 3
+    for _ in range(tries):
+        found = _try_steps(batch, z, [step], lower, upper)
+        if found and _cost_of(found[0]) < cost:
+            return found[0]
+        step = 0.5 * step
+    return None
+
+
+def _cost_of(point_and_residual) -> float:
+    residual = point_and_residual[1]
+    return float(residual @ residual)
+
+
+def _try_steps(batch, z, steps, lower, upper):
+    """Points and residuals after steps, those that could be evaluated."""
+    points = [np.clip(z + step, lower, upper) for step in steps]
+    found = zip(points, batch(points), strict=True)
+    return [(p, r) for p, r in found if r is not None]

@@ -1,0 +1,144 @@
+"""Intervals that hold with coloured noise: the sandwich by simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.identification.evaluation import Evaluator, uses_in_run
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.prepare import noise_replicates
+
+_REPLICATES = 12
+_Z95 = 1.959964
+# Nearness to a limit, relative to the allowed range, that counts as at it.
+_AT_LIMIT = 1e-3
+
+
+@dataclass(frozen=True)
+class ParameterEstimate:
+    """One fitted parameter with its doubt.
+
+    `standard_error` is None where the runs say nothing of the parameter: then
+    its interval is all that is allowed. `nominal` is None for an effect's.
+    """
+
+    name: str
+    unit: str
+    value: float
+    standard_error: float | None
+    lower95: float
+    upper95: float
+    at_limit: bool
+    nominal: float | None = None
+
+
+@dataclass(frozen=True)
+class EstimateTable:
+    """Estimates of a fit.
+
+    Attributes:
+        parameters: Subject first, then the effects'.
+        correlation: Of the estimates; 0 with those that have none.
+        condition_number: Of the scaled, weighted Jacobian; None where it does
+            not tell all parameters.
+        num_subject: How many of them are the subject's.
+    """
+
+    parameters: tuple[ParameterEstimate, ...]
+    correlation: np.ndarray
+    condition_number: float | None
+    num_subject: int
+
+
+def estimate_table(
+    evaluator: Evaluator, fit: CandidateFit, seed: int
+) -> EstimateTable:
+    """Standard errors from the twin's own noise, carried through the loop.
+
+    The estimator is linear in small noise: dz = -(J'J)^-1 J' e. Its covariance
+    is taken from replicates of e, run by run, so that correlation in time and
+    between channels counts in full; where the fit leaves more than noise, the
+    covariance is scaled by that.
+    """
+    rows = evaluator.ends[-1]
+    jacobian = fit.solution.jacobian
+    seen = np.linalg.norm(jacobian, axis=0) > 0.0
+    q, triangle = np.linalg.qr(jacobian[:, seen])
+    inverse = np.linalg.pinv(triangle)
+    score_covariance = _score_covariance(evaluator, fit, q[:rows], seed)
+    # Prior rows, where there are any, are exact observations of unit variance.
+    prior = q[rows:]
+    score_covariance += prior.T @ prior
+    misfit = max(0.0, fit.excess / evaluator.count)
+    covariance = inverse @ score_covariance @ inverse.T * (1.0 + misfit)
+    known = np.sqrt(np.diag(covariance))
+    error = np.full(len(seen), np.inf)
+    error[seen] = known
+    correlation = np.eye(len(seen))
+    correlation[np.ix_(seen, seen)] = covariance / np.maximum(
+        np.outer(known, known), 1e-300
+    )
+    condition = None
+    if seen.all():
+        singular = np.linalg.svd(triangle, compute_uv=False)
+        condition = float(singular[0] / max(singular[-1], 1e-300))
+    return EstimateTable(
+        tuple(_estimates(evaluator, fit, error)),
+        correlation,
+        condition,
+        len(fit.subject),
+    )
+
+
+def _score_covariance(evaluator, fit, q, seed):
+    def one(run, rows):
+        noise = noise_replicates(
+            evaluator.twin,
+            run.motion,
+            fit.subject,
+            uses_in_run(fit.uses, run.index),
+            [[seed, 17, run.seed, i] for i in range(_REPLICATES)],
+        )
+        return [rows.T @ run.weigh(e) for e in noise]
+
+    parts = np.split(q, evaluator.ends[:-1])
+    tasks = list(zip(evaluator.prepared, parts, strict=True))
+    scores = np.array(evaluator.map(one, tasks))
+    # Runs are independent; so are the replicates of each.
+    return np.einsum("rmi,rmj->ij", scores, scores) / _REPLICATES
+
+
+def _estimates(evaluator, fit, error):
+    z, scales = fit.solution.z, fit.scales
+    for i, (name, unit, low, high, nominal) in enumerate(
+        _parameters(evaluator, fit)
+    ):
+        value, sigma = float(z[i] * scales[i]), float(error[i] * scales[i])
+        margin = _AT_LIMIT * (high - low)
+        yield ParameterEstimate(
+            name,
+            unit,
+            value,
+            sigma if np.isfinite(sigma) else None,
+            # Beyond its limits the parameter has no meaning.
+            max(low, value - _Z95 * sigma),
+            min(high, value + _Z95 * sigma),
+            bool(value - low < margin or high - value < margin),
+            nominal,
+        )
+
+
+def _parameters(evaluator, fit):
+    """Name, unit, limits and nominal value of each scaled parameter."""
+    for p in evaluator.twin.subject:
+        yield p.name, p.unit, p.lower, p.upper, p.nominal
+    for effect in fit.effects:
+        for p in effect.parameters:
+            if not p.choices:
+                yield p.name, p.unit, p.lower, p.upper, None
+        for prepared in evaluator.prepared:
+            for p in effect.run_parameters:
+                name = f"{p.name} of {prepared.run.name}"
+                yield name, p.unit, p.lower, p.upper, None

@@ -1,0 +1,164 @@
+"""From a campaign to prepared runs with their noise floors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import PreparedRun, is_dithered
+from brace_drake.identification.noise_floor import (
+    NoiseFloor,
+    estimate_floor,
+    repeat_ratio,
+    written_quantum,
+)
+from brace_drake.recording.recording import Campaign, Run
+
+_REPLICATES = 24
+# Deviations of a repeat's noise from the twin's that count as real, in
+# standard errors of the estimate.
+_SIGNIFICANT = 5.0
+
+
+def noise_replicates(
+    twin,
+    motion,
+    subject: np.ndarray,
+    uses: Sequence[Use],
+    seeds: Sequence[Sequence[int]],
+) -> np.ndarray:
+    """Deviations of noisy from exact replays, one for each seed (n, N, C).
+
+    Where an effect makes noise act as a dither, an exact replay is not what
+    noisy ones scatter about: then their mean is taken.
+    """
+    exact = twin.simulate(motion, subject, uses)
+    noisy = np.array(
+        [
+            twin.simulate(motion, subject, uses, np.random.default_rng(seed))
+            for seed in seeds
+        ]
+    )
+    if len(seeds) > 1 and is_dithered(twin, uses):
+        free = len(seeds) / (len(seeds) - 1)
+        return np.sqrt(free) * (noisy - noisy.mean(axis=0))
+    return noisy - exact
+
+
+def estimate_floors(
+    twin, campaign: Campaign, subject: np.ndarray, seed: int
+) -> tuple[dict[bool, NoiseFloor], dict[str, float]]:
+    """Floors with and without contact, carried through the twin's loop.
+
+    Where a fit run was repeated, the difference of the two checks each
+    channel's variance; a channel that deviates significantly takes the
+    repeat's.
+
+    Returns:
+        Floors by contact, and the variance ratios that were applied, by
+        channel.
+    """
+    floors = {}
+    for contact in (False, True):
+        runs = [r for r in campaign.runs if r.contact == contact]
+        if not runs:
+            continue
+        chosen = _spread_choice(runs, 3)
+        each = _REPLICATES // len(chosen)
+        noise = [
+            noise_replicates(
+                twin,
+                twin.motion(run),
+                subject,
+                (),
+                [[seed + i, 7, k] for k in range(each)],
+            )
+            for i, run in enumerate(chosen)
+        ]
+        samples = min(n.shape[1] for n in noise)
+        noise = np.concatenate([n[:, :samples] for n in noise])
+        # Of what is held back only how it moved is known here; where nothing
+        # else was recorded, its last digits too.
+        run = next((r for r in runs if r.split == "fit"), runs[0])
+        noisy = twin.simulate(
+            twin.motion(run), subject, (), np.random.default_rng([seed, 8])
+        )
+        quantum = written_quantum(twin.measured(run), noisy)
+        floors[contact] = estimate_floor(noise, campaign.rate_hz, quantum)
+    return _checked_with_repeats(twin, campaign, floors)
+
+
+def _spread_choice(runs: Sequence[Run], count: int) -> list[Run]:
+    indices = np.unique(np.linspace(0, len(runs) - 1, count).round())
+    return [runs[int(i)] for i in indices]
+
+
+def _checked_with_repeats(twin, campaign, floors):
+    by_file = {run.file: run for run in campaign.split("fit")}
+    applied: dict[str, float] = {}
+    for contact, floor in floors.items():
+        ratios = []
+        for run in campaign.split("fit"):
+            original = by_file.get(run.repeat_of or "")
+            if original is None or run.contact != contact:
+                continue
+            first, second = twin.measured(original), twin.measured(run)
+            samples = min(len(first), len(second))
+            difference = first[:samples] - second[:samples]
+            ratio = repeat_ratio(difference, floor, campaign.rate_hz)
+            both = original.has(twin.channels) & run.has(twin.channels)
+            # What is the same to the last digit is a copy, not a repeat.
+            both &= np.any(difference != 0.0, axis=0)
+            ratios.append(np.where(both, ratio, np.nan))
+        if not ratios:
+            continue
+        told = np.isfinite(ratios).sum(axis=0)
+        ratio = np.where(told > 0, np.nansum(ratios, axis=0), np.nan)
+        ratio = ratio / np.maximum(told, 1)
+        # Standard error of a median of exponentials over half the samples.
+        error = 1.44 / np.sqrt(0.5 * samples * np.maximum(told, 1))
+        off = np.isfinite(ratio) & (np.abs(ratio - 1.0) > _SIGNIFICANT * error)
+        floors[contact] = floor.scaled(np.where(off, ratio, 1.0))
+        for c in np.flatnonzero(off):
+            applied[twin.channels[c]] = float(ratio[c])
+    return floors, applied
+
+
+def prepare_runs(
+    twin,
+    runs: Sequence[Run],
+    floors: Mapping[bool, NoiseFloor],
+    rate: float,
+    seed: int,
+) -> list[PreparedRun]:
+    """Runs with motion, measurement and weights, 0 where not recorded."""
+    prepared = []
+    for i, run in enumerate(runs):
+        measured = twin.measured(run)
+        one = prepare_run(twin, run, measured, floors, rate, seed, i)
+        recorded = one.weights * run.has(twin.channels)
+        prepared.append(replace(one, weights=recorded))
+    return prepared
+
+
+def prepare_run(
+    twin,
+    run: Run,
+    measured: np.ndarray,
+    floors: Mapping[bool, NoiseFloor],
+    rate: float,
+    seed: int,
+    index: int,
+) -> PreparedRun:
+    """The run at a place among others, with the channels to compare with."""
+    floor = floors[run.contact]
+    frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
+    weights = floor.weights(len(measured), rate) * twin.active(run)
+    weights = weights[frequency <= twin.highest_hz]
+    motion = twin.motion(run)
+    return PreparedRun(
+        run, motion, measured, weights, floor, seed + index, index
+    )

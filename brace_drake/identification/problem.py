@@ -1,0 +1,270 @@
+"""Scaled parameters of subject and effects, and the residual of them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import Evaluator
+
+_SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
+_EFFECT_STEP, _EFFECT_RADIUS = 1e-2, 5.0
+# Shapes, such as a time constant, and what has a prior move less at a time.
+_SHAPE_RADIUS = 0.5
+# Where drives stick, a recording answers small changes by fits and starts:
+# differences are taken over longer ways, and to both sides.
+_ROUGH = 10.0
+# Spread at which a search over many alike parameters begins.
+_FIRST_SPREAD = 2.0
+
+
+class CandidateProblem:
+    """Scaled parameters z of a candidate explanation.
+
+    z holds the subject's parameters in units of their nominal values, then
+    each effect's in units of its starts or limits: the continuous ones, then
+    its run parameters run by run. A normal prior, of parameters with a
+    deviation of their own or with a common spread, adds a row z_i / s_i to
+    the residual.
+
+    Attribute `is_rough` tells whether noise dithers an effect.
+
+    Args:
+        evaluator: Over the fit runs.
+        effects: None for the nominal twin.
+        values: Parameters of each effect; what is not continuous stays so.
+    """
+
+    def __init__(
+        self,
+        evaluator: Evaluator,
+        effects: Sequence[Effect],
+        values: Sequence[np.ndarray] = (),
+    ):
+        self.evaluator = evaluator
+        self.effects = tuple(effects)
+        self._templates = [np.array(v, dtype=float) for v in values]
+        self._moved = []
+        subject = evaluator.twin.subject
+        self.num_subject = len(subject)
+        units = [p.unit_step for p in subject]
+        low, high = [p.lower for p in subject], [p.upper for p in subject]
+        weights = [0.0] * len(subject)
+        radius = [_SUBJECT_RADIUS] * len(subject)
+        groups = [[i] for i in range(len(subject))]
+        for effect in effects:
+            parameters = self._continuous(effect, groups)
+            for p in parameters:
+                scale = _scale_of(p)
+                units.append(scale)
+                low.append(p.lower)
+                high.append(p.upper)
+                weights.append(scale / p.deviation if p.deviation else 0.0)
+                radius.append(
+                    _SHAPE_RADIUS if p.off is None else _EFFECT_RADIUS
+                )
+        self.scales = np.array(units)
+        self.lower = np.array(low) / self.scales
+        self.upper = np.array(high) / self.scales
+        self._weights = np.array(weights)
+        self.radius = np.array(radius)
+        self.steps = np.full(len(units), _EFFECT_STEP)
+        self.steps[: self.num_subject] = _SUBJECT_STEP
+        self.is_rough = evaluator.twin.has_loop and any(
+            e.dithered for e in effects
+        )
+        if self.is_rough:
+            self.steps[: self.num_subject] *= _ROUGH
+        self._groups = groups
+        self._alike = np.zeros(len(units), dtype=bool)
+        self._mark_alike()
+
+    def _continuous(self, effect: Effect, groups: list) -> list:
+        """Continuous parameters; notes their places and column groups."""
+        runs = len(self.evaluator.prepared)
+        moved = np.flatnonzero(effect.is_continuous)
+        own = len(effect.run_parameters)
+        shared = len(effect.parameters)
+        at = groups[-1][-1] + 1
+        groups += [[at + i] for i in range(len(moved))]
+        at += len(moved)
+        groups += [[at + r * own + j for r in range(runs)] for j in range(own)]
+        places = np.arange(shared, shared + runs * own)
+        self._moved.append(np.concatenate([moved, places]).astype(int))
+        return [
+            *(effect.parameters[i] for i in moved),
+            *list(effect.run_parameters) * runs,
+        ]
+
+    def _mark_alike(self) -> None:
+        at = self.num_subject
+        for effect, moved in zip(self.effects, self._moved, strict=True):
+            if effect.spread is not None:
+                self._alike[at : at + len(moved)] = True
+            at += len(moved)
+        self.spread = _FIRST_SPREAD
+
+    @property
+    def spread(self) -> float:
+        """Scaled standard deviation of alike parameters."""
+        return self._spread
+
+    @spread.setter
+    def spread(self, value: float) -> None:
+        self._spread = value
+        self._weights[self._alike] = 1.0 / value
+
+    @property
+    def num_free(self) -> int:
+        """Parameters beyond the subject's."""
+        return len(self.scales) - self.num_subject
+
+    def places_in_run(self, effect: Effect, run: int) -> np.ndarray:
+        """Places in z of an effect's run parameters of one run."""
+        own, at = len(effect.run_parameters), self.num_subject
+        for other, moved in zip(self.effects, self._moved, strict=True):
+            if other is effect:
+                first = at + int(effect.is_continuous.sum()) + run * own
+                return np.arange(first, first + own)
+            at += len(moved)
+        raise ValueError(f"{effect.key} is not part of this candidate")
+
+    def run_starts(self, z: np.ndarray, effect: Effect) -> list[np.ndarray]:
+        """Points with all runs at one of the starts of run parameters each."""
+        starts = itertools.product(*(p.starts for p in effect.run_parameters))
+        points = []
+        for start in starts:
+            point = z.copy()
+            for run in range(len(self.evaluator.prepared)):
+                mine = self.places_in_run(effect, run)
+                point[mine] = np.array(start) / self.scales[mine]
+            points.append(point)
+        return points
+
+    @property
+    def has_spread(self) -> bool:
+        """Whether there are parameters with a common spread."""
+        return bool(self._alike.any())
+
+    @property
+    def alike(self) -> np.ndarray:
+        """Which parameters have a common spread (n,)."""
+        return self._alike
+
+    @property
+    def spread_scale(self) -> float:
+        """Scale of the parameters with a common spread."""
+        return float(self.scales[self._alike][0])
+
+    @property
+    def num_prior(self) -> int:
+        """Rows that the prior adds."""
+        return int(np.count_nonzero(self._weights))
+
+    def split(self, z: np.ndarray) -> tuple[np.ndarray, tuple[Use, ...]]:
+        """Subject values and effect uses of scaled parameters."""
+        values = z * self.scales
+        uses, at = [], self.num_subject
+        for effect, template, moved in zip(
+            self.effects, self._templates, self._moved, strict=True
+        ):
+            full = np.zeros(
+                max(len(template), 1 + moved.max() if len(moved) else 0)
+            )
+            full[: len(template)] = template
+            full[moved] = values[at : at + len(moved)]
+            uses.append((effect, full))
+            at += len(moved)
+        return values[: self.num_subject], tuple(uses)
+
+    def join(
+        self, subject: np.ndarray, values: Sequence[np.ndarray]
+    ) -> np.ndarray:
+        """Scaled parameters of values; run parameters not given are 0."""
+        parts = [subject]
+        for given, moved in zip(values, self._moved, strict=True):
+            full = np.zeros(max(len(given), int(moved.max()) + 1))
+            full[: len(given)] = given
+            parts.append(full[moved])
+        z = np.concatenate(parts) / self.scales
+        return np.clip(z, self.lower, self.upper)
+
+    def prior_rows(self, z: np.ndarray) -> np.ndarray:
+        """The prior's rows of the residual."""
+        used = self._weights > 0.0
+        return z[used] * self._weights[used]
+
+    def prior_jacobian(self) -> np.ndarray:
+        """Derivatives of the prior's rows (num_prior, n)."""
+        return np.diag(self._weights)[self._weights > 0.0]
+
+    def batch(
+        self,
+        points: Sequence[np.ndarray],
+        coarse: bool = False,
+        fine: bool = False,
+    ) -> list[np.ndarray | None]:
+        """Weighted residuals with the prior's rows below."""
+        found = self.evaluator.residuals(
+            [self.split(z) for z in points], coarse, fine
+        )
+        return [
+            None if r is None else np.concatenate([r, self.prior_rows(z)])
+            for r, z in zip(found, points, strict=True)
+        ]
+
+    def columns(
+        self, z: np.ndarray, first: int = 0, base: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Columns of the Jacobian from parameter `first` on.
+
+        Differences at the coarse plant step. A run parameter moves its own
+        run alone: those of all runs are differenced at once.
+
+        Args:
+            z: Scaled parameters.
+            first: Of the columns.
+            base: The coarse residual at z, where it is known.
+        """
+        if self.is_rough:
+            forth = self._differences(z, first, base, self.steps)
+            back = self._differences(z, first, base, -self.steps)
+            return 0.5 * (forth + back)
+        steps = np.where(z + self.steps > self.upper, -self.steps, self.steps)
+        return self._differences(z, first, base, steps)
+
+    def _differences(self, z, first, base, steps) -> np.ndarray:
+        groups = [g for g in self._groups if g[0] >= first]
+        points = []
+        for group in groups:
+            point = z.copy()
+            point[group] += steps[group]
+            points.append(point)
+        if base is None:
+            base, *moved = self.batch([z, *points], coarse=True)
+        else:
+            moved = self.batch(points, coarse=True)
+        rows = len(base) - self.num_prior
+        out = np.zeros((len(base), len(z) - first))
+        ends = self.evaluator.ends
+        for group, residual in zip(groups, moved, strict=True):
+            if residual is None:
+                continue
+            change = residual - base
+            if len(group) == 1:
+                out[:rows, group[0] - first] = change[:rows] / steps[group[0]]
+                continue
+            for i, begin, end in zip(group, [0, *ends], ends, strict=False):
+                out[begin:end, i - first] = change[begin:end] / steps[i]
+        out[rows:] = self.prior_jacobian()[:, first:]
+        return out
+
+
+def _scale_of(parameter: EffectParameter) -> float:
+    if parameter.deviation is not None:
+        return parameter.deviation
+    return parameter.typical

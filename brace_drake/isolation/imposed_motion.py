@@ -1,0 +1,163 @@
+"""What contact, torso and force reading show where the ring's way is given.
+
+Where drives stick and slip by chance a twin in closed loop comes to no floor,
+and a second effect is lost in what it leaves. On the recorded way of the ring
+nothing sticks: an effect of the contact's side shows there as it would without
+friction, and so does the subject.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from brace_drake.core.errors import BraceError
+from brace_drake.core.parallel import Workers
+from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
+from brace_drake.effects.card import Effect
+from brace_drake.effects.registry import effects_for
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import CandidateFit, fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.recording.recording import Campaign
+from brace_drake.selection.acceptance import largest_excess
+from brace_drake.selection.decision import (
+    Verdict,
+    decide,
+    has_gap,
+    is_near_floor,
+)
+from brace_drake.selection.measures import misfit
+from brace_drake.selection.null_bootstrap import draw_null
+from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.screening import race
+from brace_drake.selection.search.shortlist import best_fits, refine
+from brace_drake.selection.surrogate_data import loses_to_decoys
+
+# Blocks that answer to the way of the ring; the others make it.
+BLOCKS = ("contact", "torso", "sensing")
+# Mean square, in floors, from which on a gap is beyond doubt.
+_LARGE = 0.5
+# Times the floor's amplitude, up to which the side holds: the noise of a way is
+# known to a sixth.
+_THRESHOLD = 1.17
+
+
+@dataclass(frozen=True)
+class ContactSide:
+    """The contact's side of a bench, its ring on the recorded way.
+
+    Attributes:
+        evaluator: Of the guided twin over the fit runs.
+        nominal: Its fit without effects.
+    """
+
+    evaluator: Evaluator
+    nominal: CandidateFit
+
+    def row(self) -> dict:
+        """What the nominal fit leaves, as a row of the ladder."""
+        rest = max(0.0, misfit(self.evaluator, self.nominal))
+        ratio = float(np.sqrt(1.0 + rest))
+        return {
+            "block": "contact, torso and force reading",
+            "input": "way of the ring",
+            "output": "force, marker",
+            "normalised_rms": ratio,
+            "threshold": _THRESHOLD,
+            "acquitted": ratio <= _THRESHOLD,
+        }
+
+
+def fit_contact_side(
+    twin: GuidedBenchTwin | None,
+    campaign: Campaign,
+    jobs: int | Workers,
+    seed: int,
+) -> ContactSide | None:
+    """Fits the subject to what the way of the ring does to it.
+
+    Args:
+        twin: The guided one, None where the device has none.
+        campaign: Its fit runs are looked at.
+        jobs, seed: As of the diagnosis.
+
+    Returns:
+        None where there is no twin or one without room for effects, where way
+        or force were not recorded or nothing was touched, and where the twin
+        breaks down.
+    """
+    if twin is None or not twin.has_room:
+        return None
+    runs = tuple(campaign.split("fit"))
+    recorded = all(run.has(twin.needs).all() for run in runs)
+    if not (recorded and any(run.contact for run in runs)):
+        return None
+    usual = np.array([p.nominal for p in twin.subject])
+    try:
+        # Of a run held back nothing may be known, so not its way either.
+        known = replace(campaign, runs=runs)
+        floors, _ = estimate_floors(twin, known, usual, seed)
+        prepared = prepare_runs(twin, runs, floors, campaign.rate_hz, seed)
+        evaluator = Evaluator(twin, prepared, jobs)
+        return ContactSide(evaluator, fit_nominal(evaluator))
+    except (BraceError, ValueError):
+        return None
+
+
+def explain_contact_side(
+    side: ContactSide,
+    seed: int,
+    say: Callable[[str, float], None] = lambda what, share: None,
+) -> CandidateFit | None:
+    """What is on the contact's side: an effect, or none.
+
+    Args:
+        side: From `fit_contact_side`.
+        seed: As of the diagnosis.
+        say: Progress, shares of this search.
+
+    Returns:
+        The fit of the one effect that explains a gap beyond doubt, that of no
+        effect where there is no gap, None where neither is known: as the noise
+        of a way is known less than that of readings, and no twin is exact, a
+        gap of less than half of the floor is none to build on.
+    """
+    evaluator, nominal = side.evaluator, side.nominal
+    try:
+        ground = Ground(evaluator, nominal)
+        if misfit(evaluator, nominal) <= _LARGE:
+            null = draw_null(evaluator, nominal, [], seed)
+            return None if has_gap(evaluator, nominal, [], null) else nominal
+        verdict = _diagnose(ground, seed, say)
+    except (BraceError, ValueError):
+        return None
+    return None if verdict.ambiguous_with else verdict.winner
+
+
+def _diagnose(ground: Ground, seed: int, say) -> Verdict:
+    evaluator, nominal = ground.evaluator, ground.leader
+    known = effects_for(evaluator.twin.device).values()
+    cards = [c for c in known if is_on_contact_side(c)]
+    most = largest_excess(evaluator, nominal, 1)
+    fits = _race(ground, [c for c in cards if not c.is_flexible], most, say)
+    null = draw_null(evaluator, nominal, fits, seed)
+    if not is_near_floor(evaluator, nominal, fits, null.misfit_threshold):
+        many = [c for c in cards if c.is_flexible]
+        fits += _race(ground, many, most, say)
+    is_chance = partial(loses_to_decoys, evaluator, nominal, seed=seed)
+    return decide(evaluator, nominal, fits, null, is_chance)
+
+
+def _race(ground, cards, most, say) -> list[CandidateFit]:
+    runners = race(ground, cards, say, most=most)
+    there = ground.leader.excess
+    return refine(ground.evaluator, best_fits(runners), there, rivals=most)
+
+
+def is_on_contact_side(card: Effect) -> bool:
+    """Whether an effect shows on a given way of the ring."""
+    return card.block in BLOCKS and not card.at_rest

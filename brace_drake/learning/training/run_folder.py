@@ -1,0 +1,199 @@
+"""A training run on disk: what it was started with, and how far it is."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import pickle
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import torch
+import yaml
+from pydrake.common.yaml import yaml_dump_typed
+
+from brace_drake.core.errors import BraceError, PolicyError
+from brace_drake.core.output import HoldFolder, WriteBytes, WriteJson, WriteText
+from brace_drake.core.versions import installed_versions
+from brace_drake.learning.task import LearningTask, load_task_scenario
+from brace_drake.learning.training.numbers import TrainingNumbers
+from brace_drake.scenario.load import LoadRecord
+
+PACKAGES = (
+    "brace_drake", "drake", "numpy", "numba", "gymnasium", "torch",
+    "stable-baselines3",
+)  # fmt: skip
+CHECKPOINT = "checkpoint.pt"
+# What a checkpoint is made of beside tensors and plain values.
+_ARRAYS = (
+    np._core.multiarray.scalar,
+    np._core.multiarray._reconstruct,
+    np.ndarray,
+    np.dtype,
+    *(
+        type(np.dtype(kind))
+        for kind in ("bool", "f4", "f8", "i4", "i8", "u4", "u8")
+    ),
+)
+
+
+def WriteStart(
+    folder: Path, task: LearningTask, numbers: TrainingNumbers
+) -> None:
+    """Writes task, hyper-parameters, the scenario, seed and versions.
+
+    The folder is held; to be released when the run ends.
+
+    Raises:
+        OutputError: The folder cannot be written, or another process holds it.
+    """
+    HoldFolder(folder)
+    scenario = load_task_scenario(task)
+    for name, record in (
+        ("task.yaml", task),
+        ("training.yaml", numbers),
+        ("used.scenario.yaml", scenario),
+    ):
+        WriteText(folder / name, yaml_dump_typed(record))
+    WriteJson(
+        folder / "manifest.json",
+        {"seed": numbers.seed, "versions": installed_versions(PACKAGES)},
+    )
+
+
+def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
+    """What a run was started with; its scenario is the one it kept.
+
+    Raises:
+        PolicyError: There is no run, its manifest is damaged, or other
+            versions have begun it.
+        ScenarioError: A file of it cannot be read.
+    """
+    manifest = folder / "manifest.json"
+    if not (manifest.is_file() and (folder / CHECKPOINT).is_file()):
+        raise PolicyError(f"{folder}: no training run to go on with")
+    begun, here = _load_versions(manifest), installed_versions(PACKAGES)
+    for name, value in begun.items():
+        if here.get(name) != value:
+            raise PolicyError(
+                f"{folder}: begun with {name} {value}; here is"
+                f" {here.get(name)}: a run goes on with the same alone"
+            )
+    task = LoadRecord(LearningTask(), folder / "task.yaml")
+    kept = folder / "used.scenario.yaml"
+    if not _is_same(task, kept):
+        task.scenario = str(kept)
+    return task, LoadRecord(TrainingNumbers(), folder / "training.yaml")
+
+
+def CheckSame(
+    folder: Path, task: LearningTask, numbers: TrainingNumbers
+) -> None:
+    """Refuses to go on with a run of another task, scenario or numbers.
+
+    Where the scenario's file lies does not matter, what is in it does.
+
+    Raises:
+        PolicyError: Names the first key that differs, and both values.
+        ScenarioError: A file of the run cannot be read.
+    """
+    for name, record in (
+        ("task.yaml", replace(task, scenario="")),
+        ("training.yaml", numbers),
+        ("used.scenario.yaml", load_task_scenario(task)),
+    ):
+        kept, asked = _load_map(folder / name), _map_of(record)
+        for key, value in asked.items():
+            if key != "scenario" and kept.get(key) != value:
+                raise PolicyError(
+                    f"{folder / name}: {key}: begun with {kept.get(key)!r},"
+                    f" asked for is {value!r}: another folder, or the same"
+                    " options"
+                )
+
+
+def _load_map(path: Path) -> dict:
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        raise PolicyError(f"{path}: no part of a training run") from error
+    return data if isinstance(data, dict) else {}
+
+
+def _map_of(record) -> dict:
+    return yaml.safe_load(yaml_dump_typed(record))
+
+
+def _load_versions(manifest: Path) -> dict:
+    try:
+        versions = json.loads(manifest.read_text(encoding="utf-8"))["versions"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise PolicyError(
+            f"{manifest}: no manifest of a training run"
+        ) from error
+    if not isinstance(versions, dict):
+        raise PolicyError(
+            f"{manifest}: versions: {versions!r}; allowed: a map of packages"
+        )
+    return versions
+
+
+def _is_same(task: LearningTask, kept: Path) -> bool:
+    """Whether the scenario that a task names is still the one that it kept."""
+    try:
+        text = yaml_dump_typed(load_task_scenario(task))
+    except BraceError:
+        return False
+    return text == kept.read_text(encoding="utf-8")
+
+
+def WriteCheckpoint(folder: Path, state: dict) -> None:
+    """Writes the state of a run; a kill leaves the old one or the new one."""
+    memory = io.BytesIO()
+    torch.save(state, memory)
+    WriteBytes(folder / CHECKPOINT, memory.getvalue())
+
+
+def LoadCheckpoint(folder: Path) -> dict:
+    """Reads what `WriteCheckpoint` has written: arrays and plain values alone.
+
+    Raises:
+        PolicyError: The file is damaged, or holds anything that could run code.
+    """
+    path = folder / CHECKPOINT
+    try:
+        with torch.serialization.safe_globals(_ARRAYS):
+            return torch.load(path, weights_only=True)
+    except (pickle.UnpicklingError, RuntimeError, EOFError, OSError) as error:
+        raise PolicyError(f"{path}: no checkpoint of a training run") from error
+
+
+def WriteCurve(folder: Path, rows: list[dict[str, float]]) -> None:
+    """Writes the training curve as CSV."""
+    memory = io.StringIO()
+    writer = csv.DictWriter(memory, list(rows[0]))
+    writer.writeheader()
+    writer.writerows(rows)
+    WriteText(folder / "curve.csv", memory.getvalue())
+
+
+def DrawCurve(folder: Path, rows: list[dict[str, float]]) -> None:
+    """Draws returns over decisions as PNG."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7, 4), layout="constrained")
+    axes = figure.add_subplot()
+    steps = [row["steps"] for row in rows]
+    for name, label, style in (
+        ("episode_return", "while training", "-"),
+        ("evaluation", "mean actions, the same subjects", "o"),
+    ):
+        axes.plot(steps, [row[name] for row in rows], style, label=label)
+    axes.set_xlabel("decisions")
+    axes.set_ylabel("return of an episode")
+    axes.legend()
+    memory = io.BytesIO()
+    figure.savefig(memory, format="png", dpi=120)
+    WriteBytes(folder / "curve.png", memory.getvalue())

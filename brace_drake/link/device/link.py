@@ -1,0 +1,298 @@
+"""The host's side of the link: hello, limits, clocks, states, commands."""
+
+from __future__ import annotations
+
+import random
+import threading
+import time
+from collections.abc import Callable, Sequence
+
+import serial
+
+from brace_drake.core.errors import LimitsError, LinkError
+from brace_drake.link.device.clock import ClockSync
+from brace_drake.link.device.inbox import Inbox
+from brace_drake.link.device.limits import (
+    SHARED,
+    Limits,
+    as_sent,
+    each_value,
+    format_value,
+    refuse_wider,
+    shared_values,
+)
+from brace_drake.link.protocol.codec import (
+    Decoder,
+    Packet,
+    describe_stranger,
+    make_codec,
+)
+from brace_drake.link.protocol.messages import BAUD, BY_NAME
+from brace_drake.link.protocol.ports import OpenPort
+from brace_drake.link.protocol.sequence import Counts, SequenceWatch
+from brace_drake.link.protocol.words import Cause, Mode, Reason, reason_text
+
+_AGAIN, _HEARTBEAT = 0.2, 0.1
+
+
+class Link:
+    """A connection to one device.
+
+    States are handed to `on_state` in the thread that reads, so that an answer
+    leaves without waiting for another thread. Every other method may be called
+    from any thread.
+
+    Attributes:
+        path: The port.
+        hello, geometry, device_limits: What the device said of itself.
+        session: Number of the session, 0 before `agree`.
+        clock: The device's clock.
+    """
+
+    def __init__(self, path: str, baud: int = BAUD):
+        self.path = path
+        self.hello = self.geometry = self.device_limits = None
+        self.session, self.clock = 0, ClockSync()
+        self.on_state: Callable[[Packet, int], None] | None = None
+        self._port = OpenPort(path, baud)
+        self._codec = make_codec(1)
+        self._decoder = Decoder(self._codec, follows_hello=True)
+        self._sequence = random.randrange(2**16)
+        self._order, self._messages, self._states = SequenceWatch(), 0, 0
+        self._sending, self._inbox = threading.Lock(), Inbox()
+        self._closed, self._beat = threading.Event(), 0.0
+        self._reader = threading.Thread(
+            target=self._Read, name=f"link {path}", daemon=True
+        )
+        self._reader.start()
+
+    # Conversation
+
+    def Connect(self, timeout: float = 3.0) -> None:
+        """Asks who is there until the device has said all of itself.
+
+        Raises:
+            LinkError: Nobody, a stranger, or a device of another protocol.
+        """
+        ends, nonce = time.monotonic() + timeout, random.randrange(2**32)
+        names = ("HELLO", "GEOMETRY", "DEVICE_LIMITS")
+        self._decoder.follows_hello = True
+        self._inbox.Forget(*names)
+        while time.monotonic() < ends:
+            self.Send("HELLO_REQUEST", {"nonce": nonce})
+            if self._inbox.WaitFor(names, _AGAIN):
+                hello, geometry, limits = (self._inbox[n] for n in names)
+                if hello.values.nonce == nonce:
+                    self.hello, self.geometry = hello.values, geometry.values
+                    self.device_limits = tuple(limits.values)
+                    self._codec = make_codec(self.hello.stages)
+                    self._decoder.follows_hello = False
+                    return
+                # The answer to somebody before us.
+                self._inbox.Forget(*names)
+            self._CheckAlive()
+        raise LinkError(f"{self.path}: {describe_stranger(self._decoder)}")
+
+    def Agree(self, limits: Limits) -> None:
+        """Tells the limits and begins a session.
+
+        Raises:
+            LimitsError: They are wider than the device's own, or what it
+                echoes is not what it was told.
+            LinkError: No answer.
+        """
+        stages = self.hello.stages
+        refuse_wider(limits, self.device_limits, stages=stages)
+        asked = shared_values(limits, stages)
+        named = {s.name: v for s, v in zip(SHARED, asked, strict=True)}
+        echo = self._Ask("LIMITS", named, "LIMITS_ECHO").values
+        if echo.reason != Reason.ACCEPTED:
+            name = SHARED[min(echo.index, len(SHARED) - 1)].name
+            raise LimitsError(
+                f"{self.path}: the device refuses the limits at {name}:"
+                f" {reason_text(echo.reason)}"
+            )
+        held = tuple(getattr(echo, s.name) for s in SHARED)
+        for shared, told, holds in zip(SHARED, asked, held, strict=True):
+            if tuple(map(as_sent, each_value(told))) != each_value(holds):
+                raise LimitsError(
+                    f"{self.path}: limit {shared.name} was told as"
+                    f" {format_value(told)}, the device holds"
+                    f" {format_value(holds)}"
+                )
+        self.session = echo.session
+
+    def Arm(self) -> None:
+        """Lets the drives follow commands.
+
+        Raises:
+            LinkError: The device refuses; the message says why.
+        """
+        self._Request("ARM", {"nonce": random.randrange(2**32)})
+
+    def Disarm(self) -> None:
+        """Releases the drives without a latched stop."""
+        self._Request("DISARM", {"nonce": random.randrange(2**32)})
+
+    def Stop(self, cause: Cause = Cause.HOST_STOP) -> None:
+        """Releases the drives and latches; asks again until it is answered."""
+        self._Request("STOP", {"cause": int(cause)})
+
+    def Clear(self, cause: Cause) -> None:
+        """Ends a latched stop."""
+        self._Request("CLEAR", {"cause": int(cause)})
+
+    def WaitForState(self, timeout: float = 1.0):
+        """Fields of the next state.
+
+        Raises:
+            LinkError: None comes.
+        """
+        self._inbox.Forget("STATE")
+        if not self._inbox.WaitFor(("STATE",), timeout):
+            self._CheckAlive()
+            raise LinkError(f"{self.path}: the device sends no states")
+        return self._inbox["STATE"].values
+
+    def Command(
+        self, values: Sequence[float], tick: int, mode: Mode = Mode.FORCE
+    ) -> int:
+        """Sends leg forces (6 S,), N, in answer to the state of a tick.
+
+        Args:
+            values: With the mode LENGTH, leg lengths, m.
+            tick: Of the state.
+            mode: One from arming to disarming; LENGTH where the device's
+                `capabilities` say so.
+
+        Returns:
+            The sequence that the device will show as in use.
+        """
+        fields = {"mode": mode, "tick": tick, "values": values}
+        return self.Send("COMMAND", fields)
+
+    def Send(self, name: str, values: dict) -> int:
+        """Sends a message; returns its sequence.
+
+        Raises:
+            LinkError: The port is gone.
+        """
+        session = 0 if name == "LIMITS" else self.session
+        with self._sending:
+            sequence = self._sequence = (self._sequence + 1) & 0xFFFF
+            stamp = time.perf_counter_ns() // 1000
+            frame = self._codec.encode(name, values, sequence, stamp, session)
+            try:
+                self._port.write(frame)
+            except (OSError, TypeError) as error:
+                raise self._Gone(error) from error
+        return sequence
+
+    @property
+    def counts(self) -> Counts:
+        """What has come in so far."""
+        return Counts(
+            self._messages,
+            self._states,
+            self._decoder.num_bad,
+            self._order.lost,
+            self._order.repeated,
+            self._order.late,
+            self._decoder.bytes_read,
+        )
+
+    @property
+    def fault(self) -> Packet | None:
+        """The last fault that the device has told."""
+        return self._inbox.fault
+
+    @property
+    def error(self) -> Exception | None:
+        """What ended the reading, None while it goes on."""
+        return self._inbox.error
+
+    def Close(self) -> None:
+        """Ends the reading and closes the port."""
+        self._closed.set()
+        if threading.current_thread() is not self._reader:
+            self._reader.join(1.0)
+        self._port.close()
+
+    def __enter__(self) -> Link:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.Close()
+
+    # Answers
+
+    def _Ask(self, name: str, values: dict, answer: str, tries: int = 5):
+        self._inbox.Forget(answer)
+        for _ in range(tries):
+            sequence = self.Send(name, values)
+            if self._inbox.WaitFor((answer,), _AGAIN, sequence):
+                return self._inbox[answer]
+            self._CheckAlive()
+        raise LinkError(f"{self.path}: no answer to {name.lower()}")
+
+    def _Request(self, name: str, values: dict) -> None:
+        answer = self._Ask(name, values, "ANSWER").values
+        if answer.reason != Reason.ACCEPTED:
+            raise LinkError(
+                f"{self.path}: the device refuses to {name.lower()}:"
+                f" {reason_text(answer.reason)}"
+            )
+
+    def _CheckAlive(self) -> None:
+        if self.error is not None:
+            raise self._Gone(self.error)
+
+    def _Gone(self, error: Exception) -> LinkError:
+        if isinstance(error, LinkError):
+            return error
+        return LinkError(
+            f"{self.path}: the device is gone (unplugged, or switched off)"
+        )
+
+    # Reading
+
+    def _Read(self) -> None:
+        try:
+            while not self._closed.is_set():
+                data = self._port.read(max(1, self._port.in_waiting))
+                now = time.perf_counter_ns()
+                if data:
+                    self._Accept(data, now)
+                if self.session and now - self._beat > _HEARTBEAT * 1e9:
+                    self._beat = now
+                    self.Send("HEARTBEAT", {"echo_us": 0})
+        except (OSError, TypeError, serial.SerialException, LinkError) as error:
+            if not self._closed.is_set():
+                self._inbox.End(self._Gone(error))
+        except Exception as error:  # A handler's own: told where it is waited.
+            self._inbox.End(error)
+
+    def _Accept(self, data: bytes, now: int) -> None:
+        """Takes bytes that have come at a time, ns."""
+        for packet in self._decoder.feed(data):
+            # Only who was asked for a hello may begin anew with it.
+            begins = packet.name == "HELLO" and self._decoder.follows_hello
+            lost = self._order.take(packet.sequence, begins)
+            if lost is not None:
+                self._Take(packet, lost, now)
+
+    def _Take(self, packet: Packet, lost: int, now: int) -> None:
+        if BY_NAME[packet.name].sender == "host":
+            return
+        self._messages += 1
+        if packet.name == "STATE":
+            self._states += 1
+            if self.on_state is not None:
+                self.on_state(packet, lost)
+            else:
+                self._inbox.Put(packet)
+        elif packet.name == "HEARTBEAT":
+            sent = 1e-6 * packet.values.echo_us
+            self.clock.add(sent, 1e-6 * packet.time_us, 1e-9 * now)
+        else:
+            self._inbox.Put(packet)

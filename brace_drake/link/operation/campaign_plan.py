@@ -1,0 +1,115 @@
+"""Which runs a campaign needs, so that it can be diagnosed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from brace_drake.core.errors import CampaignError, suggest
+from brace_drake.devices.motions.library import MOTIONS, MakeMotion
+
+FORMAT = "brace-plan/1"
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A run to be recorded: motion, split, whether it repeats one before."""
+
+    motion: str
+    split: str = "fit"
+    repeat: bool = False
+
+
+# Free runs first, as the torso then comes only once. Repeats tell the noise;
+# validation runs move as no fit run does.
+STANDARD_PLAN = (
+    PlannedRun("free_multisine"),
+    PlannedRun("free_reversal"),
+    PlannedRun("free_reversal_fast", "validation"),
+    PlannedRun("quiet_hold"),
+    PlannedRun("push"),
+    PlannedRun("push", repeat=True),
+    PlannedRun("stairs"),
+    PlannedRun("reversal"),
+    PlannedRun("multisine"),
+    PlannedRun("push_fast", "validation"),
+    PlannedRun("stairs_both_sides", "validation"),
+    PlannedRun("multisine_fast", "validation"),
+)
+
+
+def LoadPlan(path: str | Path | None) -> tuple[PlannedRun, ...]:
+    """A plan from a file; the standard one where there is none.
+
+    The file is YAML: `format: brace-plan/1` and `runs`, a list of items with
+    `motion` and, where needed, `split: validation` and `repeat: true`.
+
+    Raises:
+        CampaignError: One line: file, run, key, value, what is allowed.
+    """
+    if path is None:
+        return STANDARD_PLAN
+    import yaml
+
+    try:
+        content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        line = " ".join(str(error).split())
+        raise CampaignError(f"{path}: cannot be read: {line}") from error
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise CampaignError(f"{path}: format must be {FORMAT!r}")
+    runs = content.get("runs")
+    if not isinstance(runs, list) or not runs:
+        raise CampaignError(f"{path}: runs must be a list of runs")
+    return tuple(
+        _parse_run(run, f"{path}: run {i}") for i, run in enumerate(runs, 1)
+    )
+
+
+def _parse_run(run: object, place: str) -> PlannedRun:
+    if not isinstance(run, dict) or not isinstance(run.get("motion"), str):
+        raise CampaignError(f"{place} has no motion")
+    allowed = ("motion", "split", "repeat")
+    for key in run:
+        if key not in allowed:
+            hint = suggest(key, allowed)
+            raise CampaignError(f"{place}: no key {key!r}{hint}")
+    planned = PlannedRun(**run)
+    if planned.motion not in MOTIONS:
+        MakeMotion(planned.motion)
+    if planned.split not in ("fit", "validation"):
+        raise CampaignError(
+            f"{place}: split is {planned.split!r}; allowed: fit or validation"
+        )
+    if not isinstance(planned.repeat, bool):
+        raise CampaignError(
+            f"{place}: repeat is {planned.repeat!r}; allowed: true or false"
+        )
+    return planned
+
+
+def remaining_runs(
+    plan: tuple[PlannedRun, ...], recorded: list[dict]
+) -> list[tuple[int, PlannedRun]]:
+    """What of a plan is still to be recorded, with numbers from 1.
+
+    Args:
+        plan: Of the whole campaign.
+        recorded: Items of campaign.yaml so far; those that are not complete do
+            not count.
+    """
+    have: dict[tuple[str, str], int] = {}
+    for item in recorded:
+        if item.get("complete", True):
+            name = Path(item["file"]).stem
+            name = name if name in MOTIONS else name.rpartition("_")[0]
+            key = (name, item["split"])
+            have[key] = have.get(key, 0) + 1
+    left = []
+    for number, run in enumerate(plan, 1):
+        key = (run.motion, run.split)
+        if have.get(key, 0) > 0:
+            have[key] -= 1
+        else:
+            left.append((number, run))
+    return left

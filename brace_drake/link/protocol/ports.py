@@ -1,0 +1,56 @@
+"""Opening a serial port, with one line for each way in which it fails."""
+
+from __future__ import annotations
+
+import errno
+
+import serial
+from serial.tools import list_ports
+
+from brace_drake.core.errors import LinkError
+from brace_drake.link.protocol.messages import BAUD
+
+_IN_USE = (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK)
+
+
+def OpenPort(path: str, baud: int = BAUD) -> serial.SerialBase:
+    """Opens a port for ourselves alone.
+
+    Args:
+        path: Such as /dev/ttyACM0 or COM3; `socket://host:port` as well.
+        baud: Bits a second; of no meaning on USB and pseudo-terminals.
+
+    Raises:
+        LinkError: One line: the port, and what is wrong with it.
+    """
+    try:
+        options = {"baudrate": baud, "timeout": 0.02, "write_timeout": 1.0}
+        if "://" not in path:
+            options["exclusive"] = True
+        port = serial.serial_for_url(path, **options)
+        port.reset_input_buffer()
+    except (OSError, ValueError) as error:
+        raise LinkError(_describe(path, error)) from error
+    return port
+
+
+def _describe(path: str, error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    text = str(error).lower()
+    if number == errno.ENOENT or "filenotfound" in text:
+        return f"{path}: no such port; {_others()}"
+    if number in (errno.EACCES, errno.EPERM) and "lock" not in text:
+        return (
+            f"{path}: no permission; on Linux the port's group, often dialout,"
+            " must be one of yours"
+        )
+    if number in _IN_USE or "exclusively lock" in text or "denied" in text:
+        return f"{path}: in use by another program"
+    if number == errno.ENOTTY or "inappropriate ioctl" in text:
+        return f"{path}: not a serial port"
+    return f"{path}: cannot be opened: {' '.join(str(error).split())}"
+
+
+def _others() -> str:
+    ports = sorted(port.device for port in list_ports.comports())
+    return "there are " + ", ".join(ports) if ports else "there is none"

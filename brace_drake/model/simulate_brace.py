@@ -1,0 +1,234 @@
+"""Runs of the brace's diagram, logged as the recordings are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import LogVectorOutput
+
+from brace_drake.core.errors import BraceError
+from brace_drake.devices.motions.brace_reference import MakeBraceReference
+from brace_drake.devices.motions.reference import reference_columns
+from brace_drake.laws import stages
+from brace_drake.link.device.limits import Limits
+from brace_drake.model.brace_plant import AddGeometry
+from brace_drake.model.brace_station import BraceStation, MakeBraceStation
+from brace_drake.model.simulate import (
+    AdvanceRun,
+    AtEnd,
+    MakeHeldNoise,
+    OnProgress,
+)
+from brace_drake.model.systems.brace_controllers import MakeController
+from brace_drake.recording.columns import BENCH, BRACE, BRACE_STAGES
+from brace_drake.recording.recording import Run
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace_numbers import pack_rings
+
+_LOGGED = ("drive_force", "leg_length", "force", "marker", "virtual")
+
+
+@dataclass(frozen=True)
+class BraceLog:
+    """A run of S stages, N samples, arrays bottom to top.
+
+    Attributes:
+        time: (N,), s, from 0.
+        drive_force: Commands within the drives' limits (N, 6 S), N.
+        leg_length: As read (N, 6 S), m.
+        force: Of each ring on the torso, as read, in W (N, S, 3), N.
+        marker: The torso's displacement as read (N, 3), m.
+        X_v: Virtual pose (N, S, 6).
+        X: True task coordinates (N, S, 6).
+        v: True velocity of each ring's centre in W (N, S, 3), m/s.
+        desired: X_d, X_d', X_d'' (N, 3, S, 6).
+    """
+
+    time: np.ndarray
+    drive_force: np.ndarray
+    leg_length: np.ndarray
+    force: np.ndarray
+    marker: np.ndarray
+    X_v: np.ndarray
+    X: np.ndarray
+    v: np.ndarray
+    desired: np.ndarray
+
+
+def SimulateBrace(
+    scenario: BraceScenario,
+    run: Run,
+    noise_seed: int | None = None,
+    on_progress: OnProgress | None = None,
+    add_geometry: AddGeometry | None = None,
+    at_end: AtEnd | None = None,
+    log_pads: bool = False,
+    limits: Limits | None = None,
+    watch: AtEnd | None = None,
+) -> BraceLog:
+    """Runs a scenario's brace, with its controller, over a reference.
+
+    Args:
+        scenario: Checked.
+        run: With a reference; its `contact` says whether the torso is there.
+        noise_seed: Of the instruments' noise; None: exact readings.
+        on_progress: Called every 0.1 s of simulated time.
+        add_geometry: See `AddBracePlant`, as `torso.contact` makes it.
+        at_end: Called with station and root context after the run.
+        log_pads, limits: See `MakeBraceStation`.
+        watch: See `SimulateBench`.
+
+    Raises:
+        BraceError: The reference is of other rings, the run broke down, or a
+            leg left its stroke.
+    """
+    torso = replace(scenario.torso, present=run.contact)
+    scenario = replace(scenario, torso=torso)
+    rings = pack_rings(scenario)
+    n = rings.num_rings
+    desired = MakeBraceReference(run, scenario.stages, rings.start)
+    end, rate = desired.end_time(), scenario.control.rate
+    noise = MakeHeldNoise(noise_seed, end, rate, 9 * n + 3)
+    controller = MakeController(scenario.control, rings)
+    if not run.contact:
+        add_geometry = None
+    station = MakeBraceStation(
+        scenario, controller, desired, noise, add_geometry, log_pads=log_pads,
+        limits=limits,
+    )  # fmt: skip
+    logged = _Advance(station, scenario, end, on_progress, at_end, watch)
+    if not all(np.isfinite(values).all() for values in logged.values()):
+        raise BraceError("the simulated run broke down")
+    # What is logged in multiples of a period is of no other length.
+    time = np.arange(len(logged["marker"])) * scenario.sensors.log_period
+    poses, v = _ring_states(station.plant, scenario, logged["plant_state"])
+    desired = desired.vector_values(np.minimum(time, end)).T
+    log = BraceLog(
+        time=time,
+        drive_force=logged["drive_force"],
+        leg_length=logged["leg_length"],
+        force=logged["force"].reshape((-1, n, 3)),
+        marker=logged["marker"],
+        X_v=logged["virtual"].reshape((-1, 3, n, 6))[:, 0],
+        X=_task_coordinates(poses, rings.geometry.rest),
+        v=v,
+        desired=desired.reshape((-1, 3, n, 6)),
+    )
+    _check_stroke(scenario, log, rings.geometry.rest_lengths)
+    return log
+
+
+def RecordBrace(scenario: BraceScenario, run: Run, **options) -> Run:
+    """A recording of a reference: `SimulateBrace` as channels.
+
+    Legs and rings have the numbers of the whole brace; stage 2 alone records
+    as the bench does, legs 1 to 6.
+
+    Args:
+        scenario, run: See `SimulateBrace`.
+        options: Its other arguments.
+    """
+    log = SimulateBrace(scenario, run, **options)
+    lowest = 1 if recorded_device(scenario) == BENCH else scenario.stages[0]
+    channels = {"time_s": log.time}
+    for k in range(log.leg_length.shape[1]):
+        leg = f"leg{6 * (lowest - 1) + k + 1}"
+        channels[f"{leg}_force_command_N"] = log.drive_force[:, k]
+        channels[f"{leg}_length_m"] = log.leg_length[:, k]
+    for i, ring in enumerate(scenario.stages):
+        for c, axis in enumerate("xyz"):
+            channels[f"ring{ring}_force_{axis}_N"] = log.force[:, i, c]
+        reference = log.desired[:, :, i, 1].T
+        channels |= dict(zip(reference_columns(ring), reference, strict=True))
+        channels[f"ring{ring}_y_virtual_m"] = log.X_v[:, i, 1]
+    for c, axis in enumerate("xyz"):
+        channels[f"torso_{axis}_m"] = log.marker[:, c]
+    return replace(run, channels=channels)
+
+
+def recorded_device(scenario: BraceScenario) -> str:
+    """What a recording of the scenario's stages is of."""
+    return BENCH if scenario.stages == [2] else BRACE
+
+
+def recorded_stages(scenario: BraceScenario) -> tuple[int, ...]:
+    """Stages that its campaign has to name; none where all are there."""
+    whole = tuple(scenario.stages) == BRACE_STAGES
+    return (
+        ()
+        if whole or recorded_device(scenario) == BENCH
+        else tuple(scenario.stages)
+    )
+
+
+def _Advance(
+    station: BraceStation,
+    scenario: BraceScenario,
+    end: float,
+    on_progress: OnProgress | None,
+    at_end: AtEnd | None,
+    watch: AtEnd | None,
+) -> dict[str, np.ndarray]:
+    """Simulates from rest; each logged port's samples (N, size)."""
+    builder = DiagramBuilder()
+    inner = builder.AddSystem(station.diagram)
+    sinks = {
+        name: LogVectorOutput(
+            inner.GetOutputPort(name), builder, scenario.sensors.log_period
+        )
+        for name in (*_LOGGED, "plant_state")
+    }
+    diagram = builder.Build()
+    simulator = Simulator(diagram)
+    AdvanceRun(simulator, station, end, on_progress, watch)
+    if on_progress is not None:
+        on_progress(end)
+    context = simulator.get_context()
+    if at_end is not None:
+        at_end(station, context)
+    return {
+        name: sink.FindLog(context).data().T for name, sink in sinks.items()
+    }
+
+
+def _ring_states(
+    plant: MultibodyPlant, scenario: BraceScenario, states: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Poses (N, S, 7), q then p, and velocities (N, S, 3) of the rings."""
+    poses, v = [], []
+    for name in scenario.rings:
+        body = plant.GetBodyByName(name)
+        q = body.floating_positions_start()
+        # Drake's spatial velocities have the rotation first.
+        at = plant.num_positions() + body.floating_velocities_start_in_v() + 3
+        poses.append(states[:, q : q + 7])
+        v.append(states[:, at : at + 3])
+    return np.stack(poses, axis=1), np.stack(v, axis=1)
+
+
+def _task_coordinates(poses: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    X = np.empty((len(poses), 6 * len(rest)))
+    for k, sample in enumerate(np.ascontiguousarray(poses)):
+        stages.calc_task_coordinates(sample, rest, X[k])
+    return X.reshape((-1, len(rest), 6))
+
+
+def _check_stroke(
+    scenario: BraceScenario, log: BraceLog, rest: np.ndarray
+) -> None:
+    """Refuses what legs without stops do in the twin, and no real leg can."""
+    off = np.abs(log.leg_length - np.ravel(rest))
+    outside = off > scenario.leg.stroke / 2.0
+    if not outside.any():
+        return
+    sample, leg = np.argwhere(outside)[0]
+    leg += 6 * (scenario.stages[0] - 1) + 1
+    raise BraceError(
+        f"leg {leg} is {1e3 * off[outside][0]:.1f} mm from its length at rest"
+        f" at {log.time[sample]:.3f} s; its stroke allows"
+        f" {500.0 * scenario.leg.stroke:g} mm"
+    )

@@ -1,0 +1,212 @@
+"""The bench as a Drake diagram: the brace with stage 2 alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pydrake.systems.framework import DiagramBuilder, OutputPort
+from pydrake.systems.primitives import (
+    ConstantVectorSource,
+    Demultiplexer,
+    MatrixGain,
+    TrajectorySource,
+)
+from pydrake.trajectories import Trajectory
+
+from brace_drake.core.errors import EffectError
+from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.laws.loop import kernels
+from brace_drake.laws.plug_in import PlugIn
+from brace_drake.link.device.limits import Limits
+from brace_drake.model.brace_plant import plant_resolves_contact
+from brace_drake.model.brace_station import (
+    BraceStation,
+    ConnectController,
+    FinishStation,
+    pads_of,
+)
+from brace_drake.model.station_parts import (
+    AddBrace,
+    AddDrives,
+    AddInstruments,
+    BraceParts,
+    Feed,
+    Join,
+)
+from brace_drake.model.station_safety import Supervision
+from brace_drake.model.systems.brace_controllers import BracePic
+from brace_drake.model.systems.pic_controller import (
+    PicController,
+    pack_tick_law,
+)
+from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.scenario.bench_numbers import (
+    pack_bench,
+    pack_bench_brace,
+    pack_bench_control,
+)
+from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace_numbers import BraceNumbers, pack_rings
+from brace_drake.scenario.control_numbers import ControlNumbers
+from brace_drake.scenario.effects import scenario_uses
+
+
+@dataclass
+class _Loop:
+    """What drives, instruments and controller are made of."""
+
+    scenario: BraceScenario
+    numbers: BraceNumbers
+    control: ControlNumbers
+    plug_ins: Mapping[str, PlugIn]
+    noise: Trajectory | None
+    limits: Limits | None
+
+
+def MakeBenchStation(
+    scenario: BenchScenario,
+    reference: Trajectory,
+    uses: Sequence[Use] = (),
+    noise: Trajectory | None = None,
+    log_pads: bool = False,
+    limits: Limits | None = None,
+) -> BraceStation:
+    """Builds the bench of a scenario that follows a reference.
+
+    It is the brace of one stage, see `scenario.bench_brace`, with PIC along y;
+    `sink` logs X_v, X_v', X_v'' (18,) behind the rest. In layout `blocks`
+    instruments and controller are those of the brace; in `pic`, the faster
+    one, they are one system, see PicController, and there are no drives: the
+    controller keeps to their limits.
+
+    Args:
+        scenario: Numbers of the nominal twin, and effects that are always on.
+        reference: y_d, y_d', y_d'' as a trajectory of three rows.
+        uses: Effects with their parameters, beside those of the scenario.
+        noise: Standard normal draws (12 rows), constant around each tick, in
+            place of the exported port.
+        log_pads: Also log the forces of single pads, see `BraceStation`.
+        limits: Of a supervisor behind the controller, in layout `blocks`
+            whatever the scenario says; None: there is none.
+
+    Raises:
+        EffectError: More effects than the twin carries, or effects of a
+            contact that the plant resolves.
+    """
+    uses, brace = (*scenario_uses(scenario), *uses), brace_of_bench(scenario)
+    _check_contact(brace, uses)
+    bench = modify_numbers(pack_bench(scenario), uses)
+    plug_ins = stack_effects(uses, bench)
+    mass, inertia = bench.ring[0], bench.ring[1:4]
+    brace.ring = replace(brace.ring, mass=mass, inertia=inertia)
+    numbers = pack_bench_brace(brace, bench)
+    builder = DiagramBuilder()
+    parts = AddBrace(builder, brace, numbers, plug_ins)
+    source = builder.AddNamedSystem("reference", TrajectorySource(reference))
+    control = pack_bench_control(brace, bench)
+    loop = _Loop(brace, numbers, control, plug_ins, noise, limits)
+    layout = scenario.control.layout if limits is None else "blocks"
+    add = _LAYOUTS[layout]
+    ports, logged = add(builder, parts, source.get_output_port(), loop)
+    period = scenario.sensors.log_period
+    sinks = FinishStation(
+        builder, parts.plant, ports, logged, period, pads_of(brace, log_pads)
+    )
+    diagram = builder.Build()
+    diagram.set_name("bench_station")
+    return BraceStation(diagram, parts.plant, numbers, *sinks)
+
+
+def _check_contact(scenario: BraceScenario, uses: Sequence[Use]) -> None:
+    """Refuses effects whose plug points the plant's own contact has not."""
+    if not plant_resolves_contact(scenario):
+        return
+    for effect, _ in uses:
+        if not {"compression", "contact"}.isdisjoint(effect.laws):
+            raise EffectError(
+                f"effect {effect.key} changes the linear contact; the scenario"
+                " has contact.model hydroelastic"
+            )
+
+
+def _AddBlocks(
+    builder: DiagramBuilder, parts: BraceParts, y: OutputPort, loop: _Loop
+) -> tuple[dict[str, OutputPort], OutputPort]:
+    """Adds drives, instruments and controller as the brace has them.
+
+    Args:
+        builder: Of the diagram.
+        parts: Of the brace.
+        y: y_d, y_d', y_d''.
+        loop: Their numbers.
+
+    Returns:
+        Ports to export by name, and what to log.
+    """
+    rows = np.zeros((18, 3))
+    rows[1::6] = np.eye(3)
+    desired = builder.AddNamedSystem("along_y", MatrixGain(rows))
+    builder.Connect(y, desired.get_input_port())
+    drives = AddDrives(builder, loop.scenario, parts)
+    readings, read = AddInstruments(
+        builder,
+        parts,
+        drives,
+        loop.numbers,
+        loop.control.period,
+        loop.noise,
+        loop.plug_ins,
+    )
+    pic = BracePic(loop.control)
+    pic.set_name("pic_controller")
+    supervision = None
+    if loop.limits is not None:
+        rings = pack_rings(loop.scenario)
+        supervision = Supervision(
+            loop.limits, rings, loop.numbers.viscous, loop.control.period
+        )
+    ports = ConnectController(
+        builder, pic, readings, drives, desired.get_output_port(),
+        supervision=supervision,
+    )  # fmt: skip
+    ports = {"drive_force": drives.get_output_port(), **readings, **ports}
+    row = [ports["drive_force"], read, ports["virtual"]]
+    return ports, Join(builder, "log_row", row)
+
+
+def _AddPic(
+    builder: DiagramBuilder, parts: BraceParts, y: OutputPort, loop: _Loop
+) -> tuple[dict[str, OutputPort], OutputPort]:
+    """Adds all as one system, arguments and results as `_AddBlocks`.
+
+    Each further system would cost time in every step of the plant.
+    """
+    add, n = builder.AddNamedSystem, loop.numbers.num_stages
+    pic = add("pic_controller", PicController(loop.control, loop.plug_ins))
+    numbers = pack_tick_law(loop.numbers, loop.control)
+    law = add("pic_law", ConstantVectorSource(numbers))
+    split = add("tick_split", Demultiplexer(list(kernels.tick_sizes(n))))
+    for source, name in (
+        (parts.measured, "measured"),
+        (y, "desired"),
+        (law.get_output_port(), "law"),
+    ):
+        builder.Connect(source, pic.GetInputPort(name))
+    Feed(builder, pic.GetInputPort("noise"), loop.noise)
+    tick = pic.GetOutputPort("tick")
+    builder.Connect(tick, split.get_input_port())
+    names = (
+        "leg_command", "leg_length", "force", "marker", "virtual", "impedance",
+    )  # fmt: skip
+    ports = {name: split.get_output_port(i) for i, name in enumerate(names)}
+    # The law of the controller has limited the commands.
+    ports["drive_force"] = ports["leg_command"]
+    for port in parts.legs:
+        builder.Connect(ports["leg_command"], port)
+    return ports, tick
+
+
+_LAYOUTS = {"pic": _AddPic, "blocks": _AddBlocks}

@@ -1,1 +1,0 @@
-"""Working with a device: recording, deploying, a twin beside it."""

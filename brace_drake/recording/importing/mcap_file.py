@@ -1,0 +1,236 @@
+"""MCAP, the container of robot recordings (mcap.dev): in and out.
+
+A campaign becomes one file: campaign.yaml as metadata, each run a topic of JSON
+messages, one a sample, with time and channels by name in SI units. Runs follow
+each other with a second between them, so that a viewer shows one at a time. A
+value that is not a number is left out of its message.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from brace_drake.core.errors import CampaignError
+from brace_drake.core.output import WriteBytes
+from brace_drake.recording.manifest import parse_manifest
+from brace_drake.recording.manifest_runs import RunEntry
+from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.write import describe
+
+Columns = dict[str, np.ndarray]
+
+# Name of the metadata that holds a campaign, and its key.
+_CAMPAIGN, _MANIFEST = "brace_campaign", "campaign.yaml"
+_PROFILE, _ENCODING, _SCHEMA = "", "json", "jsonschema"
+_LOG_TIME = "log_time_s"
+_PAUSE_S = 1.0
+# What damaged bytes raise, beside the library's own.
+_DAMAGED = (OSError, ValueError, EOFError, KeyError, RuntimeError, MemoryError)
+
+
+def WriteMcap(campaign: Campaign, path: str | Path) -> None:
+    """Writes a campaign as one MCAP file.
+
+    Raises:
+        CampaignError: The package mcap is not installed.
+        OutputError: The file cannot be written.
+    """
+    writer_of = _Import("writer").Writer
+    memory = io.BytesIO()
+    writer = writer_of(memory)
+    writer.start(_PROFILE, "brace-drake")
+    text = yaml.safe_dump(describe(campaign), sort_keys=False)
+    writer.add_metadata(_CAMPAIGN, {_MANIFEST: text})
+    start = 0.0
+    for run in campaign.runs:
+        _AddRun(writer, run, start - float(run.time_s[0]))
+        start += float(run.time_s[-1] - run.time_s[0]) + _PAUSE_S
+    writer.finish()
+    WriteBytes(Path(path), memory.getvalue())
+
+
+def _AddRun(writer, run: Run, shift: float) -> None:
+    names = tuple(run.channels)
+    schema = {
+        "type": "object",
+        "properties": {name: {"type": "number"} for name in names},
+    }
+    number = writer.register_schema(
+        run.name, _SCHEMA, json.dumps(schema).encode()
+    )
+    channel = writer.register_channel(_topic(run.file), _ENCODING, number)
+    columns = [np.asarray(run.channels[n], float).tolist() for n in names]
+    for i, row in enumerate(zip(*columns, strict=True)):
+        sample = dict(zip(names, row, strict=True))
+        sample = {n: v for n, v in sample.items() if math.isfinite(v)}
+        when = round(1e9 * (sample["time_s"] + shift))
+        writer.add_message(channel, when, json.dumps(sample).encode(), when, i)
+
+
+def LoadMcapCampaign(path: str | Path) -> Campaign:
+    """Reads a campaign that `WriteMcap` has written.
+
+    Raises:
+        CampaignError: One line: file, and what is wrong with it.
+    """
+    path = Path(path)
+    with _OpenReader(path) as reader:
+        texts = [
+            m.metadata.get(_MANIFEST, "")
+            for m in reader.iter_metadata()
+            if m.name == _CAMPAIGN
+        ]
+        if not texts:
+            raise CampaignError(
+                f"{path}: holds no campaign; take its topics by a map"
+            )
+        manifest, problems = parse_manifest(texts[-1].encode())
+        errors = [p for p in problems if p.severity == "error"]
+        if manifest is None or errors:
+            raise CampaignError(f"{path}: {errors[0]}")
+        # Without errors it has both.
+        assert manifest.device is not None and manifest.rate_hz is not None
+        tables = _read_topics(reader)
+    runs = tuple(_make_run(path, e, tables) for e in manifest.entries)
+    return Campaign(
+        path,
+        manifest.device,
+        manifest.rate_hz,
+        manifest.subject,
+        runs,
+        manifest.nominal,
+        manifest.control,
+        manifest.stages,
+    )
+
+
+def _make_run(path: Path, entry: RunEntry, tables: dict[str, Columns]) -> Run:
+    assert entry.file is not None
+    topic = _topic(entry.file)
+    if "time_s" not in tables.get(topic, {}):
+        raise CampaignError(f"{path}: no topic {topic} with time_s")
+    channels = {n: v for n, v in tables[topic].items() if n != _LOG_TIME}
+    return Run(
+        entry.file,
+        entry.contact,
+        entry.motion,
+        entry.repeat_of,
+        entry.split,
+        channels,
+    )
+
+
+def LoadMcapTable(path: Path, options: dict) -> Columns:
+    """Numbers of a topic's JSON messages as columns, each (N,).
+
+    Fields within fields are named a.b, items of lists a[0]; `log_time_s` is
+    the time of logging from the first message on. NaN where one is missing.
+
+    Args:
+        path: *.mcap.
+        options: `group`, the topic; not needed where there is one alone.
+
+    Raises:
+        CampaignError: One line: file, and what is wrong with it.
+    """
+    with _OpenReader(path) as reader:
+        tables = _read_topics(reader)
+    topic = options.get("group")
+    if topic is None and len(tables) == 1:
+        (topic,) = tables
+    if topic not in tables:
+        raise CampaignError(
+            f"{path}: no topic {topic!r} of JSON messages; options.group may"
+            f" be {', '.join(tables) or 'none, as there is none'}"
+        )
+    return tables[topic]
+
+
+def _read_topics(reader) -> dict[str, Columns]:
+    rows: dict[str, list[dict[str, float]]] = {}
+    for _, channel, message in reader.iter_messages():
+        if channel.message_encoding != _ENCODING:
+            continue
+        topic = rows.setdefault(channel.topic, [])
+        sample = dict(_flatten("", json.loads(message.data)))
+        topic.append({**sample, _LOG_TIME: 1e-9 * message.log_time})
+    return {topic: _stack(samples) for topic, samples in rows.items()}
+
+
+def _stack(samples: list[dict[str, float]]) -> Columns:
+    names = dict.fromkeys(name for sample in samples for name in sample)
+    table = {
+        name: np.array([s.get(name, math.nan) for s in samples])
+        for name in names
+    }
+    table[_LOG_TIME] = table[_LOG_TIME] - table[_LOG_TIME][0]
+    return table
+
+
+def _flatten(name: str, value) -> Iterator[tuple[str, float]]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _flatten(f"{name}.{key}" if name else str(key), item)
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from _flatten(f"{name}[{i}]", item)
+    elif isinstance(value, int | float):
+        yield name, float(value)
+
+
+def _topic(file: str) -> str:
+    return "/" + file.removesuffix(".csv")
+
+
+class _OpenReader:
+    """A file's reader; what damaged bytes raise becomes a CampaignError."""
+
+    def __init__(self, path: Path):
+        self._path, self._file = path, None
+        self._make = _Import("reader").make_reader
+        errors = _Import("exceptions").McapError
+        self._damaged = (*_DAMAGED, errors, struct.error, *_compression())
+
+    def __enter__(self):
+        try:
+            self._file = open(self._path, "rb")
+            return self._make(self._file, validate_crcs=True)
+        except self._damaged as error:
+            self.__exit__(None, None, None)
+            raise self._describe(error) from error
+
+    def __exit__(self, kind, error, trace) -> None:
+        if self._file is not None:
+            self._file.close()
+        if kind is not None and issubclass(kind, self._damaged):
+            raise self._describe(error) from error
+
+    def _describe(self, error: Exception) -> CampaignError:
+        line = " ".join(str(error).split()) or type(error).__name__
+        return CampaignError(f"{self._path}: not an MCAP file: {line}")
+
+
+def _Import(part: str):
+    import importlib
+
+    try:
+        return importlib.import_module(f"mcap.{part}")
+    except ImportError as error:
+        raise CampaignError(
+            "MCAP needs one more package: pip install -e '.[mcap]'"
+        ) from error
+
+
+def _compression() -> tuple[type[Exception], ...]:
+    """What the decompressors raise."""
+    import zstandard
+
+    return (zstandard.ZstdError,)

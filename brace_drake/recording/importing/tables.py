@@ -1,0 +1,153 @@
+"""Columns of a file by name, whatever wrote it."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.core.errors import CampaignError, reason
+from brace_drake.recording.importing.mcap_file import Columns, LoadMcapTable
+
+
+def LoadTable(path: str | Path, options: dict) -> Columns:
+    """Reads a file's columns, each (N,).
+
+    Args:
+        path: *.csv or *.txt, *.mat, *.tdms, *.mcap.
+        options: Of CSV: `delimiter`, `decimal`, `skip_lines`. Of MATLAB and
+            TDMS: `group`, the struct or group to look in; of MCAP the topic.
+
+    Raises:
+        CampaignError: One line: file, and what is wrong with it.
+    """
+    path = Path(path)
+    ending = path.suffix.lower()
+    readers = {".mat": _LoadMatlab, ".tdms": _LoadTdms}
+    readers[".mcap"] = LoadMcapTable
+    readers |= dict.fromkeys((".csv", ".txt", ".tsv"), _LoadText)
+    if ending not in readers:
+        raise CampaignError(
+            f"{path}: {ending or 'no ending'}; known are {', '.join(readers)}"
+        )
+    if not path.is_file():
+        raise CampaignError(f"{path}: no such file")
+    columns = readers[ending](path, options)
+    if not columns:
+        raise CampaignError(f"{path}: no column of numbers there")
+    return columns
+
+
+def _LoadText(path: Path, options: dict) -> Columns:
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise CampaignError(
+            f"{path}: cannot be read: {reason(error)}"
+        ) from error
+    lines = lines[options.get("skip_lines", 0) :]
+    if len(lines) < 2:
+        raise CampaignError(f"{path}: no rows below a header")
+    default = "\t" if path.suffix == ".tsv" else ","
+    delimiter = options.get("delimiter", default)
+    try:
+        rows = list(csv.reader(lines, delimiter=delimiter))
+    except (csv.Error, TypeError, ValueError) as error:
+        raise CampaignError(f"{path}: not a table: {error}") from error
+    header, decimal = [c.strip() for c in rows[0]], options.get("decimal", ".")
+    values: dict[str, list[float]] = {name: [] for name in header}
+    for number, row in enumerate(rows[1:], 1):
+        if not row:
+            continue
+        if len(row) != len(header):
+            raise CampaignError(
+                f"{path}: row {number} has {len(row)} fields, the header"
+                f" {len(header)}"
+            )
+        for name, text in zip(header, row, strict=True):
+            values[name].append(_number(text, decimal))
+    return {n: np.array(v) for n, v in values.items() if not _is_empty(v)}
+
+
+def _number(text: str, decimal: str) -> float:
+    try:
+        return float(text.strip().replace(decimal, "."))
+    except ValueError:
+        return float("nan")
+
+
+def _is_empty(values: list[float]) -> bool:
+    return bool(np.isnan(values).all())
+
+
+def _LoadMatlab(path: Path, options: dict) -> Columns:
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        content = loadmat(path, squeeze_me=True, struct_as_record=True)
+    except NotImplementedError as error:
+        raise CampaignError(
+            f"{path}: a MATLAB 7.3 file; save it with -v7"
+        ) from error
+    except (OSError, ValueError, TypeError, MatReadError) as error:
+        line = " ".join(str(error).split())
+        raise CampaignError(f"{path}: not a MATLAB file: {line}") from error
+    group = options.get("group")
+    if group is not None:
+        struct = content.get(group)
+        if struct is None or getattr(struct, "dtype", None) is None:
+            raise CampaignError(f"{path}: no struct {group!r}")
+        names = struct.dtype.names or ()
+        content = {name: struct[name].item() for name in names}
+    columns: Columns = {}
+    for name, value in content.items():
+        array = np.asarray(value)
+        if name.startswith("__") or array.dtype.kind not in "fiub":
+            continue
+        if array.ndim == 1 and array.size > 1:
+            columns[name] = array.astype(float)
+        elif array.ndim == 2:
+            # The columns of a matrix count from 1, as in MATLAB.
+            for i, column in enumerate(array.T.astype(float), 1):
+                columns[f"{name}({i})"] = column
+    return columns
+
+
+def _LoadTdms(path: Path, options: dict) -> Columns:
+    try:
+        from nptdms import TdmsFile
+    except ImportError as error:
+        raise CampaignError(
+            f"{path}: TDMS needs npTDMS: pip install -e '.[lab]'"
+        ) from error
+    try:
+        file = TdmsFile.read(path)
+    except (OSError, ValueError, KeyError, EOFError) as error:
+        line = " ".join(str(error).split())
+        raise CampaignError(f"{path}: not a TDMS file: {line}") from error
+    groups = {group.name: group for group in file.groups()}
+    wanted = options.get("group")
+    if wanted is not None and wanted not in groups:
+        raise CampaignError(
+            f"{path}: no group {wanted!r}; there are {', '.join(groups)}"
+        )
+    columns: Columns = {}
+    for name, group in groups.items():
+        if wanted not in (None, name):
+            continue
+        for channel in group.channels():
+            data = np.asarray(channel[:])
+            if data.dtype.kind in "fiub" and data.size > 1:
+                columns[channel.name] = data.astype(float)
+                _add_time(columns, channel)
+    return columns
+
+
+def _add_time(columns: Columns, channel) -> None:
+    """The time of a waveform channel, where it says so itself."""
+    step = channel.properties.get("wf_increment")
+    if step and "wf_time" not in columns:
+        start = channel.properties.get("wf_start_offset", 0.0)
+        columns["wf_time"] = start + step * np.arange(len(channel))

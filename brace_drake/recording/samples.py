@@ -1,0 +1,164 @@
+"""Checks of a recording's samples: time, units, stuck and clipped channels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.recording.columns import Channel
+from brace_drake.recording.dropouts import can_fill, lost_rows
+from brace_drake.recording.findings import at_rows, error, warning
+from brace_drake.recording.recording import Problem
+from brace_drake.recording.table import Columns
+
+_RATE_TOLERANCE = 0.02
+_GAP_PERIODS = 1.5
+_FLAT_SAMPLES = 5
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where commands and force readings are clipped.
+
+    Attributes:
+        command: Greatest force command of a leg, N; None when unknown.
+        reading: Full scale of the force sensor, N.
+        reading_step: Resolution of the force sensor, N.
+    """
+
+    command: float | None = 120.0
+    reading: float = 50.0
+    reading_step: float = 0.0245
+
+
+def check_time(
+    time: np.ndarray, rate_hz: float | None, file: str
+) -> list[Problem]:
+    """Order, rate and gaps of the sample times, shape (N,), s."""
+    steps = np.diff(time, prepend=np.nan)
+    problems = at_rows(
+        file, "time_s", steps <= 0, "time does not increase here"
+    )
+    forward = steps[steps > 0]
+    if rate_hz is None or forward.size == 0:
+        return problems
+    period = float(np.median(forward))
+    if abs(period * rate_hz - 1.0) > _RATE_TOLERANCE:
+        message = (
+            f"sampled at {1.0 / period:.6g} Hz, but rate_hz is {rate_hz:.6g}"
+        )
+        if 900.0 < period * rate_hz < 1100.0:
+            message += ": is the time in milliseconds?"
+        problems.append(error(file, message, "time_s"))
+    # With a wrong rate_hz every step would be a gap: use the true period.
+    gaps = steps > _GAP_PERIODS * max(period, 1.0 / rate_hz)
+    # A row that is early leaves a gap behind it that is none.
+    gaps[1:] &= ~(steps[:-1] <= 0)
+    if gaps.any():
+        step = steps[int(np.argmax(gaps))]
+        message = f"gap in time: {step:.4g} s before this row"
+        fills = np.all(steps[1:] > 0) and can_fill(lost_rows(time))
+        if fills:
+            message += "; filled by a straight line"
+        severity = "warning" if fills else "error"
+        problems += at_rows(file, "time_s", gaps, message, severity)
+    return problems
+
+
+def check_range(
+    values: np.ndarray, channel: Channel, file: str
+) -> list[Problem]:
+    """Values no such channel can hold: mostly a wrong unit."""
+    low, high = channel.low, channel.high
+    outside = np.isfinite(values) & ((values < low) | (values > high))
+    if not outside.any():
+        return []
+    value = values[int(np.argmax(outside))]
+    message = (
+        f"{value:g} is outside the plausible range {low:g} .. {high:g}: "
+        f"is the unit {channel.unit}?"
+    )
+    return at_rows(file, channel.name, outside, message)
+
+
+def is_constant(values: np.ndarray) -> bool:
+    """Whether two or more finite values are all the same."""
+    values = values[np.isfinite(values)]
+    return values.size > 1 and bool(np.all(values == values[0]))
+
+
+def check_constant(
+    columns: Columns, channel: Channel, contact: bool, file: str
+) -> list[Problem]:
+    """Warns about a channel that is stuck at one value."""
+    if channel.constant == "always" or not is_constant(columns[channel.name]):
+        return []
+    if channel.constant == "free" and not contact:
+        return []
+    reference = columns.get(channel.reference)
+    if channel.constant == "still" and (
+        reference is None or is_constant(reference)
+    ):
+        return []
+    values = columns[channel.name]
+    value = values[np.isfinite(values)][0]
+    message = f"constant at {value:g} over the whole run"
+    return [warning(file, message, channel.name)]
+
+
+def check_saturation(
+    values: np.ndarray, channel: Channel, limits: Limits, file: str
+) -> list[Problem]:
+    """Warns about samples at a limit, known or seen as a flat top."""
+    if channel.saturates is None or is_constant(values):
+        return []
+    size = np.abs(np.nan_to_num(values))
+    if channel.saturates == "reading":
+        limit = limits.reading
+        clipped = size >= limit - limits.reading_step
+        place = f"at the sensor's full scale of {limit:g} N"
+    else:
+        limit = limits.command
+        clipped = flat_extremes(values)
+        place = "flat at the channel's extreme value"
+        if limit is not None and np.count_nonzero(size >= limit - 1e-3) > 1:
+            clipped = size >= limit - 1e-3
+            place = f"at the force limit of {limit:g} N"
+    number = np.count_nonzero(clipped)
+    if number < 2:
+        return []
+    message = f"saturated: {number} samples {place}"
+    row = int(np.argmax(clipped)) + 1
+    return [Problem("warning", file, message, row, channel.name)]
+
+
+def flat_extremes(values: np.ndarray) -> np.ndarray:
+    """Marks stretches that sit exactly at the greatest or least value.
+
+    A stretch counts when it is reached and left by a step that is not
+    small against the channel's range: a signal that settles to its extreme,
+    or rests there before it starts, is not clipped.
+
+    Args:
+        values: Samples of one channel, shape (N,).
+
+    Returns:
+        Marks, shape (N,), bool.
+    """
+    marks = np.zeros(values.shape, dtype=bool)
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
+        return marks
+    least_step = 1e-3 * np.ptp(finite)
+    for extreme in (finite.min(), finite.max()):
+        edges = np.diff((values == extreme).astype(int), prepend=0, append=0)
+        starts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+        for start, end in zip(starts, ends, strict=True):
+            if end - start < _FLAT_SAMPLES or start == 0 or end == len(values):
+                continue
+            entry = abs(values[start] - values[start - 1])
+            exit_ = abs(values[end] - values[end - 1])
+            if min(entry, exit_) > least_step:
+                marks[start:end] = True
+    return marks

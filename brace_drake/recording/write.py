@@ -1,0 +1,124 @@
+"""Writes a campaign folder, whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import uuid
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from brace_drake.core.errors import OutputError
+from brace_drake.recording.columns import split_unit
+from brace_drake.recording.manifest import FORMAT
+from brace_drake.recording.manifest_runs import MANIFEST, leaves_folder
+from brace_drake.recording.recording import Campaign, Run
+
+# Decimals per unit: finer than any sensor of the bench resolves.
+DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
+_OTHER_UNITS = "%.9g"
+
+
+def check_new_folder(path: Path) -> None:
+    """Checks that a campaign could appear there.
+
+    Raises:
+        OutputError: Something is there already, and is not empty.
+    """
+    try:
+        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+            raise OutputError(f"{path}: exists and is not empty, not replaced")
+    except OSError as e:
+        raise OutputError(f"{path}: cannot be written: {e.strerror}") from e
+
+
+def WriteCampaign(campaign: Campaign, path: str | Path) -> None:
+    """Writes campaign.yaml and one CSV file per run.
+
+    The folder appears under its name only when it is complete.
+
+    Args:
+        campaign: What to write; its own `path` is not used.
+        path: The folder to make; it may exist if it is empty.
+
+    Raises:
+        OutputError: The folder exists and is not empty, a run's file would
+            lie outside it, or the place cannot be written.
+    """
+    path = Path(path).absolute()
+    check_new_folder(path)
+    outside = [run.file for run in campaign.runs if leaves_folder(run.file)]
+    if outside:
+        raise OutputError(f"{path}: {outside[0]!r} leaves the folder")
+    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}")
+    try:
+        draft.mkdir(parents=True)
+        _WriteFiles(campaign, draft)
+        os.replace(draft, path)
+    except OSError as e:
+        raise OutputError(f"{path}: cannot be written: {e.strerror}") from e
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def _WriteFiles(campaign: Campaign, folder: Path) -> None:
+    text = yaml.safe_dump(
+        describe(campaign), sort_keys=False, allow_unicode=True
+    )
+    (folder / MANIFEST).write_text(text, encoding="utf-8")
+    for run in campaign.runs:
+        file = folder / run.file
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(format_table(run), encoding="utf-8", newline="\n")
+
+
+def describe(campaign: Campaign) -> dict:
+    """The content of campaign.yaml, in the order of the format."""
+    head = {
+        "format": FORMAT,
+        "device": campaign.device,
+        "rate_hz": float(campaign.rate_hz),
+        "subject": campaign.subject,
+    }
+    for name in ("nominal", "control"):
+        values = getattr(campaign, name)
+        if values:
+            head[name] = {key: float(v) for key, v in values.items()}
+    if campaign.stages:
+        head["stages"] = list(campaign.stages)
+    settled_s = max((run.settled_s for run in campaign.runs), default=0.0)
+    if settled_s > 0.0:
+        head["settled_s"] = float(settled_s)
+    head["runs"] = [
+        {
+            "file": run.file,
+            "contact": bool(run.contact),
+            "motion": run.motion,
+            "repeat_of": run.repeat_of,
+            "split": run.split,
+        }
+        for run in campaign.runs
+    ]
+    return head
+
+
+def format_table(run: Run) -> str:
+    """A run as CSV text, with decimals that suit each column's unit."""
+    formats, columns = [], []
+    for name, values in run.channels.items():
+        values = np.asarray(values)
+        decimals = DECIMALS.get(split_unit(name)[1])
+        if values.dtype.kind not in "fiub":
+            formats.append("%s")
+        elif decimals is None:
+            formats.append(_OTHER_UNITS)
+        else:
+            formats.append(f"%.{decimals}f")
+            # Adding zero turns a rounded -0.0 into 0.0.
+            values = np.round(values, decimals) + 0.0
+        columns.append(values.tolist())
+    row_format = ",".join(formats)
+    rows = (row_format % row for row in zip(*columns, strict=True))
+    return "\n".join([",".join(run.channels), *rows]) + "\n"

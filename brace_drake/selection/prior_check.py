@@ -1,0 +1,108 @@
+"""Many alike parameters as a draw from one normal law: its spread, and whether
+they look like one.
+
+Under the prior N(0, s^2) the posterior mean m has the covariance s^2 I - P, P
+being the posterior's: whitened by that, m is a sample of the unit normal law,
+in the directions that the recording tells more of than the prior (posterior
+predictive check; Gelman et al., Bayesian Data Analysis, chapter 6).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import stats
+
+if TYPE_CHECKING:
+    from brace_drake.identification.fits import CandidateFit
+
+# A direction is told of where its variance is below this part of the prior's.
+_TOLD = 0.5
+# Median of the square of a unit normal variable.
+_MEDIAN = 0.4549
+# Standard deviations beyond which a direction does not count for the spread.
+_STRAY = 3.0
+# Level of each test, at most.
+_LEVEL = 1e-3
+
+
+def whiten(
+    mean: np.ndarray, posterior: np.ndarray, spread: float
+) -> np.ndarray:
+    """Posterior mean by directions that are told of, whitened (k,).
+
+    Args:
+        mean: Of the alike parameters (n,).
+        posterior: Their covariance (n, n).
+        spread: Standard deviation of the prior s.
+    """
+    left, directions = np.linalg.eigh(posterior / spread**2)
+    told = left < _TOLD
+    projected = directions.T @ mean
+    return projected[told] / (spread * np.sqrt(1.0 - left[told]))
+
+
+def refit_spread(
+    mean: np.ndarray, posterior: np.ndarray, spread: float
+) -> float:
+    """The spread that the directions themselves show.
+
+    Their root mean square, strays left out: where the twin is not exact, or
+    the effect is another, a few directions that the recording tells little of
+    go far, and would draw the spread after them.
+
+    Args:
+        mean, posterior, spread: See `whiten`.
+    """
+    squares = whiten(mean, posterior, spread) ** 2
+    if len(squares) == 0:
+        # Nothing is told: the prior alone, from which nothing is learnt.
+        return spread
+    typical = np.median(squares) / _MEDIAN
+    if typical == 0.0:
+        return spread
+    kept = squares[squares <= _STRAY**2 * typical]
+    return spread * float(np.sqrt(np.mean(kept)))
+
+
+def looks_scattered(fit: CandidateFit) -> bool:
+    """Whether a fit's alike parameters may be a draw from one normal law.
+
+    With dozens of parameters an effect can imitate many others; but then a
+    few directions among them carry all, and the rest is nearly nothing. Two
+    tests: that of Kolmogorov and Smirnov, and, for strays, the mean square
+    held against an F law of as many directions. As the spread is found from
+    the same directions, both refuse a true draw less often than their level.
+    True where no effect has such parameters.
+    """
+    places = _places(fit)
+    if len(places) == 0:
+        return True
+    jacobian = fit.solution.jacobian
+    posterior = np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)
+    # What the twin leaves beyond noise makes its parameters less sure.
+    residual = fit.solution.residual[: len(jacobian) - fit.num_prior]
+    posterior *= max(1.0, float(np.mean(residual**2)))
+    sample = whiten(
+        fit.solution.z[places],
+        posterior[np.ix_(places, places)],
+        fit.spread / fit.scales[places[0]],
+    )
+    if len(sample) == 0:
+        return True
+    shape = stats.kstest(np.abs(sample), stats.halfnorm.cdf).pvalue
+    strays = stats.f.sf(np.mean(sample**2), len(sample), len(sample))
+    return bool(2.0 * min(shape, strays) > _LEVEL)
+
+
+def _places(fit: CandidateFit) -> np.ndarray:
+    """Places in z of parameters with a common spread."""
+    at = len(fit.subject)
+    for effect in fit.effects:
+        runs = fit.num_runs * len(effect.run_parameters)
+        count = int(effect.is_continuous.sum()) + runs
+        if effect.spread is not None:
+            return np.arange(at, at + count)
+        at += count
+    return np.zeros(0, dtype=int)

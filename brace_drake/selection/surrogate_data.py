@@ -1,0 +1,128 @@
+"""Decoys of equal freedom: what chance would take of a gap.
+
+A decoy has as many parameters as an effect, and in each run the spectra and
+the mixture of channels that the effect's sensitivities have, but the phases of
+its frequencies are drawn at random, alike in all channels (surrogate data:
+Theiler et al., Testing for nonlinearity in time series, Physica D 58, 1992;
+Prichard and Theiler, Phys. Rev. Lett. 73, 1994). So it moves as much and as
+fast as the effect does, at other times. An effect that takes no more of the gap
+than its decoys do has taken it by its freedom.
+
+Of an effect that hardly changes in time some decoys come out as its copies:
+those that do what it has done tell nothing and are left out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection.measures import gain
+
+# Of so many none may take as much: once in a hundred campaigns one does.
+NUM_DECOYS = 99
+# A decoy that takes so much of what the effect has done is its copy.
+_ALIKE = 0.5
+# Directions of less than this part of their columns are copies of others.
+_COPY = 1e-10
+
+
+def decoy_gains(
+    evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit, seed: int
+) -> np.ndarray:
+    """What decoys of a fit's effects take off the nominal fit's mean square.
+
+    Beyond what the subject's parameters take, in floors, ascending; to first
+    order, which is all that a decoy has. None of copies of the effect.
+
+    Args:
+        evaluator: Over the fit runs.
+        nominal: The nominal fit.
+        fit: One that was searched.
+        seed: Of the phases.
+    """
+    n, rows = len(fit.subject), evaluator.ends[-1]
+    there = nominal.solution.residual[:rows]
+    done = there - fit.solution.residual[:rows]
+    kept = np.column_stack([nominal.solution.jacobian[:rows], there, done])
+    own = fit.solution.jacobian
+    # A decoy pays what its effect pays for parameters far from the usual.
+    prior = own[rows:, n:]
+    own = own[:rows, n:]
+    gram = kept.T @ kept
+    own_gram = own.T @ own + prior.T @ prior
+    products = [
+        _products(p, kept[begin:end], own[begin:end])
+        for p, begin, end in zip(
+            evaluator.prepared,
+            [0, *evaluator.ends],
+            evaluator.ends,
+            strict=False,
+        )
+    ]
+    generator = np.random.default_rng([seed, 29])
+    taken = np.array(
+        [
+            _gains(gram, own_gram, sum(_turned(p, generator) for p in products))
+            for _ in range(NUM_DECOYS)
+        ]
+    )
+    inner, right = gram[:-2, :-2], gram[:-2, -1]
+    whole = gram[-1, -1] - right @ _solve(inner, right)
+    is_other = taken[:, 1] <= _ALIKE * whole
+    return np.sort(taken[is_other, 0]) / evaluator.count
+
+
+def loses_to_decoys(
+    evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit, seed: int
+) -> bool:
+    """Whether one of a fit's decoys takes as much of the gap as it does."""
+    gains = decoy_gains(evaluator, nominal, fit, seed)
+    return bool(np.any(gains >= gain(evaluator, nominal, fit)))
+
+
+def _products(prepared: PreparedRun, first, second) -> np.ndarray:
+    """Inner products over channels at each frequency, (F, n, m), complex."""
+    a, b = (_spectra(prepared, columns) for columns in (first, second))
+    return np.einsum("fcn,fcm->fnm", np.conj(a), b, optimize=True)
+
+
+def _spectra(prepared: PreparedRun, columns: np.ndarray) -> np.ndarray:
+    """Columns (rows, n) as transforms (F, C, n), see `PreparedRun.weigh`."""
+    bins, channels = len(prepared.weights), int(prepared.used.sum())
+    real = bins * channels
+    out = np.zeros((bins, channels, columns.shape[1]), dtype=complex)
+    out.real = columns[:real].reshape(out.shape)
+    out.imag[1:] = columns[real:].reshape(out[1:].shape)
+    return out
+
+
+def _turned(products: np.ndarray, generator) -> np.ndarray:
+    """Inner products of the first with the second at phases drawn, (n, m)."""
+    phases = np.exp(2j * np.pi * generator.random(len(products)))
+    # A mean has but a sign.
+    phases[0] = np.sign(phases[0].real)
+    return np.einsum("f,fnm->nm", phases, products).real
+
+
+def _gains(
+    gram: np.ndarray, own_gram: np.ndarray, cross: np.ndarray
+) -> list[float]:
+    """Squares that columns take off the last two of others, beyond the rest."""
+    inner, right = gram[:-2, :-2], gram[:-2, -2:]
+    solved = _solve(inner, np.column_stack([cross[:-2], right]))
+    m = cross.shape[1]
+    beyond = own_gram - cross[:-2].T @ solved[:, :m]
+    slopes = cross[-2:].T - cross[:-2].T @ solved[:, m:]
+    found = _solve(beyond, slopes)
+    return [float(slopes[:, i] @ found[:, i]) for i in range(2)]
+
+
+def _solve(gram: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Gram^-1 right, over the directions that there are."""
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    inverse = np.linalg.pinv(gram / np.outer(size, size), _COPY, True)
+    scaled = right / (size[:, None] if right.ndim > 1 else size)
+    found = inverse @ scaled
+    return found / (size[:, None] if right.ndim > 1 else size)
