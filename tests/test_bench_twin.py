@@ -1,4 +1,4 @@
-"""The nominal twin against a recording made by an independent stand-in."""
+"""The nominal twin against a recording made by an independent simulator."""
 
 import unittest
 

@@ -37,8 +37,8 @@ LEVEL = {name: i for i, row in enumerate(LAYERS) for name in row}
 # Arrows that still point the wrong way.
 WRONG: set[tuple[str, str]] = set()
 # What tests a diagnosis must not be made of it.
-STAND_IN_KNOWS = {"core", "withheld"}
-WITHHELD_KNOWS = {*STAND_IN_KNOWS, "recording"}
+SIMULATOR_KNOWS = {"core", "withheld"}
+WITHHELD_KNOWS = {*SIMULATOR_KNOWS, "recording"}
 MOST_LINES, MOST_FILES = 300, 15
 
 
@@ -87,10 +87,10 @@ class TestLayering(unittest.TestCase):
                     self.assertLess(LEVEL[other], LEVEL[room])
 
     def test_the_simulator_of_withheld_cases_knows_no_twin(self):
-        for path in (PACKAGE / "withheld" / "stand_in").glob("*.py"):
+        for path in (PACKAGE / "withheld" / "simulator").glob("*.py"):
             for imported in imports(path):
                 with self.subTest(file=path.name, imports=imported):
-                    self.assertIn(imported.split(".")[0], STAND_IN_KNOWS)
+                    self.assertIn(imported.split(".")[0], SIMULATOR_KNOWS)
 
     def test_withheld_cases_are_made_without_the_twin(self):
         for path in (PACKAGE / "withheld").glob("*.py"):

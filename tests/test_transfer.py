@@ -1,4 +1,4 @@
-"""Policies of a bench's twin on the stand-in of the bench."""
+"""Policies of a bench's twin on the simulator of the bench."""
 
 import csv
 import io
@@ -21,10 +21,10 @@ from brace_drake.effects.registry import find_effect
 from brace_drake.experiments.rollouts import Arena, Contestant
 from brace_drake.experiments.transfer import payoff, payoff_options
 from brace_drake.experiments.transfer.bench_task import MakeBenchTask
-from brace_drake.experiments.transfer.on_stand_in import (
+from brace_drake.experiments.transfer.on_simulator import (
     PhysicalPush,
     cubic_push,
-    push_stand_in,
+    push_bench,
 )
 from brace_drake.experiments.transfer.payoff_table import (
     conclude,
@@ -36,9 +36,9 @@ from brace_drake.learning.policy import SavePolicy
 from brace_drake.learning.subjects import NOMINAL, Subject
 from brace_drake.scenario.bench import EffectUse
 from brace_drake.scenario.load import LoadScenario, SaveScenario
-from brace_drake.withheld.stand_in.bench import run_bench
-from brace_drake.withheld.stand_in.flaws import Flaws
-from brace_drake.withheld.stand_in.numbers import Subject as Wearer
+from brace_drake.withheld.simulator.bench import run_bench
+from brace_drake.withheld.simulator.flaws import Flaws
+from brace_drake.withheld.simulator.numbers import Subject as Wearer
 from tests.learning_tasks import random_policy
 
 _TIME = 0.4
@@ -130,10 +130,8 @@ class TestStandIn(unittest.TestCase):
             )  # fmt: skip
             policy = random_policy(task)
             here = Arena(task).run(Contestant("rlpic", policy=policy), NOMINAL)
-        there = push_stand_in(
-            Wearer(), Flaws(), policy, -4e-4, _TIME, noise=False
-        )
-        # Rows of the stand-in are decisions, before what follows on them.
+        there = push_bench(Wearer(), Flaws(), policy, -4e-4, _TIME, noise=False)
+        # Rows of the simulator are decisions, before what follows on them.
         mine = here.stiffness[9::10, 0]
         self.assertGreater(np.ptp(mine), 500.0)
         np.testing.assert_allclose(there.stiffness[:7], mine[:7], rtol=0.05)
@@ -170,7 +168,7 @@ class TestPayoff(unittest.TestCase):
                 replace(bench, effects=[use]),
                 out / "command_delay" / payoff.FILE,
             )
-            short = mock.patch.object(payoff, "push_stand_in", _push_shortly)
+            short = mock.patch.object(payoff, "push_bench", _push_shortly)
             self.enterContext(short)
             first = payoff.run_payoff(
                 out, train, workers, ["command_delay"], pushes=1
@@ -261,7 +259,7 @@ class TestPayoff(unittest.TestCase):
         def errors(seed):
             with (
                 open_workers(1) as workers,
-                mock.patch.object(payoff, "push_stand_in", push),
+                mock.patch.object(payoff, "push_bench", push),
             ):
                 found = payoff.compare_on_machine(
                     payoff.make_case("relaxation", "large", 0), "relaxation",
@@ -300,10 +298,8 @@ class TestPayoff(unittest.TestCase):
 
 
 def _push_shortly(subject, flaws, policy, way, duration, seed):
-    """A push of the stand-in itself, of its first part alone."""
-    return push_stand_in(
-        subject, flaws, policy, way * _TIME / 12.0, _TIME, seed
-    )
+    """A push of the simulator itself, of its first part alone."""
+    return push_bench(subject, flaws, policy, way * _TIME / 12.0, _TIME, seed)
 
 
 def _outcome(controller, push, error):

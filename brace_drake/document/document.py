@@ -261,7 +261,7 @@ def _receipt(d: Diagnosis) -> dict:
         "integration_error": d.null.numerical,
         "smallest_explained_share": smallest_share(d.evaluator),
         "probability_is": "from what the best rival and the winner leave,"
-        " calibrated on 165 withheld cases of a stand-in",
+        " calibrated on 165 withheld cases of an independent simulator",
         "versions": {p: importlib.metadata.version(p) for p in packages},
     }
 

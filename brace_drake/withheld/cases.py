@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from brace_drake.withheld.faults import FAULTS, OUTSIDE, SEVERITIES, Fault
-from brace_drake.withheld.stand_in.flaws import Flaws, with_flaws
-from brace_drake.withheld.stand_in.numbers import Subject
+from brace_drake.withheld.simulator.flaws import Flaws, with_flaws
+from brace_drake.withheld.simulator.numbers import Subject
 
 KINDS = ("none", "outside", "pair", "single")
 # Shares of the kinds among many cases.

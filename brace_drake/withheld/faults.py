@@ -1,6 +1,6 @@
 """What may be wrong in a withheld case: each effect and its severities.
 
-A fault turns a strength into numbers of the stand-in. Its three strengths
+A fault turns a strength into numbers of the simulator. Its three strengths
 (small, medium, large) put the gap at about 1, 5 and 30 noise floors for a
 nominal subject, where physics allows; the truth of a case records how far it
 really lies. A strength of `saturation` is a part of the largest command that
@@ -20,7 +20,7 @@ Changes = dict[str, object]
 
 @dataclass(frozen=True)
 class Fault:
-    """One effect of the stand-in.
+    """One effect of the simulator.
 
     Attributes:
         name: Identifier of the effect.

@@ -1,4 +1,4 @@
-"""How large an effect is, in noise floors, measured in the stand-in itself.
+"""How large an effect is, in noise floors, measured in the simulator itself.
 
 The same runs with ideal instruments, once with the effect and once without,
 the subject unchanged. Their difference, channel by channel, is divided by the
@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.withheld.stand_in.bench import COLUMNS, run_bench
-from brace_drake.withheld.stand_in.flaws import Flaws
-from brace_drake.withheld.stand_in.motions import Motion, make_motions
-from brace_drake.withheld.stand_in.numbers import Subject
+from brace_drake.withheld.simulator.bench import COLUMNS, run_bench
+from brace_drake.withheld.simulator.flaws import Flaws
+from brace_drake.withheld.simulator.motions import Motion, make_motions
+from brace_drake.withheld.simulator.numbers import Subject
 
 _STEP = 0.02  # of a subject's number, relative
 _STEPS = 5  # of the integration in a tick; both benches err alike

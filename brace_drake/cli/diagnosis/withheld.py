@@ -22,9 +22,9 @@ example:
   brace-drake withheld answer cases --out answers
   brace-drake withheld score cases --vault secret/vault.json --answers answers
 
-The cases come from a stand-in of the bench that shares no code with the twin.
-Their truth lies in the vault; SEALS.yaml among the cases promises it by hash,
-COMMITMENT among the answers promises those.
+The cases come from an independent simulator of the bench, which shares no code
+with the twin. Their truth lies in the vault; SEALS.yaml among the cases
+promises it by hash, COMMITMENT among the answers promises those.
 """
 
 

@@ -20,9 +20,9 @@ example:
   brace-drake payoff --out out/payoff
   brace-drake payoff --out out/payoff --causes command_delay --episodes 200
 
-For each cause: a campaign of the stand-in of the bench that has it, its
+For each cause: a campaign of the independent simulator that has it, its
 diagnosis, the repaired twin, a policy trained there, and one of the nominal
-twin; then pushes of that stand-in under both and under PIC. Started again with
+twin; then pushes of that simulator under both and under PIC. Started again with
 the same options it goes on with what the folder has. Writes payoff.yaml, the
 options, payoff.csv and payoff.md. Needs pip install -e '.[train]'.
 """

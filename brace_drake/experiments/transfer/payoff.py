@@ -1,8 +1,8 @@
 """A policy of the nominal twin beside one of the repaired twin.
 
-Both are run on the stand-in of the physical bench that recorded the campaign
-from which the repair was made. What they differ by there is what closing the
-gap was worth.
+Both are run on the independent simulator of the bench that recorded the
+campaign from which the repair was made. What they differ by there is what
+closing the gap was worth.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from brace_drake.diagnose import Diagnosis, diagnose
 from brace_drake.document.document import MakeDocument
 from brace_drake.experiments.measures import rms
 from brace_drake.experiments.transfer.bench_task import MakeBenchTask
-from brace_drake.experiments.transfer.on_stand_in import (
+from brace_drake.experiments.transfer.on_simulator import (
     PhysicalPush,
-    push_stand_in,
+    push_bench,
 )
 from brace_drake.experiments.transfer.payoff_options import (
     KeepOptions,
@@ -38,8 +38,8 @@ from brace_drake.validation.repaired import FILE, MakeRepairedScenario
 from brace_drake.withheld.cases import Case, draw_decoy, draw_subject
 from brace_drake.withheld.faults import FAULTS, SEVERITIES
 from brace_drake.withheld.make import record_campaign
-from brace_drake.withheld.stand_in.flaws import with_flaws
-from brace_drake.withheld.stand_in.motions import make_motions
+from brace_drake.withheld.simulator.flaws import with_flaws
+from brace_drake.withheld.simulator.motions import make_motions
 
 # Streams of chance of a seed: campaigns, pushes.
 _RECORDED, _PUSHED = 1, 2
@@ -149,7 +149,7 @@ def compare_on_machine(
         for policy in policies.values()
         for i in range(pushes)
     ]
-    done = iter(workers.map(push_stand_in, tasks))
+    done = iter(workers.map(push_bench, tasks))
     return [
         measure_push(next(done), cause, name, i, limit)
         for name in policies

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from brace_drake.withheld.stand_in.compiled import maker, worker
-from brace_drake.withheld.stand_in.turning import turn
+from brace_drake.withheld.simulator.compiled import maker, worker
+from brace_drake.withheld.simulator.turning import turn
 
 
 @worker

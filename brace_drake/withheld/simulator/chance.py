@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.withheld.stand_in import numbers
-from brace_drake.withheld.stand_in.flaws import Flaws
+from brace_drake.withheld.simulator import numbers
+from brace_drake.withheld.simulator.flaws import Flaws
 
 # Breath wanders in rate and depth by this much, within this time.
 _WANDER, _WANDER_TIME = 0.08, 6.0

@@ -7,7 +7,7 @@ constant (the second a tenth as stiff and five times as fast); a Bouc-Wen loop
 damper of Hunt and Crossley 1975, k d (1 + a d'), instead of c d'.
 """
 
-from brace_drake.withheld.stand_in.compiled import worker
+from brace_drake.withheld.simulator.compiled import worker
 
 SECOND_ARM = 0.1
 SECOND_TIME = 0.2

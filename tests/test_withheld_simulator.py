@@ -1,4 +1,4 @@
-"""The stand-in of the bench against closed forms and the shared recordings."""
+"""The simulator of the bench against closed forms and the shared recordings."""
 
 import math
 import unittest
@@ -6,13 +6,13 @@ import unittest
 import numpy as np
 
 from brace_drake.withheld.faults import FAULTS, OUTSIDE
-from brace_drake.withheld.stand_in import bristle, numbers, pads
-from brace_drake.withheld.stand_in.bench import COLUMNS, run_bench
-from brace_drake.withheld.stand_in.flaws import Flaws, PadFlaws, with_flaws
-from brace_drake.withheld.stand_in.frame import find_pose, leg_geometry
-from brace_drake.withheld.stand_in.motions import between_samples, make_motions
-from brace_drake.withheld.stand_in.numbers import Subject
-from brace_drake.withheld.stand_in.turning import exponential, logarithm
+from brace_drake.withheld.simulator import bristle, numbers, pads
+from brace_drake.withheld.simulator.bench import COLUMNS, run_bench
+from brace_drake.withheld.simulator.flaws import Flaws, PadFlaws, with_flaws
+from brace_drake.withheld.simulator.frame import find_pose, leg_geometry
+from brace_drake.withheld.simulator.motions import between_samples, make_motions
+from brace_drake.withheld.simulator.numbers import Subject
+from brace_drake.withheld.simulator.turning import exponential, logarithm
 from tests.shared_data import SHARED, needs_shared
 
 

@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from brace_drake.withheld.stand_in.compiled import maker, worker
-from brace_drake.withheld.stand_in.frame import find_pose, leg_geometry, screws
-from brace_drake.withheld.stand_in.numbers import (
+from brace_drake.withheld.simulator.compiled import maker, worker
+from brace_drake.withheld.simulator.frame import find_pose, leg_geometry, screws
+from brace_drake.withheld.simulator.numbers import (
     CUTOFF_HZ,
     DESIRED_DAMPING,
     DESIRED_MASS,
@@ -26,7 +26,7 @@ from brace_drake.withheld.stand_in.numbers import (
     RING_MASS,
     TICK,
 )
-from brace_drake.withheld.stand_in.turning import logarithm
+from brace_drake.withheld.simulator.turning import logarithm
 
 RATE_GAIN = 1.0 - math.exp(-2.0 * math.pi * CUTOFF_HZ * TICK)
 FORCE_GAIN = 1.0 - math.exp(-TICK / FORCE_TAU)

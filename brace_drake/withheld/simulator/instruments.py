@@ -6,11 +6,11 @@ show some of y on its other axes. Encoders sit on the drives' side.
 
 import math
 
-from brace_drake.withheld.stand_in.compiled import worker
-from brace_drake.withheld.stand_in.drives import is_loose
-from brace_drake.withheld.stand_in.frame import leg_geometry
-from brace_drake.withheld.stand_in.motion import DRIVE
-from brace_drake.withheld.stand_in.numbers import FORCE_STEP, LENGTH_STEP, TICK
+from brace_drake.withheld.simulator.compiled import worker
+from brace_drake.withheld.simulator.drives import is_loose
+from brace_drake.withheld.simulator.frame import leg_geometry
+from brace_drake.withheld.simulator.motion import DRIVE
+from brace_drake.withheld.simulator.numbers import FORCE_STEP, LENGTH_STEP, TICK
 
 
 @worker

@@ -4,23 +4,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.withheld.stand_in import control as controller
-from brace_drake.withheld.stand_in.compiled import maker
-from brace_drake.withheld.stand_in.drives import joint_stretch
-from brace_drake.withheld.stand_in.frame import leg_geometry, screws
-from brace_drake.withheld.stand_in.motion import (
+from brace_drake.withheld.simulator import control as controller
+from brace_drake.withheld.simulator.compiled import maker
+from brace_drake.withheld.simulator.drives import joint_stretch
+from brace_drake.withheld.simulator.frame import leg_geometry, screws
+from brace_drake.withheld.simulator.motion import (
     DRIVE,
     NUM_STATE,
     TISSUE,
     Scratch,
     make_scratch,
 )
-from brace_drake.withheld.stand_in.numbers import (
+from brace_drake.withheld.simulator.numbers import (
     GRAVITY,
     RING_HEIGHTS,
     RING_MASS,
 )
-from brace_drake.withheld.stand_in.pads import rest_compression, start_memory
+from brace_drake.withheld.simulator.pads import rest_compression, start_memory
 
 
 class Run(NamedTuple):

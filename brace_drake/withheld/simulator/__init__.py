@@ -1,4 +1,4 @@
-"""A stand-in of the physical bench, written apart from the twin.
+"""An independent simulator of the physical bench, written apart from the twin.
 
 It shares no code with the twin: other formulation, other integration, other
 laws of friction and tissue. Where the twin is an idealisation of a machine,
@@ -23,7 +23,7 @@ def _folder_of_sources() -> str:
     for file in sorted(Path(__file__).parent.glob("*.py")):
         text += file.read_bytes()
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    name = "stand-in-" + hashlib.sha256(text).hexdigest()[:16]
+    name = "simulator-" + hashlib.sha256(text).hexdigest()[:16]
     return str(Path(home) / "brace_drake" / name)
 
 

@@ -11,7 +11,7 @@ stiffness is such that it breaks away after the same travel at any friction.
 
 import math
 
-from brace_drake.withheld.stand_in.compiled import worker
+from brace_drake.withheld.simulator.compiled import worker
 
 TRAVEL = 8.0e-6  # m, from rest to sliding
 DAMPING_TIME = 1.0e-3  # s, damping over stiffness

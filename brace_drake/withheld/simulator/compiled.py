@@ -1,4 +1,4 @@
-"""How the stand-in is compiled."""
+"""How the simulator is compiled."""
 
 from typing import Any
 

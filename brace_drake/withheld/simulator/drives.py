@@ -9,14 +9,14 @@ b q' = u - F - f, solved for q'; the encoder reads q.
 
 import math
 
-from brace_drake.withheld.stand_in.bristle import (
+from brace_drake.withheld.simulator.bristle import (
     bristle_rate,
     bristle_stiffness,
     friction,
     sliding_friction,
 )
-from brace_drake.withheld.stand_in.compiled import worker
-from brace_drake.withheld.stand_in.numbers import LEG_LIMIT, LEG_VISCOUS
+from brace_drake.withheld.simulator.compiled import worker
+from brace_drake.withheld.simulator.numbers import LEG_LIMIT, LEG_VISCOUS
 
 HARD = 4.0e5  # N/m, a joint with play but no softness of its own
 

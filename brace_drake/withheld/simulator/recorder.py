@@ -9,19 +9,19 @@ import math
 
 import numpy as np
 
-from brace_drake.withheld.stand_in import control as controller
-from brace_drake.withheld.stand_in.compiled import maker, worker
-from brace_drake.withheld.stand_in.drives import delivered
-from brace_drake.withheld.stand_in.frame import inverse_mass
-from brace_drake.withheld.stand_in.instruments import sense
-from brace_drake.withheld.stand_in.motion import NUM_STATE, TORSO, calc_rates
-from brace_drake.withheld.stand_in.numbers import (
+from brace_drake.withheld.simulator import control as controller
+from brace_drake.withheld.simulator.compiled import maker, worker
+from brace_drake.withheld.simulator.drives import delivered
+from brace_drake.withheld.simulator.frame import inverse_mass
+from brace_drake.withheld.simulator.instruments import sense
+from brace_drake.withheld.simulator.motion import NUM_STATE, TORSO, calc_rates
+from brace_drake.withheld.simulator.numbers import (
     LOG_EVERY,
     RING_INERTIA,
     RING_MASS,
     TICK,
 )
-from brace_drake.withheld.stand_in.turning import turn
+from brace_drake.withheld.simulator.turning import turn
 
 # Columns of a log: commands (6), lengths (6), force (3), torso (3), virtual y.
 NUM_COLUMNS = 19

@@ -7,12 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from brace_drake.withheld.stand_in import control, numbers
-from brace_drake.withheld.stand_in.chance import draw
-from brace_drake.withheld.stand_in.flaws import Flaws
-from brace_drake.withheld.stand_in.numbers import Subject
-from brace_drake.withheld.stand_in.recorder import NUM_COLUMNS, advance_run
-from brace_drake.withheld.stand_in.run import Run, begin_run
+from brace_drake.withheld.simulator import control, numbers
+from brace_drake.withheld.simulator.chance import draw
+from brace_drake.withheld.simulator.flaws import Flaws
+from brace_drake.withheld.simulator.numbers import Subject
+from brace_drake.withheld.simulator.recorder import NUM_COLUMNS, advance_run
+from brace_drake.withheld.simulator.run import Run, begin_run
 
 COLUMNS = (
     *(f"leg{k}_force_command_N" for k in range(1, 7)),

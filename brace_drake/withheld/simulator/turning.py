@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from brace_drake.withheld.stand_in.compiled import maker, worker
+from brace_drake.withheld.simulator.compiled import maker, worker
 
 
 @worker

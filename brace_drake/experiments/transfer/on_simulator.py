@@ -1,4 +1,4 @@
-"""A policy, or a constant, on the stand-in of the physical bench."""
+"""A policy, or a constant, on the independent simulator of the bench."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 
 from brace_drake.laws import cubic
 from brace_drake.learning.policy import Policy
-from brace_drake.withheld.stand_in import control
-from brace_drake.withheld.stand_in.bench import run_bench
-from brace_drake.withheld.stand_in.flaws import Flaws
-from brace_drake.withheld.stand_in.numbers import TICK, Subject
-from brace_drake.withheld.stand_in.run import Run
+from brace_drake.withheld.simulator import control
+from brace_drake.withheld.simulator.bench import run_bench
+from brace_drake.withheld.simulator.flaws import Flaws
+from brace_drake.withheld.simulator.numbers import TICK, Subject
+from brace_drake.withheld.simulator.run import Run
 
 _COORDINATES = 6
 
 
 @dataclass(frozen=True)
 class PhysicalPush:
-    """A push on the stand-in at its decisions; N rows.
+    """A push on the simulator at its decisions; N rows.
 
     Attributes:
         time: s.
@@ -50,7 +50,7 @@ def cubic_push(way: float, duration: float, ticks: int) -> np.ndarray:
     return wanted
 
 
-def push_stand_in(
+def push_bench(
     subject: Subject,
     flaws: Flaws,
     policy: Policy | None,
@@ -59,11 +59,11 @@ def push_stand_in(
     seed: int | Sequence[int] = 0,
     noise: bool = True,
 ) -> PhysicalPush:
-    """Pushes the wearer of a stand-in.
+    """Pushes the wearer of an independent simulator.
 
     Args:
-        subject, flaws: Of the stand-in.
-        policy: Sees what the stand-in's own controller has measured; None:
+        subject, flaws: Of the simulator.
+        policy: Sees what the simulator's own controller has measured; None:
             the data sheet's constant stiffness.
         way: m.
         duration: Of the push, s.

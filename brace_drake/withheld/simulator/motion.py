@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.withheld.stand_in.compiled import maker, worker
-from brace_drake.withheld.stand_in.drives import leg_force
-from brace_drake.withheld.stand_in.frame import leg_geometry
-from brace_drake.withheld.stand_in.numbers import (
+from brace_drake.withheld.simulator.compiled import maker, worker
+from brace_drake.withheld.simulator.drives import leg_force
+from brace_drake.withheld.simulator.frame import leg_geometry
+from brace_drake.withheld.simulator.numbers import (
     GRAVITY,
     PAD_FRICTION,
     PAD_OFFSET,
@@ -24,8 +24,8 @@ from brace_drake.withheld.stand_in.numbers import (
     RING_MASS,
     TORSO_INERTIA,
 )
-from brace_drake.withheld.stand_in.pads import press, rest_compression
-from brace_drake.withheld.stand_in.turning import (
+from brace_drake.withheld.simulator.pads import press, rest_compression
+from brace_drake.withheld.simulator.turning import (
     apply,
     apply_back,
     coordinate_rate,

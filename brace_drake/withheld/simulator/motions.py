@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.withheld.stand_in.numbers import LOG_EVERY, TICK
+from brace_drake.withheld.simulator.numbers import LOG_EVERY, TICK
 
 DURATION = 12.0  # s
 LOG_PERIOD = LOG_EVERY * TICK
