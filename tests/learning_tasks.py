@@ -29,6 +29,6 @@ def random_policy(task=None, seed=0, hidden=16):
         gain=10.0 ** rng.uniform(2, 4, sizes[0]),
         clip=10.0,
         law=env.law,
-        selected=env.selected,
+        selected=env.prepared.selected,
         task=task,
     )

@@ -28,7 +28,7 @@ from brace_drake.experiments.scores import (
     share_of,
 )
 from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.episodes import run_episode
+from brace_drake.learning.episode import run_episode
 from brace_drake.learning.policy import LoadPolicy, SavePolicy
 from brace_drake.learning.rewards import improved
 from brace_drake.learning.subjects import NOMINAL, Subject, between_patients
@@ -40,12 +40,14 @@ class TestRollouts(unittest.TestCase):
     def test_a_policy_does_in_the_arena_what_it_does_in_its_env(self):
         task = short_task(8, reward=improved(), subjects=between_patients())
         policy, subject = random_policy(task), Subject({"preload": 1.2})
-        log = run_episode(RlpicEnv(task), policy, options={"subject": subject})
+        log = run_episode(
+            RlpicEnv(task), policy.act, options={"subject": subject}
+        )
         rollout = Arena(task).run(Contestant("rlpic", policy=policy), subject)
         at = slice(SAMPLES - 1, None, SAMPLES)
         for name in ("position", "rate", "force", "desired"):
             np.testing.assert_array_equal(
-                getattr(rollout, name)[at], log.stack(name)
+                getattr(rollout, name)[at], getattr(log.signals, name)
             )
         np.testing.assert_array_equal(rollout.stiffness[at], log.stiffness)
         self.assertAlmostEqual(rollout.total, log.total, places=9)

@@ -3,6 +3,8 @@
 import pickle
 import unittest
 import warnings
+from functools import partial
+from unittest import mock
 
 import gymnasium
 import numpy as np
@@ -10,13 +12,12 @@ from gymnasium.utils.env_checker import check_env
 
 import brace_drake.learning
 from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.make import EnvMaker, full_task, make_env
 from brace_drake.learning.subjects import (
     EffectRange,
     SubjectRanges,
     between_patients,
 )
-from brace_drake.learning.task import LearningTask
+from brace_drake.learning.task import LearningTask, full_task
 from tests.learning_tasks import short_task
 
 ACTIONS = np.array([0.9, -0.5, 0.3, 0.1, 1.0, -1.0])
@@ -30,7 +31,7 @@ def roll(env, seed=3, actions=ACTIONS):
         observation, reward, *_, info = env.step(
             np.full(env.action_space.shape, a)
         )
-        truth = vars(env.loop.truth()).values()
+        truth = env.loop.truth()
         rows.append(
             np.concatenate(
                 [
@@ -105,7 +106,7 @@ class TestCheckers(unittest.TestCase):
                 check(RlpicEnv(task))
 
     def test_sizes_are_those_of_the_paper(self):
-        env = make_env()
+        env = RlpicEnv()
         self.assertEqual(env.observation_space.shape, (7,))
         self.assertEqual(env.action_space.shape, (1,))
         full = gymnasium.make(brace_drake.learning.FULL_ENV_ID)
@@ -170,12 +171,14 @@ class TestEpisodes(unittest.TestCase):
 
     def tear_apart(self, env):
         """Puts the ring where no leg reaches."""
-        if env._compiled is not None:
-            env._compiled._inputs[4:7] = np.nan
+        if env.task.backend == "compiled":
+            env.loop._inputs[4:7] = np.nan
             return
-        plant = env._loop.station.plant
+        plant = env.loop.diagram.GetSubsystemByName(
+            "station"
+        ).GetSubsystemByName("plant")
         context = plant.GetMyMutableContextFromRoot(
-            env.simulator.get_mutable_context()
+            env.loop.simulator.get_mutable_context()
         )
         V = np.full(6, 1e6)
         plant.SetVelocities(context, np.concatenate([V, np.zeros(6)]))
@@ -186,6 +189,30 @@ class TestEpisodes(unittest.TestCase):
         *_, ended, _, info = env.step(np.array([np.nan]))
         self.assertTrue(ended)
         self.assertEqual(info["failure"], "the action is not finite")
+
+    def test_numbers_that_are_not_finite_end_it(self):
+        env = RlpicEnv(short_task())
+        env.reset(seed=0)
+        with mock.patch.object(env, "_Observe", lambda: np.full(7, np.nan)):
+            seen, _, ended, _, info = env.step(np.zeros(1))
+        self.assertTrue(ended and np.isfinite(seen).all())
+        self.assertIn("not finite", info["failure"])
+
+    def test_mistakes_of_programs_are_not_swallowed(self):
+        env = RlpicEnv(short_task())
+        with self.assertRaises(gymnasium.error.ResetNeeded):
+            env.step(np.zeros(1))
+        env.reset(seed=0)
+        with self.assertRaisesRegex(ValueError, "shape"):
+            env.step(np.zeros(2))
+        mistake = mock.patch.object(env.loop, "advance", side_effect=TypeError)
+        with mistake, self.assertRaises(TypeError):
+            env.step(np.zeros(1))
+
+    def test_the_diagram_is_drawn(self):
+        env = RlpicEnv(short_task(backend="diagram"), "ansi")
+        env.reset(seed=0)
+        self.assertIn("Time: 0", env.render())
 
     def test_cut_actions_are_counted(self):
         env = RlpicEnv(short_task())
@@ -234,16 +261,16 @@ class TestTask(unittest.TestCase):
 
     def test_options_of_a_reset_are_checked(self):
         with self.assertRaisesRegex(ValueError, "nominal"):
-            make_env().reset(options={"color": 1})
+            RlpicEnv().reset(options={"color": 1})
 
     def test_a_maker_pickles(self):
-        maker = pickle.loads(pickle.dumps(EnvMaker(short_task())))
+        maker = pickle.loads(pickle.dumps(partial(RlpicEnv, short_task())))
         self.assertEqual(maker().task.max_steps, 6)
 
 
 class TestProcesses(unittest.TestCase):
     def test_envs_in_processes_are_those_of_one(self):
-        maker = EnvMaker(short_task(subjects=between_patients()))
+        maker = partial(RlpicEnv, short_task(subjects=between_patients()))
         env = maker()
         vector = gymnasium.vector.AsyncVectorEnv(
             [maker] * 2, context="forkserver"

@@ -2,18 +2,18 @@
 
 import math
 import unittest
-from dataclasses import replace
 
 import numpy as np
 
 from brace_drake.core.errors import EffectError, ScenarioError
 from brace_drake.laws.cubic import calc_cubic
 from brace_drake.learning.actions import ActionLaw
-from brace_drake.learning.limits import EpisodeLimits, find_violation
 from brace_drake.learning.rewards import (
+    EpisodeLimits,
     RewardNumbers,
     barrier,
     calc_reward,
+    find_violation,
     improved,
 )
 from brace_drake.learning.signals import (
@@ -36,10 +36,10 @@ REST = Signals(*np.zeros((5, 6)))
 
 def signals(**coordinates):
     """Signals at rest but for some, as in position=(1, -0.002)."""
-    arrays = {name: np.zeros(6) for name in vars(REST)}
+    arrays = {name: np.zeros(6) for name in Signals._fields}
     for name, (i, value) in coordinates.items():
         arrays[name][i] = value
-    return replace(REST, **arrays)
+    return Signals(**arrays)
 
 
 class TestPaperReward(unittest.TestCase):

@@ -9,15 +9,20 @@ from pathlib import Path
 
 import numpy as np
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import TrajectorySource
 
 from brace_drake.core.errors import PolicyError
 from brace_drake.learning.actions import ActionLaw
-from brace_drake.learning.diagram_loop import DiagramLoop
+from brace_drake.learning.deployment import PolicySystem
+from brace_drake.learning.diagram_loop import MakeCubic
 from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.episodes import run_episode
+from brace_drake.learning.episode import run_episode
 from brace_drake.learning.policy import ExportOnnx, LoadPolicy, SavePolicy
-from brace_drake.learning.policy_systems import PolicySystem
 from brace_drake.learning.predict import predict_impedance
+from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.systems.brace_controllers import MakeController
+from brace_drake.scenario.brace_numbers import pack_rings
 from tests.learning_tasks import random_policy, short_task
 
 
@@ -73,33 +78,50 @@ class TestFiles(unittest.TestCase):
         np.testing.assert_allclose(out, expected, rtol=0, atol=1e-6)
 
 
+def deployed(env, policy):
+    """The nominal brace of an env as a diagram with a policy in it."""
+    scenario, task = env.scenario, env.task
+    controller = MakeController(scenario.control, pack_rings(scenario))
+    station = MakeBraceStation(scenario, controller)
+    start = station.numbers.start
+    motion = MakeCubic(start, task.displacement, task.motion_time)
+    builder = DiagramBuilder()
+    inner = builder.AddSystem(station.diagram)
+    source = builder.AddSystem(TrajectorySource(motion)).get_output_port()
+    system = builder.AddSystem(PolicySystem(policy))
+    for out, port in (
+        (source, inner.GetInputPort("desired")),
+        (source, system.GetInputPort("desired")),
+        (inner.GetOutputPort("estimate"), system.GetInputPort("estimate")),
+        (system.GetOutputPort("stiffness"), inner.GetInputPort("stiffness")),
+    ):
+        builder.Connect(out, port)
+    return builder.Build(), station, system
+
+
 class TestRunTime(unittest.TestCase):
     def test_the_diagram_with_a_policy_is_the_env_with_it(self):
         task = short_task(8)
         policy = random_policy(task)
         env = RlpicEnv(task)
-        log = run_episode(env, policy)
+        log = run_episode(env, policy.act)
         self.assertGreater(np.ptp(log.stiffness), 1000.0)
-        loop = DiagramLoop(
-            env.scenario,
-            policy.law,
-            policy.selected,
-            task.observation,
-            (task.sample_time, task.motion_time),
-            env._episode,
-            policy=PolicySystem(policy),
-        )
-        loop.simulator.Initialize()
-        for k, signals in enumerate(log.signals):
-            loop.simulator.AdvanceTo((k + 1) * task.sample_time - 5e-11)
-            truth = loop.truth()
-            for name, value in vars(signals).items():
-                np.testing.assert_allclose(
-                    getattr(truth, name), value, rtol=1e-7, atol=1e-8
-                )
-            np.testing.assert_allclose(
-                loop.stiffness[policy.selected], log.stiffness[k], rtol=1e-6
-            )
+        diagram, station, system = deployed(env, policy)
+        simulator = Simulator(diagram)
+        root = simulator.get_context()
+        context = station.diagram.GetMyContextFromRoot(root)
+        for k, stiffness in enumerate(log.stiffness):
+            simulator.AdvanceTo((k + 1) * task.sample_time - 5e-11)
+            state = station.diagram.GetOutputPort("plant_state").Eval(context)
+            y = state[4:7] - station.numbers.geometry.rest[0]
+            expected = log.signals.position[k, 0:3]
+            np.testing.assert_allclose(y, expected, rtol=1e-7, atol=1e-8)
+            used = station.diagram.GetOutputPort("impedance").Eval(context)
+            np.testing.assert_allclose(used[13], stiffness[0], rtol=1e-6)
+        # A decision at this time has been taken, and acts from the next tick.
+        asked = system.GetOutputPort("stiffness")
+        asked = asked.Eval(system.GetMyContextFromRoot(root))
+        self.assertTrue(np.delete(asked, 1).max() == 0.0 < asked[1])
 
     def test_rate_and_bounds_hold_outside_of_the_network(self):
         policy = random_policy()
@@ -133,7 +155,7 @@ class TestPrediction(unittest.TestCase):
         self.assertEqual(found.names, ("ring2 y",))
         self.assertAlmostEqual(found.stiffness[0], K.mean())
         self.assertAlmostEqual(found.damping[0], 2 * (2 * K.mean()) ** 0.5)
-        end = found.log.signals[-1].desired[1]
+        end = found.log.signals.desired[-1, 1]
         s = 0.5 / 12.0
         self.assertAlmostEqual(end, -0.02 * s * s * (3 - 2 * s))
 
@@ -159,7 +181,7 @@ class TestImports(unittest.TestCase):
             "            raise ModuleNotFoundError(name, name=name)\n"
             "sys.meta_path.insert(0, Absent())\n"
             "import brace_drake.learning.predict\n"
-            "import brace_drake.learning.policy_systems\n"
+            "import brace_drake.learning.deployment\n"
             "from brace_drake.cli.main import main\n"
             "sys.exit(main(['train', '--out', 'nowhere']))\n"
         )

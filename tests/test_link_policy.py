@@ -13,16 +13,16 @@ from pydrake.systems.analysis import Simulator
 
 from brace_drake.core.errors import LinkError, PolicyError
 from brace_drake.devices.motions.reference import reference_at_ticks
+from brace_drake.learning.compiled_loop import CompiledLoop
 from brace_drake.learning.deployment import (
     MakePolicyControl,
     load_policy_scenario,
     motion_of_task,
 )
-from brace_drake.learning.diagram_loop import DiagramLoop
-from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.make import full_task
+from brace_drake.learning.episode import PreparedTask
 from brace_drake.learning.policy import SavePolicy
-from brace_drake.learning.policy_systems import PolicySystem
+from brace_drake.learning.subjects import NOMINAL
+from brace_drake.learning.task import full_task
 from brace_drake.link.device.limits import DEFAULT
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.brace_plant import BracePlant
@@ -49,20 +49,21 @@ def bench_of(brace):
 
 
 def simulate(policy, ticks=TICKS, along=1):
-    """y of the ring(s) and K_d in use at each tick, by the diagram."""
-    env = RlpicEnv(policy.task)
-    env.reset(seed=0)
-    loop = DiagramLoop(
-        env.scenario, policy.law, policy.selected, policy.task.observation,
-        (policy.task.sample_time, policy.task.motion_time), env._episode,
-        policy=PolicySystem(policy),
-    )  # fmt: skip
-    loop.simulator.Initialize()
+    """y of the ring(s) and K_d in use at each tick, by the compiled laws."""
+    task, law = policy.task, policy.law
+    prepared, every = PreparedTask(task), round(1e3 * task.sample_time)
+    loop = CompiledLoop(prepared.scenario, 1e-3, task.motion_time)
+    held = law.action(law.start)
+    episode = prepared.draw(np.random.default_rng(0), NOMINAL)
+    loop.start(episode, prepared.stiffness(held))
     y, K = [], []
     for i in range(ticks):
-        loop.simulator.AdvanceTo(max(0.0, i * 1e-3 - 5e-11))
         y.append(loop.truth().position[along])
-        K.append(loop.stiffness[along])
+        K.append(loop.stiffness[along].copy())
+        if i % every == 0:
+            action = policy.act_on(loop.estimate, loop.desired)
+            held = law.limit(action, held)
+        loop.advance(prepared.stiffness(held))
     return np.array(y), np.array(K)
 
 

@@ -30,9 +30,12 @@ from brace_drake.devices.motions.reference import (
 from brace_drake.diagnose import diagnose
 from brace_drake.identification.campaign_fit import fit_campaign
 from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.make import full_task
 from brace_drake.learning.subjects import EffectRange, SubjectRanges
-from brace_drake.learning.task import LearningTask, load_task_scenario
+from brace_drake.learning.task import (
+    LearningTask,
+    full_task,
+    load_task_scenario,
+)
 from brace_drake.model.brace_plant import AddBraceBodies
 from brace_drake.model.simulate import SimulateBench
 from brace_drake.model.station import MakeBenchStation

@@ -8,21 +8,12 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.learning.compiled_loop import CompiledLoop
-from brace_drake.learning.episode import draw_episode
-from brace_drake.learning.limits import find_violation
+from brace_drake.learning.episode import PreparedTask
 from brace_drake.learning.policy import Policy
-from brace_drake.learning.rewards import calc_reward
-from brace_drake.learning.signals import Signals
+from brace_drake.learning.rewards import calc_reward, find_violation
+from brace_drake.learning.signals import Signals, stack_signals
 from brace_drake.learning.subjects import Subject
-from brace_drake.learning.task import (
-    LearningTask,
-    check_task,
-    load_task_scenario,
-    make_action_law,
-    spread_task,
-)
-from brace_drake.scenario.brace_numbers import pack_brace
-from brace_drake.scenario.control_numbers import parse_coordinates
+from brace_drake.learning.task import LearningTask
 
 # Samples between two decisions: 5 ms where the paper decides every 50 ms.
 SAMPLES = 10
@@ -90,16 +81,9 @@ class Arena:
 
     def __init__(self, task: LearningTask):
         task = replace(task, readings="exact", backend="compiled")
-        self.scenario = load_task_scenario(task)
-        check_task(task, self.scenario)
-        n = len(self.scenario.stages)
-        self.task = spread_task(task, n)
-        self._numbers = pack_brace(self.scenario)
-        torso = self.scenario.torso
-        self._torso = np.array([torso.mass, *torso.inertia])
-        self.law = make_action_law(self.task, self.scenario)
-        names = self.scenario.control.impedance.coordinates
-        self.selected = parse_coordinates(names, n) != 0.0
+        self._prepared = prepared = PreparedTask(task)
+        self.scenario, self.task = prepared.scenario, prepared.task
+        self.law, self.selected = prepared.law, prepared.selected
 
     @property
     def pushed(self) -> int:
@@ -114,10 +98,7 @@ class Arena:
             task.sample_time / SAMPLES,
             task.motion_time,
         )
-        episode = draw_episode(
-            task, self._numbers, self._torso, 0, np.random.default_rng(0),
-            subject,
-        )  # fmt: skip
+        episode = self._prepared.draw(np.random.default_rng(0), subject)
         held = self.law.action(self.law.start)
         asked, samples, used = self._ask(policy, held), [], []
         total, cause, failed = 0.0, "", False
@@ -178,10 +159,6 @@ class Arena:
         failed: bool,
     ) -> Rollout:
         m, k = len(self.selected), int(self.selected.sum())
-        stacked = {
-            name: np.array([getattr(s, name) for s in samples]).reshape(-1, m)
-            for name in Signals.__dataclass_fields__
-        }
         step = self.task.sample_time / SAMPLES
         return Rollout(
             time=step * np.arange(1, len(samples) + 1),
@@ -189,5 +166,5 @@ class Arena:
             total=-np.inf if failed else total,
             cause=cause,
             failed=failed,
-            **stacked,
+            **stack_signals(samples, m)._asdict(),
         )

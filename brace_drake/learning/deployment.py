@@ -1,17 +1,17 @@
-"""A policy on a device: what it needs there, and its own motion."""
+"""A policy at run time: as a system of a diagram, and on a device."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.core.errors import PolicyError
 from brace_drake.devices.motions.library import RATE_HZ, SafeMotion
 from brace_drake.devices.motions.limits import check_reach
 from brace_drake.laws.cubic import calc_cubic
 from brace_drake.learning.policy import Policy
-from brace_drake.learning.policy_systems import PolicySystem
 from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.link.device.limits import Limits
 from brace_drake.link.operation.control import HostControl
@@ -19,6 +19,53 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.control_numbers import spread
 
 _ALONG = 1
+
+
+class PolicySystem(LeafSystem):
+    """A policy that sets the stiffness of `BraceVpic`: RLPIC at run time.
+
+    At each decision the network acts on what the controller knew at its last
+    tick, and a+ = a + cut(cut(action) - a) within `law.largest`; K(a) lies
+    within the law's bounds whatever the network says (`actions.ActionLaw`).
+
+    Input ports:
+        estimate: X, X', filtered force (18n,), of the controller.
+        desired: X_d, X_d', X_d'' (18n,).
+
+    Output ports:
+        stiffness: Of all coordinates (6n,), N/m, 0 where there is none.
+        held_action: (k,).
+    """
+
+    def __init__(self, policy: Policy):
+        super().__init__()
+        self._policy, size = policy, len(policy.selected)
+        self._ports = [
+            self.DeclareVectorInputPort(name, 3 * size)
+            for name in ("estimate", "desired")
+        ]
+        held = self.DeclareDiscreteState(policy.law.action(policy.law.start))
+        self.DeclareVectorOutputPort(
+            "stiffness",
+            size,
+            self._CalcStiffness,
+            prerequisites_of_calc={self.discrete_state_ticket(held)},
+        )
+        self.DeclareStateOutputPort("held_action", held)
+        self._held = int(held)
+        period = policy.task.sample_time
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._Decide)
+
+    def _Decide(self, context: Context, discrete) -> None:
+        before = context.get_discrete_state(self._held).CopyToVector()
+        action = self._policy.act_on(*(p.Eval(context) for p in self._ports))
+        discrete.set_value(self._held, self._policy.law.limit(action, before))
+
+    def _CalcStiffness(self, context: Context, output: BasicVector) -> None:
+        held = context.get_discrete_state(self._held).value()
+        stiffness = np.zeros(len(self._policy.selected))
+        stiffness[self._policy.selected] = self._policy.law.stiffness(held)
+        output.SetFromVector(stiffness)
 
 
 def load_policy_scenario(

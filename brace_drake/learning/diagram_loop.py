@@ -1,22 +1,20 @@
-"""The brace as a diagram that decisions go into and observations come from."""
+"""The brace between two decisions, as its Drake diagram."""
 
 from __future__ import annotations
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
+from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.laws.loop.brace_loop import read_task_state
-from brace_drake.learning.actions import ActionLaw
 from brace_drake.learning.episode import Episode
-from brace_drake.learning.policy_systems import Observer, StiffnessHold
-from brace_drake.learning.signals import Signals
-from brace_drake.model.brace_station import BraceStation, MakeBraceStation
+from brace_drake.learning.signals import Signals, true_signals
+from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.systems.brace_controllers import MakeController
+from brace_drake.model.systems.ticks import TICK_LEAD
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 
@@ -53,140 +51,124 @@ def MakeHeldDraws(draws: np.ndarray, period: float) -> PiecewisePolynomial:
 class DiagramLoop:
     """The closed loop of a scenario as `CompiledLoop` has it, simulated.
 
-    The diagram has an input `action` (k,) and an output `observation`, or,
-    with a `policy` that has the ports of `PolicySystem`, none of both.
+    Attributes:
+        simulator, diagram: Of the episode; its effects are built in.
     """
 
     def __init__(
-        self,
-        scenario: BraceScenario,
-        law: ActionLaw,
-        selected: np.ndarray,
-        observation: str,
-        times: tuple[float, float],
-        episode: Episode,
-        policy: LeafSystem | None = None,
+        self, scenario: BraceScenario, sample_time: float, motion_time: float
     ):
-        sample_time, self._motion_time = times
-        self._period = 1.0 / scenario.control.rate
-        self._noisy = len(episode.draws) > 0
-        controller = MakeController(scenario.control, pack_rings(scenario))
-        self.station = station = MakeBraceStation(
-            scenario, controller, uses=episode.uses
-        )
-        self._selected, self.uses = selected, episode.uses
-        builder = DiagramBuilder()
-        inner = builder.AddNamedSystem("station", station.diagram)
-        hold = policy or StiffnessHold(law, selected, sample_time)
-        hold = builder.AddNamedSystem("stiffness", hold)
-        self._desired = builder.AddNamedSystem(
-            "desired", TrajectorySource(self._MakeMotion(episode))
-        )
-        observer = hold
-        if policy is None:
-            observer = builder.AddNamedSystem(
-                "observer", Observer(observation, len(selected))
-            )
-            builder.ExportInput(hold.GetInputPort("action"), "action")
-            builder.ExportOutput(observer.get_output_port(), "observation")
-        for source, port in (
-            (self._desired.get_output_port(), inner.GetInputPort("desired")),
-            (self._desired.get_output_port(), observer.GetInputPort("desired")),
-            (
-                inner.GetOutputPort("estimate"),
-                observer.GetInputPort("estimate"),
-            ),
-            (hold.GetOutputPort("stiffness"), inner.GetInputPort("stiffness")),
-        ):
-            builder.Connect(source, port)
-        if self._noisy:
-            draws = MakeHeldDraws(episode.draws, self._period)
-            self._draws = builder.AddNamedSystem(
-                "draws", TrajectorySource(draws)
-            )
-            builder.Connect(
-                self._draws.get_output_port(), inner.GetInputPort("noise")
-            )
-        self.diagram: Diagram = builder.Build()
-        self.diagram.set_name("learning_loop")
-        self.simulator = Simulator(self.diagram)
-        self._FindParts(station)
-        self.SetEpisode(episode)
+        self._scenario = scenario
+        self._sample_time, self._motion_time = sample_time, motion_time
+        self.diagram: Diagram | None = None
+        self.simulator: Simulator | None = None
 
-    def _FindParts(self, station: BraceStation) -> None:
-        forces = station.diagram.GetSubsystemByName("forces")
-        self._law = station.diagram.GetSubsystemByName("force_law")
-        self._plant: MultibodyPlant = station.plant
-        self._torso = self._plant.GetBodyByName("torso")
-        root = self.simulator.get_mutable_context()
-        own = {
-            system: system.GetMyMutableContextFromRoot(root)
-            for system in (
-                station.diagram, forces, self._law, self._plant, self._desired
-            )
-        }  # fmt: skip
-        # Kept, as a callback finds its context's Python object faster then.
-        self._kept = [
-            system.GetMyContextFromRoot(root)
-            for system in station.diagram.GetSystems()
-        ]
-        self._own = own
-        outputs = {
-            name: station.diagram.GetOutputPort(name)
-            for name in ("plant_state", "estimate", "impedance")
-        }
-        self._outputs = {
-            name: (port, own[station.diagram]) for name, port in outputs.items()
-        }
-        measured = forces.GetOutputPort("measured")
-        self._outputs["measured"] = (measured, own[forces])
-        desired = self._desired.get_output_port()
-        self._outputs["desired"] = (desired, own[self._desired])
-        self._rest = np.ascontiguousarray(station.numbers.geometry.rest)
-        self._X = np.empty((2, len(self._selected)))
-
-    def _MakeMotion(self, episode: Episode) -> PiecewisePolynomial:
-        start = self.station.numbers.start
-        return MakeCubic(start, episode.way, self._motion_time)
-
-    def SetEpisode(self, episode: Episode) -> None:
-        """Sets default context and parameters; its effects are as built."""
+    def start(self, episode: Episode, stiffness: np.ndarray) -> None:
+        """Sets everything to time 0 and performs the first tick."""
+        if self.diagram is None or episode.uses:
+            self._Build(episode)
         root = self.simulator.get_mutable_context()
         root.SetTime(0.0)
         self.diagram.SetDefaultContext(root)
-        self._desired.UpdateTrajectory(self._MakeMotion(episode))
-        if self._noisy:
-            draws = MakeHeldDraws(episode.draws, self._period)
-            self._draws.UpdateTrajectory(draws)
-        law = self._law.get_mutable_source_value(self._own[self._law])
-        law.SetFromVector(episode.force_law)
+        for name, trajectory in self._MakeInputs(episode).items():
+            self.diagram.GetSubsystemByName(name).UpdateTrajectory(trajectory)
+        law = self._station.GetSubsystemByName("force_law")
+        context = law.GetMyMutableContextFromRoot(root)
+        law.get_mutable_source_value(context).SetFromVector(episode.force_law)
         mass, moments = episode.torso[0], episode.torso[1:4] / episode.torso[0]
         inertia = SpatialInertia(mass, np.zeros(3), UnitInertia(*moments))
-        self._torso.SetSpatialInertiaInBodyFrame(
-            self._own[self._plant], inertia
+        self._plant.GetBodyByName("torso").SetSpatialInertiaInBodyFrame(
+            self._plant.GetMyMutableContextFromRoot(root), inertia
         )
+        self._step = 0
+        self._Ask(stiffness)
+        self.simulator.Initialize()
 
-    def Eval(self, name: str) -> np.ndarray:
-        """`plant_state`, `estimate`, `impedance`, `measured` or `desired`."""
-        port, context = self._outputs[name]
+    def advance(self, stiffness: np.ndarray) -> None:
+        """Goes on to the next decision with a stiffness (6n,) asked for.
+
+        Raises:
+            RuntimeError: The simulation broke down.
+        """
+        self._Ask(stiffness)
+        self._step += 1
+        # After the tick of that time, before the plant moves on. Sums of steps
+        # would drift across events.
+        end = self._step * self._sample_time
+        self.simulator.AdvanceTo(end - 0.5 * TICK_LEAD)
+
+    def _Ask(self, stiffness: np.ndarray) -> None:
+        port = self.diagram.GetInputPort("stiffness")
+        port.FixValue(self.simulator.get_mutable_context(), stiffness)
+
+    def _MakeInputs(self, episode: Episode) -> dict[str, PiecewisePolynomial]:
+        """Trajectories of the station's inputs by the inputs' names."""
+        motion = MakeCubic(self._start, episode.way, self._motion_time)
+        if not len(episode.draws):
+            return {"desired": motion}
+        period = 1.0 / self._scenario.control.rate
+        noise = MakeHeldDraws(episode.draws, period)
+        return {"desired": motion, "noise": noise}
+
+    def _Build(self, episode: Episode) -> None:
+        scenario = self._scenario
+        controller = MakeController(scenario.control, pack_rings(scenario))
+        station = MakeBraceStation(scenario, controller, uses=episode.uses)
+        self._station, self._plant = station.diagram, station.plant
+        self._start = station.numbers.start
+        self._rest = np.ascontiguousarray(station.numbers.geometry.rest)
+        builder = DiagramBuilder()
+        inner = builder.AddNamedSystem("station", station.diagram)
+        for name, trajectory in self._MakeInputs(episode).items():
+            source = builder.AddNamedSystem(name, TrajectorySource(trajectory))
+            builder.Connect(source.get_output_port(), inner.GetInputPort(name))
+        builder.ExportInput(inner.GetInputPort("stiffness"), "stiffness")
+        self.diagram = builder.Build()
+        self.diagram.set_name("learning_loop")
+        self.simulator = Simulator(self.diagram)
+        root = self.simulator.get_context()
+        forces = inner.GetSubsystemByName("forces")
+        desired = self.diagram.GetSubsystemByName("desired")
+        ports = {
+            name: (
+                system.GetOutputPort(port),
+                system.GetMyContextFromRoot(root),
+            )
+            for name, system, port in (
+                ("plant_state", inner, "plant_state"),
+                ("estimate", inner, "estimate"),
+                ("impedance", inner, "impedance"),
+                ("pad_force", forces, "measured"),
+                ("desired", desired, desired.get_output_port().get_name()),
+            )
+        }
+        self._ports = ports
+        # A callback finds its context's Python object faster where it is kept.
+        self._kept = [s.GetMyContextFromRoot(root) for s in inner.GetSystems()]
+
+    def _Eval(self, name: str) -> np.ndarray:
+        port, context = self._ports[name]
         return port.Eval(context)
+
+    @property
+    def desired(self) -> np.ndarray:
+        """X_d, X_d', X_d'' (18n,) now."""
+        return self._Eval("desired")
+
+    @property
+    def estimate(self) -> np.ndarray:
+        """X, X', filtered force on the torso (18n,) as the controller knows."""
+        return self._Eval("estimate")
 
     @property
     def stiffness(self) -> np.ndarray:
         """K_d in use (6n,)."""
-        return self.Eval("impedance")[2 * len(self._selected) :]
+        return self._Eval("impedance")[-self._rest.size * 2 :]
 
     def truth(self) -> Signals:
         """What is, whatever the instruments read."""
-        m = len(self._selected)
-        n = m // 6
-        read_task_state(self.Eval("plant_state"), self._rest, self._X)
-        desired, force = self.Eval("desired"), np.zeros((n, 6))
-        force[:, 0:3] = -self.Eval("measured")[m : m + 3 * n].reshape(n, 3)
-        return Signals(
-            desired[0:m].copy(),
-            desired[m : 2 * m].copy(),
-            self._X[0].copy(),
-            self._X[1].copy(),
-            force.ravel(),
-        )
+        n = len(self._rest)
+        X = np.empty((2, 6 * n))
+        read_task_state(self._Eval("plant_state"), self._rest, X)
+        pads = self._Eval("pad_force")[6 * n : 9 * n]
+        return true_signals(self.desired, X, pads)

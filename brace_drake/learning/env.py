@@ -2,35 +2,31 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import gymnasium
 import numpy as np
-from pydrake.systems.analysis import Simulator
 
+from brace_drake.core.errors import BraceError
 from brace_drake.learning.compiled_loop import CompiledLoop
 from brace_drake.learning.diagram_loop import DiagramLoop
-from brace_drake.learning.drake_env import RepairedDrakeGymEnv
-from brace_drake.learning.episode import Episode, draw_episode
-from brace_drake.learning.limits import find_violation
-from brace_drake.learning.rewards import calc_reward
+from brace_drake.learning.episode import Episode, PreparedTask
+from brace_drake.learning.rewards import calc_reward, find_violation
 from brace_drake.learning.signals import (
     OBSERVERS,
     observation_size,
     signals_of_estimate,
 )
 from brace_drake.learning.subjects import NOMINAL, Subject
-from brace_drake.learning.task import (
-    LearningTask,
-    check_task,
-    load_task_scenario,
-    make_action_law,
-    spread_task,
-)
-from brace_drake.model.systems.ticks import TICK_LEAD
-from brace_drake.scenario.brace_numbers import pack_brace
-from brace_drake.scenario.control_numbers import parse_coordinates
+from brace_drake.learning.task import LearningTask, full_task
+
+LOOPS = {"compiled": CompiledLoop, "diagram": DiagramLoop}
+# What a simulation that fails raises; DRAKE_DEMAND ends in SystemExit. Other
+# exceptions are mistakes in a program and go to the caller.
+FAILURES = (RuntimeError, ArithmeticError, ValueError, BraceError, SystemExit)
 
 
-class RlpicEnv(RepairedDrakeGymEnv):
+class RlpicEnv(gymnasium.Env):
     """A policy sets the stiffness of the brace's impedance, section 3.
 
     Observation: see `signals`, of what the controller has measured. Action:
@@ -40,9 +36,11 @@ class RlpicEnv(RepairedDrakeGymEnv):
 
     A decision at time t sees the control tick at t and acts from the next.
 
-    `info` has `reward_terms`; `stiffness` in use, N/m; `subject`; `clipped`;
-    at the end `episode` with return r, length l and the causes that ended it:
-    `cause`, a limit that was passed, or `failure`, of the simulation.
+    `info` has `reward_terms`; `stiffness` in use, N/m; `subject`; `clipped`,
+    the actions so far that had to be cut to their space; at the end `episode`
+    with return r, length l and the causes that ended it: `cause`, a limit that
+    was passed, or `failure`: the simulation broke down, or a number is not
+    finite.
 
     `reset(options={"subject": Subject})` takes a subject in place of a drawn
     one; `{"nominal": True}` the scenario's own.
@@ -55,65 +53,121 @@ class RlpicEnv(RepairedDrakeGymEnv):
         ScenarioError: Task or scenario are not allowed: key, value, range.
     """
 
+    metadata: ClassVar[dict] = {
+        "render_modes": ["human", "ansi"],
+        "render_fps": 20,
+    }
+
     def __init__(
         self,
         task: LearningTask | None = None,
         render_mode: str | None = None,
     ):
-        task = LearningTask() if task is None else task
-        self.scenario = scenario = load_task_scenario(task)
-        check_task(task, scenario)
-        n = len(scenario.stages)
-        self.task = task = spread_task(task, n)
-        self._numbers = pack_brace(scenario)
-        torso = scenario.torso
-        self._torso = np.array([torso.mass, *torso.inertia])
-        self.law = make_action_law(task, scenario)
-        names = scenario.control.impedance.coordinates
-        self.selected = parse_coordinates(names, n) != 0.0
-        self._observe = OBSERVERS[task.observation]
-        ticks = round(task.sample_time * scenario.control.rate)
-        self._ticks = ticks * task.max_steps
-        self._episode: Episode | None = None
-        self._loop: DiagramLoop | None = None
-        self._compiled = None
-        if task.backend == "compiled":
-            self._compiled = CompiledLoop(
-                scenario, task.sample_time, task.motion_time
-            )
-        size = observation_size(task.observation, 6 * n)
-        super().__init__(
-            self._MakeSimulator,
-            task.sample_time,
-            gymnasium.spaces.Box(-1.0, 1.0, self.law.start.shape, np.float64),
-            gymnasium.spaces.Box(-np.inf, np.inf, (size,), np.float64),
-            lambda system, context: 0.0,
-            action_port_id="action",
-            observation_port_id="observation",
-            neutral_action=self.law.action(self.law.start),
-            failure_reward=task.failure_reward,
-            render_mode=render_mode,
+        self.prepared = PreparedTask(LearningTask() if task is None else task)
+        self.task = task = self.prepared.task
+        self.scenario, self.law = self.prepared.scenario, self.prepared.law
+        self.time_step, self.render_mode = task.sample_time, render_mode
+        self.loop = LOOPS[task.backend](
+            self.scenario, task.sample_time, task.motion_time
         )
+        size = observation_size(task.observation, len(self.prepared.selected))
+        self.observation_space = gymnasium.spaces.Box(
+            -np.inf, np.inf, (size,), np.float64
+        )
+        self.action_space = gymnasium.spaces.Box(
+            -1.0, 1.0, self.law.start.shape, np.float64
+        )
+        self._episode: Episode | None = None
+        self._ended = True
 
-    def _MakeSimulator(self, generator) -> Simulator:
-        """The simulator of the episode; rebuilt where effects change."""
-        episode, loop = self._episode, self._loop
-        if loop is None or episode.uses:
-            task = self.task
-            self._loop = loop = DiagramLoop(
-                self.scenario,
-                self.law,
-                self.selected,
-                task.observation,
-                (task.sample_time, task.motion_time),
-                episode,
+    def reset(self, *, seed: int | None = None, options: dict | None = None):
+        """Starts an episode; see `gymnasium.Env.reset`.
+
+        Raises:
+            ValueError: There is no such option.
+            BraceError, RuntimeError: The start itself fails.
+        """
+        super().reset(seed=seed)
+        self._ended, options = True, options or {}
+        self._before = self.np_random.bit_generator.state
+        self._options, self._actions = options, []
+        self._episode = episode = self.prepared.draw(
+            self.np_random, _subject_of(options)
+        )
+        self._held = self.law.action(self.law.start)
+        self._return, self._clipped, self._num_steps = 0.0, 0, 0
+        self.loop.start(episode, self.prepared.stiffness(self._held))
+        self._observation = self._Observe()
+        self._ended = False
+        info = {"subject": episode.subject.describe()}
+        return self._observation.copy(), info
+
+    def step(self, action: np.ndarray):
+        """Takes one step; see `gymnasium.Env.step`.
+
+        Raises:
+            gymnasium.error.ResetNeeded: The episode has ended.
+        """
+        if self._ended:
+            raise gymnasium.error.ResetNeeded(
+                "the episode has ended: call reset() before step()"
             )
-        return loop.simulator
+        action = np.asarray(action, dtype=np.float64)
+        if action.shape != self.action_space.shape:
+            raise ValueError(
+                f"action has shape {action.shape}; allowed:"
+                f" {self.action_space.shape}"
+            )
+        self._num_steps += 1
+        if not np.isfinite(action).all():
+            return self._Fail("the action is not finite")
+        self._clipped += int((np.abs(action) > 1.0).any())
+        self._actions.append(action)
+        before, self._held = self._held, self.law.limit(action, self._held)
+        self._ended = True
+        try:
+            self.loop.advance(self.prepared.stiffness(self._held))
+            observation = self._Observe()
+        except FAILURES as error:
+            line = " ".join(str(error).split())
+            return self._Fail(f"{type(error).__name__}: {line}")
+        signals = self.loop.truth()
+        terms = calc_reward(
+            signals, 0.5 * (self._held - before), self.task.reward
+        )
+        reward = sum(terms.values())
+        if not np.isfinite(observation).all() or not np.isfinite(reward):
+            return self._Fail("an observation or the reward is not finite")
+        self._observation = observation
+        info = {
+            "reward_terms": terms,
+            "stiffness": self.loop.stiffness[self.prepared.selected].copy(),
+            "clipped": self._clipped,
+        }
+        cause = find_violation(signals, self.task.limits, self.scenario.rings)
+        if cause:
+            info["cause"] = cause
+        terminated = bool(cause)
+        truncated = not terminated and self._num_steps >= self.task.max_steps
+        self._return += reward
+        self._ended = terminated or truncated
+        if self._ended:
+            info["episode"] = {"r": self._return, "l": self._num_steps}
+            info["subject"] = self._episode.subject.describe()
+        return observation.copy(), reward, terminated, truncated, info
 
-    @property
-    def loop(self) -> CompiledLoop | DiagramLoop:
-        """What is simulated."""
-        return self._loop if self._compiled is None else self._compiled
+    def render(self):
+        """Publishes the diagram (human), or returns its context (ansi)."""
+        if self._episode is None or not isinstance(self.loop, DiagramLoop):
+            raise gymnasium.error.ResetNeeded(
+                "drawn is the diagram (backend: diagram) after reset()"
+            )
+        context = self.loop.simulator.get_context()
+        if self.render_mode == "ansi":
+            return str(context)
+        if self.render_mode == "human":
+            self.loop.diagram.ForcedPublish(context)
+        return None
 
     def Snapshot(self) -> dict:
         """What brings the env to where it is: its draws and its actions."""
@@ -131,78 +185,26 @@ class RlpicEnv(RepairedDrakeGymEnv):
             observation = self.step(action)[0]
         return observation
 
-    def _Restart(self, seed: int | None, options: dict) -> dict:
-        self._before = self.np_random.bit_generator.state
-        self._options, self._actions = options, []
-        self._episode = episode = draw_episode(
-            self.task,
-            self._numbers,
-            self._torso,
-            self._ticks,
-            self.np_random,
-            _subject_of(options),
-        )
-        self._held = self.law.action(self.law.start)
-        self._return = 0.0
-        if self._compiled is not None:
-            self._compiled.start(episode, self._Stiffness())
-        else:
-            self.simulator = self._MakeSimulator(self.generator)
-            self._setup()
-            self._loop.SetEpisode(episode)
-            context = self.simulator.get_mutable_context()
-            self.action_port.FixValue(context, self._neutral)
-            self.simulator.Initialize()
-        return {"subject": episode.subject.describe()}
-
-    def _Stiffness(self) -> np.ndarray:
-        asked = np.zeros(len(self.selected))
-        asked[self.selected] = self.law.stiffness(self._held)
-        return asked
-
-    def _Advance(self, action: np.ndarray) -> bool:
-        self._actions.append(action)
-        before, self._held = self._held, self.law.limit(action, self._held)
-        self._change = 0.5 * (self._held - before)
-        if self._compiled is None:
-            return super()._Advance(action)
-        self._compiled.advance(self._Stiffness())
-        return False
-
-    def _Boundary(self, step: int) -> float:
-        # After the tick of that time, before the plant moves on.
-        return super()._Boundary(step) - 0.5 * TICK_LEAD
-
     def _Observe(self) -> np.ndarray:
-        if self._compiled is None:
-            return super()._Observe()
-        loop = self._compiled
-        return self._observe(signals_of_estimate(loop.estimate, loop.desired))
-
-    def _Judge(self) -> tuple[float, bool, bool, dict]:
-        signals = self.loop.truth()
-        terms = calc_reward(signals, self._change, self.task.reward)
-        rings = self.scenario.rings
-        cause = find_violation(signals, self.task.limits, rings)
-        reward, terminated = sum(terms.values()), bool(cause)
-        truncated = not terminated and self._num_steps >= self.task.max_steps
-        self._return += reward
-        info = {
-            "reward_terms": terms,
-            "stiffness": self.loop.stiffness[self.selected].copy(),
-        }
-        if cause:
-            info["cause"] = cause
-        if terminated or truncated:
-            info["episode"] = {"r": self._return, "l": self._num_steps}
-            info["subject"] = self._episode.subject.describe()
-        return reward, terminated, truncated, info
+        loop, observe = self.loop, OBSERVERS[self.task.observation]
+        return observe(signals_of_estimate(loop.estimate, loop.desired))
 
     def _Fail(self, cause: str):
-        result = super()._Fail(cause)
-        total = self._return + self.failure_reward
-        result[-1]["episode"] = {"r": total, "l": self._num_steps + 1}
-        return result
+        """What a step that failed comes back with."""
+        self._ended, reward = True, self.task.failure_reward
+        info = {
+            "failure": cause,
+            "clipped": self._clipped,
+            "episode": {"r": self._return + reward, "l": self._num_steps},
+        }
+        return self._observation.copy(), reward, True, False, info
+
+
+def make_full_env(
+    task: LearningTask | None = None, render_mode: str | None = None
+) -> RlpicEnv:
+    """`BraceDrake/RLPIC-Full-v0`."""
+    return RlpicEnv(full_task() if task is None else task, render_mode)
 
 
 def _subject_of(options: dict) -> Subject | None:

@@ -14,10 +14,11 @@ import numpy as np
 
 from brace_drake.core.errors import PolicyError
 from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.episodes import EpisodeLog, run_episode
+from brace_drake.learning.episode import EpisodeLog, run_episode
 from brace_drake.learning.policy import Policy
 from brace_drake.learning.signals import name_of
 from brace_drake.learning.subjects import FACTORS, Subject
+from brace_drake.scenario.control_numbers import spread
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ def predict_impedance(
         task.displacement = np.asarray(displacement, dtype=float)
     env = RlpicEnv(task)
     subject = Subject(factors)
-    log = run_episode(env, policy, options={"subject": subject})
+    log = run_episode(env, policy.act, options={"subject": subject})
     if log.cause:
         raise PolicyError(
             f"the motion broke off after {len(log.rewards)} decisions:"
@@ -91,11 +92,10 @@ def _summarize(env: RlpicEnv, policy: Policy, log: EpisodeLog) -> Prediction:
     settled = log.stiffness[len(log.stiffness) // 2 :]
     K = settled.mean(axis=0)
     impedance, n = scenario.control.impedance, len(on) // 6
-    mass = np.broadcast_to(np.reshape(impedance.mass, (-1, 3)), (n, 3))
-    M = np.hstack([mass, np.ones((n, 3))]).ravel()[on]
+    M = spread(impedance.mass, n, 3)[on]
     slack = 0.01 * (policy.law.upper - policy.law.lower)
     near = np.minimum(K - policy.law.lower, policy.law.upper - K) < slack
-    error = (log.stack("desired") - log.stack("position"))[:, on]
+    error = (log.signals.desired - log.signals.position)[:, on]
     return Prediction(
         names=tuple(name_of(i, scenario.rings) for i in np.flatnonzero(on)),
         mass=M,
@@ -106,6 +106,6 @@ def _summarize(env: RlpicEnv, policy: Policy, log: EpisodeLog) -> Prediction:
         highest=log.stiffness.max(axis=0),
         at_bound=near,
         error=np.sqrt(np.mean(error**2, axis=0)),
-        force=np.abs(log.stack("force")[:, on]).max(axis=0),
+        force=np.abs(log.signals.force[:, on]).max(axis=0),
         log=log,
     )

@@ -1,13 +1,16 @@
-"""Rewards: the paper's, as it is written, and one that says what it means."""
+"""How a step is judged: the paper's reward, a better one, and its limits."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from brace_drake.learning.signals import Signals
+from brace_drake.learning.signals import Signals, name_of
+
+_NONE = np.inf
 
 
-def _vector(*values: float):
+def vector(*values: float):
+    """A field of a dataclass whose default is a new array."""
     return field(default_factory=lambda: np.array(values, dtype=float))
 
 
@@ -34,13 +37,13 @@ class RewardNumbers:
     """
 
     kind: str = "paper"
-    position_weight: np.ndarray = _vector(2, 2, 2, 0, 0, 0)
-    velocity_weight: np.ndarray = _vector(0, 2, 0, 0, 0, 0)
-    force_weight: np.ndarray = _vector(0, 2, 0, 0, 0, 0)
-    position_scale: np.ndarray = _vector(80, 80, 80, 80, 80, 80)  # 1/m, 1/rad
-    velocity_scale: np.ndarray = _vector(80, 80, 80, 80, 80, 80)  # s/m
-    force_scale: np.ndarray = _vector(5, 5, 5, 5, 5, 5)  # 1/N
-    force_limit: np.ndarray = _vector(4, 4, 4, 4, 4, 4)  # N, F_max
+    position_weight: np.ndarray = vector(2, 2, 2, 0, 0, 0)
+    velocity_weight: np.ndarray = vector(0, 2, 0, 0, 0, 0)
+    force_weight: np.ndarray = vector(0, 2, 0, 0, 0, 0)
+    position_scale: np.ndarray = vector(80, 80, 80, 80, 80, 80)  # 1/m, 1/rad
+    velocity_scale: np.ndarray = vector(80, 80, 80, 80, 80, 80)  # s/m
+    force_scale: np.ndarray = vector(5, 5, 5, 5, 5, 5)  # 1/N
+    force_limit: np.ndarray = vector(4, 4, 4, 4, 4, 4)  # N, F_max
     barrier_share: float = 0.8
     smoothness_weight: float = 0.0
 
@@ -99,3 +102,44 @@ def calc_reward(
         cost = numbers.smoothness_weight * float(change @ change)
         terms["smoothness"] = -cost
     return terms
+
+
+@dataclass
+class EpisodeLimits:
+    """Beyond these an episode ends; of one ring (6,) or of all (6n,).
+
+    Equations (17) to (19), with the paper's y < -0.4 m (where -0.04 m may have
+    been meant: the legs' strokes end at 0.03 m).
+    """
+
+    lower: np.ndarray = vector(-0.02, -0.4, -0.02, -_NONE, -_NONE, -_NONE)
+    upper: np.ndarray = vector(0.02, 0.006, 0.02, _NONE, _NONE, _NONE)
+    speed: np.ndarray = vector(_NONE, 0.6, _NONE, _NONE, _NONE, _NONE)
+    force: np.ndarray = vector(_NONE, 50.0, _NONE, _NONE, _NONE, _NONE)
+
+
+def find_violation(
+    signals: Signals, limits: EpisodeLimits, rings: tuple[str, ...]
+) -> str:
+    """The first limit that is passed, in words; "" where none is.
+
+    Args:
+        signals: All of (6n,).
+        limits: The same.
+        rings: Names, bottom to top.
+    """
+    X, rate, force = signals.position, signals.rate, signals.force
+    for passed, what, values, how, limit in (
+        (X > limits.upper, "position", X, "above", limits.upper),
+        (X < limits.lower, "position", X, "below", limits.lower),
+        (np.abs(rate) > limits.speed, "speed", rate, "beyond +-", limits.speed),
+        (np.abs(force) > limits.force, "force", force, "beyond +-",
+         limits.force),
+    ):  # fmt: skip
+        if passed.any():
+            i = int(np.argmax(passed))
+            return (
+                f"{name_of(i, rings)}: {what} {values[i]:.4g} {how}"
+                f" {limit[i]:.4g}"
+            )
+    return ""

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
-@dataclass(frozen=True)
-class Signals:
-    """One instant of the brace; all of shape (6n,), SI, ring by ring.
+class Signals(NamedTuple):
+    """The brace at one instant, each (6n,), or at N of them, each (N, 6n).
+
+    SI units, ring by ring. The paper's F_ey has to reach +4 N while the ring
+    pushes towards -y: it is the force of the torso on the ring, the opposite
+    of what the force sensors (and equation (5)) count.
 
     Attributes:
         desired: X_d.
@@ -19,10 +23,6 @@ class Signals:
         position: X, displacement from rest and rotation vector.
         rate: X'.
         force: Of the torso on each ring, N; torques are not measured: 0.
-
-    The paper's F_ey has to reach +4 N while the ring pushes towards -y: it is
-    the force of the torso on the ring, the opposite of what the force sensors
-    (and equation (5)) count.
     """
 
     desired: np.ndarray
@@ -32,6 +32,12 @@ class Signals:
     force: np.ndarray
 
 
+def stack_signals(instants: Sequence[Signals], coordinates: int) -> Signals:
+    """Instants as rows (N, 6n); N may be 0."""
+    arrays = np.array(instants).reshape(-1, len(Signals._fields), coordinates)
+    return Signals(*arrays.transpose(1, 0, 2))
+
+
 def name_of(index: int, rings: tuple[str, ...]) -> str:
     """Name of a coordinate, as in "ring2 y"."""
     return f"{rings[index // 6]} {AXES[index % 6]}"
@@ -39,30 +45,14 @@ def name_of(index: int, rings: tuple[str, ...]) -> str:
 
 def observe_stage(signals: Signals) -> np.ndarray:
     """The paper's seven: y_d, y_d', y, y', F_ey, x, z of the only ring."""
-    return np.array(
-        [
-            signals.desired[1],
-            signals.desired_rate[1],
-            signals.position[1],
-            signals.rate[1],
-            signals.force[1],
-            signals.position[0],
-            signals.position[2],
-        ]
-    )
+    along = [part[1] for part in signals]
+    return np.array([*along, signals.position[0], signals.position[2]])
 
 
 def observe_all(signals: Signals) -> np.ndarray:
     """X, X_d, X', X_d', F_e one after another (30n,), section 3."""
-    return np.concatenate(
-        [
-            signals.position,
-            signals.desired,
-            signals.rate,
-            signals.desired_rate,
-            signals.force,
-        ]
-    )
+    desired, desired_rate, position, rate, force = signals
+    return np.concatenate([position, desired, rate, desired_rate, force])
 
 
 OBSERVERS = {"stage": observe_stage, "all": observe_all}
@@ -83,3 +73,20 @@ def signals_of_estimate(estimate: np.ndarray, desired: np.ndarray) -> Signals:
     X, rate, force = np.split(estimate, 3)
     m = len(X)
     return Signals(desired[0:m], desired[m : 2 * m], X, rate, -force)
+
+
+def true_signals(
+    desired: np.ndarray, X: np.ndarray, pad_force: np.ndarray
+) -> Signals:
+    """What is, whatever the instruments read.
+
+    Args:
+        desired: X_d, X_d', X_d'' (18n,).
+        X: X and X' (2, 6n), of the rings themselves.
+        pad_force: Of the pads on the torso (3n,), N.
+    """
+    m = X.shape[1]
+    force = np.zeros((m // 6, 6))
+    force[:, 0:3] = -pad_force.reshape(-1, 3)
+    desired, rate = desired[: 2 * m].reshape(2, m).copy()
+    return Signals(desired, rate, *X.copy(), force.ravel())

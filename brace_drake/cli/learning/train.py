@@ -115,10 +115,9 @@ def _refuse_changes(args: argparse.Namespace) -> None:
 
 def _make_records(args: argparse.Namespace):
     """Task and hyper-parameters from files, then options over them."""
-    from brace_drake.learning.make import full_task
     from brace_drake.learning.rewards import improved
     from brace_drake.learning.subjects import between_patients
-    from brace_drake.learning.task import LearningTask
+    from brace_drake.learning.task import LearningTask, full_task
     from brace_drake.learning.training.numbers import TrainingNumbers
     from brace_drake.scenario.load import LoadRecord
 

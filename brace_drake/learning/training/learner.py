@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import torch
@@ -17,8 +18,7 @@ from stable_baselines3.common.vec_env import (
 )
 
 from brace_drake.learning.env import RlpicEnv
-from brace_drake.learning.episodes import run_episode
-from brace_drake.learning.make import EnvMaker
+from brace_drake.learning.episode import run_episode
 from brace_drake.learning.policy import Policy
 from brace_drake.learning.subjects import NOMINAL, Subject, draw_subject
 from brace_drake.learning.task import LearningTask
@@ -44,7 +44,7 @@ class Learner:
         # Sums over threads would not be the same every time.
         torch.set_num_threads(1)
         self.task, self.numbers = task, numbers
-        makers = [EnvMaker(task)] * numbers.envs
+        makers = [partial(RlpicEnv, task)] * numbers.envs
         self._envs = (
             DummyVecEnv(makers)
             if numbers.envs == 1
@@ -115,7 +115,7 @@ class Learner:
             gain,
             clip,
             env.law,
-            env.selected,
+            env.prepared.selected,
             self.task,
         )
 
@@ -123,7 +123,7 @@ class Learner:
         """Mean return of the mean actions on subjects, noise off."""
         policy, env = self.policy(), self._reference
         return _mean(
-            run_episode(env, policy, options={"subject": subject}).total
+            run_episode(env, policy.act, options={"subject": subject}).total
             for subject in self._evaluated
         )
 

@@ -39,7 +39,7 @@ def MakeHostStation(
         controller: With an input `stiffness` where something sets it.
         num_rings: S, of the device.
         period: Of a tick, s.
-        stiffness: With the ports of `learning.policy_systems.PolicySystem`:
+        stiffness: With the ports of `learning.deployment.PolicySystem`:
             estimate and desired in, stiffness out; or None.
         limits: Of the stiffness and its rate, held behind `stiffness`.
     """
