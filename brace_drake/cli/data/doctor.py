@@ -90,7 +90,7 @@ def examine_machine() -> list[Finding]:
         Finding("brace_drake", _OK, importlib.metadata.version("brace_drake")),
         _python(),
         *_packages(importlib.metadata.requires("brace_drake") or []),
-        _program("dot", "its own layout of drawings; ours needs none"),
+        _program("dot", "apt-get install graphviz, to draw diagrams"),
         _program("chromium", "to look at reports; any browser does"),
         _serial_ports(sorted(glob.glob("/dev/tty[AU][CS][MB]*"))),
         _law_cache(),
