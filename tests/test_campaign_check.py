@@ -19,9 +19,9 @@ from brace_drake.recording import (
     LoadCampaign,
     WriteCampaign,
 )
+from brace_drake.recording.forces import explained
 from brace_drake.recording.manifest import parse_manifest
 from brace_drake.recording.samples import check_time, flat_extremes
-from brace_drake.recording.signs import explained
 from tests.test_campaign_read import (
     RATE_HZ,
     ROWS,
@@ -404,8 +404,8 @@ class TestTable(CheckTest):
         self.edit_cell(60, "leg4_length_m", "141.0")
         (self.path / "free.csv").unlink()
         expected = [
-            ("push.csv", 3, "torso_z_m"),
             ("push.csv", 3, "torso_x_m"),
+            ("push.csv", 3, "torso_z_m"),
             ("push.csv", 50, "time_s"),
             ("push.csv", 60, "leg4_length_m"),
             ("free.csv", None, None),

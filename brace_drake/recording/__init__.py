@@ -1,9 +1,14 @@
-"""Campaigns: folders of recordings, read, checked and written."""
+"""Campaigns: folders of recordings, read, checked, written and imported.
 
-from brace_drake.recording.check import CheckCampaign
+What a device records, in which unit and range, is declared in `columns`; what
+campaign.yaml may say, in `manifest`. `read` follows both and decides whether a
+folder can be used; `importing` makes campaigns of a lab's own files.
+"""
+
 from brace_drake.recording.columns import DEVICES, Channel
-from brace_drake.recording.read import LoadCampaign
-from brace_drake.recording.recording import Campaign, Problem, Run
+from brace_drake.recording.findings import Problem
+from brace_drake.recording.read import CheckCampaign, LoadCampaign
+from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.samples import Limits
 from brace_drake.recording.write import WriteCampaign
 

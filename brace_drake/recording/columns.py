@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
 _UNITS = (
@@ -66,103 +66,107 @@ def near_miss(name: str, header: Iterable[str]) -> str | None:
     return None
 
 
-def _time() -> Channel:
-    # A run lasts minutes: larger values are clock time, or milliseconds.
-    return Channel("time_s", -1.0, 1e5)
+# A run lasts minutes: larger values are clock time, or milliseconds.
+_TIME = Channel("time_s", -1.0, 1e5, constant="always")
+# Given to the device, not read from it.
+_GIVEN = {
+    "constant": "always",
+    "is_input": True,
+    "required": False,
+    "is_optional": True,
+}
 
 
-def _leg(k: int) -> list[Channel]:
-    # A leg of 0.09 to 0.2 m: millimetres and centimetres fall outside.
-    return [
-        Channel(
-            f"leg{k}_force_command_N",
-            -1000.0,
-            1000.0,
-            saturates="command",
-            required=False,
-        ),
-        Channel(f"leg{k}_length_m", 0.03, 0.5),
+def _stages(legs: Iterable[int], rings: Iterable[int]) -> dict[str, Channel]:
+    """Channels of some stages and the torso, by name."""
+    channels = [_TIME]
+    for k in legs:
+        command, length = f"leg{k}_force_command_N", f"leg{k}_length_m"
+        # A leg of 0.09 to 0.2 m: millimetres and centimetres fall outside.
+        channels += [
+            Channel(command, -1e3, 1e3, saturates="command", required=False),
+            Channel(length, 0.03, 0.5),
+        ]
+    for i in rings:
+        y_d = f"ring{i}_y_desired_m"
+        driven = {"constant": "still", "reference": y_d}
+        channels += [
+            Channel(
+                f"ring{i}_force_{axis}_N",
+                -1e3,
+                1e3,
+                constant="free",
+                saturates="reading",
+            )
+            for axis in _AXES
+        ]
+        channels += [
+            Channel(y_d, -0.2, 0.2, constant="always", is_input=True),
+            Channel(f"ring{i}_vy_desired_m_s", -2.0, 2.0, **driven),
+            Channel(f"ring{i}_ay_desired_m_s2", -50.0, 50.0, **driven),
+            Channel(
+                f"ring{i}_y_virtual_m", -0.2, 0.2, required=False, **driven
+            ),
+        ]
+    channels += [
+        Channel(f"torso_{a}_m", -0.2, 0.2, constant="free", required=False)
+        for a in _AXES
     ]
-
-
-def _ring(i: int) -> list[Channel]:
-    y_d = f"ring{i}_y_desired_m"
-    driven = {"constant": "still", "reference": y_d}
-    forces = [
-        Channel(
-            f"ring{i}_force_{axis}_N",
-            -1000.0,
-            1000.0,
-            constant="free",
-            saturates="reading",
-        )
-        for axis in _AXES
-    ]
-    return [
-        *forces,
-        Channel(y_d, -0.2, 0.2, constant="always", is_input=True),
-        Channel(f"ring{i}_vy_desired_m_s", -2.0, 2.0, **driven),
-        Channel(f"ring{i}_ay_desired_m_s2", -50.0, 50.0, **driven),
-        Channel(f"ring{i}_y_virtual_m", -0.2, 0.2, required=False, **driven),
-    ]
-
-
-def _torso() -> list[Channel]:
-    return [
-        Channel(f"torso_{axis}_m", -0.2, 0.2, constant="free", required=False)
-        for axis in _AXES
-    ]
-
-
-def _stages(legs: Iterable[int], rings: Iterable[int]) -> list[Channel]:
-    return [
-        _time(),
-        *(channel for k in legs for channel in _leg(k)),
-        *(channel for i in rings for channel in _ring(i)),
-        *_torso(),
-    ]
-
-
-def _leg_bench() -> list[Channel]:
-    given = {"constant": "always", "is_input": True}
-    given |= {"required": False, "is_optional": True}
-    return [
-        _time(),
-        Channel("force_command_N", -1000.0, 1000.0, saturates="command"),
-        Channel("position_m", -2.0, 2.0),
-        Channel("position_desired_m", -2.0, 2.0, **given),
-        Channel("external_force_N", -1000.0, 1000.0, **given),
-    ]
-
-
-def _pad_bench() -> list[Channel]:
-    return [
-        _time(),
-        Channel("displacement_m", -0.2, 0.2),
-        Channel("force_N", -1000.0, 1000.0),
-    ]
-
-
-def _by_name(channels: list[Channel]) -> dict[str, Channel]:
     return {channel.name: channel for channel in channels}
+
+
+@dataclass(frozen=True)
+class Device:
+    """What the campaigns of a device hold.
+
+    Attributes:
+        channels: By name.
+        nominal: Its nominal numbers, and whether each must be there.
+        control: Numbers of its controller, likewise where one is described.
+        stages: Those of which a campaign may name some, from the lowest up.
+    """
+
+    channels: dict[str, Channel]
+    nominal: dict[str, bool] = field(default_factory=dict)
+    control: dict[str, bool] = field(default_factory=dict)
+    stages: tuple[int, ...] = ()
 
 
 BENCH = "bench stage 2"
 BRACE = "brace"
 LEG_BENCH = "leg bench"
 PAD_BENCH = "pad bench"
-
-DEVICES: dict[str, dict[str, Channel]] = {
-    BENCH: _by_name(_stages(range(1, 7), [2])),
-    BRACE: _by_name(_stages(range(1, 19), [1, 2, 3])),
-    LEG_BENCH: _by_name(_leg_bench()),
-    PAD_BENCH: _by_name(_pad_bench()),
-}
 BRACE_STAGES = (1, 2, 3)
+
+_LEG_BENCH = (
+    _TIME,
+    Channel("force_command_N", -1e3, 1e3, saturates="command"),
+    Channel("position_m", -2.0, 2.0),
+    Channel("position_desired_m", -2.0, 2.0, **_GIVEN),
+    Channel("external_force_N", -1e3, 1e3, **_GIVEN),
+)
+_PAD_BENCH = (
+    _TIME,
+    Channel("displacement_m", -0.2, 0.2),
+    Channel("force_N", -1e3, 1e3),
+)
+DEVICES = {
+    BENCH: Device(_stages(range(1, 7), [2])),
+    BRACE: Device(_stages(range(1, 19), BRACE_STAGES), stages=BRACE_STAGES),
+    LEG_BENCH: Device(
+        {channel.name: channel for channel in _LEG_BENCH},
+        nominal={"mass_kg": True, "viscous_N_s_m": True},
+        control={"kp_1_s": True, "kv_N_s_m": True, "force_limit_N": False},
+    ),
+    PAD_BENCH: Device(
+        {channel.name: channel for channel in _PAD_BENCH},
+        nominal={"stiffness_N_m": False, "damping_N_s_m": False},
+    ),
+}
 
 
 def device_channels(
-    device: str | None, stages: Iterable[int] = ()
+    device: str, stages: Iterable[int] = ()
 ) -> dict[str, Channel]:
     """Channels of a device; those of some stages, where a brace has them.
 
@@ -171,6 +175,6 @@ def device_channels(
         stages: Of a brace, the stages that were recorded; none: all.
     """
     if device != BRACE or not stages:
-        return DEVICES.get(device, {})
+        return DEVICES[device].channels if device in DEVICES else {}
     legs = [6 * (i - 1) + k for i in stages for k in range(1, 7)]
-    return _by_name(_stages(legs, stages))
+    return _stages(legs, stages)

@@ -25,24 +25,18 @@ def can_fill(missing: np.ndarray) -> bool:
     return bool(lengths.max(initial=0) <= _LONGEST)
 
 
-def place_in_time(time: np.ndarray) -> np.ndarray:
-    """Number of each row's sample among all, the lost ones included (N,).
+def lost_rows(time: np.ndarray) -> np.ndarray:
+    """Marks of the samples that have no row, among all of them (M,), bool.
 
     Args:
         time: Rising sample times (N,), s.
     """
     steps = np.diff(time)
     if len(steps) == 0 or np.any(steps <= 0.0):
-        return np.arange(len(time))
-    counts = np.maximum(1, np.round(steps / np.median(steps)))
-    return np.concatenate([[0], np.cumsum(counts)]).astype(int)
-
-
-def lost_rows(time: np.ndarray) -> np.ndarray:
-    """Marks of the samples that have no row (M,), bool."""
-    at = place_in_time(time)
-    missing = np.ones(at[-1] + 1, dtype=bool)
-    missing[at] = False
+        return np.zeros(len(time), dtype=bool)
+    counts = np.maximum(1, np.round(steps / np.median(steps))).astype(int)
+    missing = np.ones(counts.sum() + 1, dtype=bool)
+    missing[np.concatenate([[0], np.cumsum(counts)])] = False
     return missing
 
 
@@ -55,27 +49,16 @@ def fill_dropouts(
         columns: With `time_s`.
         names: Columns to fill; others are left out where rows were lost.
     """
-    time = columns["time_s"]
-    at = place_in_time(time)
-    everyone = np.arange(at[-1] + 1)
-    if len(everyone) == len(time):
-        return {
-            name: _on_lines(values, everyone, everyone)
-            if name in names
-            else values
-            for name, values in columns.items()
-        }
-    return {
-        name: _on_lines(columns[name], at, everyone)
-        for name in columns
-        if name in names
-    }
-
-
-def _on_lines(
-    values: np.ndarray, at: np.ndarray, everyone: np.ndarray
-) -> np.ndarray:
-    good = np.isfinite(values)
-    if good.all() and len(at) == len(everyone):
-        return values
-    return np.interp(everyone, at[good], values[good])
+    lost = lost_rows(columns["time_s"])
+    at, everyone = np.flatnonzero(~lost), np.arange(len(lost))
+    filled = {}
+    for name, values in columns.items():
+        if name not in names:
+            if not lost.any():
+                filled[name] = values
+            continue
+        good = np.isfinite(values)
+        if lost.any() or not good.all():
+            values = np.interp(everyone, at[good], values[good])
+        filled[name] = values
+    return filled

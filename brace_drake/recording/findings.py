@@ -1,10 +1,38 @@
-"""Wording of findings: one line each, with the first row and a count."""
+"""Findings about a recording: one line each, with the first row and a count."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from brace_drake.recording.recording import Problem
+
+@dataclass(frozen=True)
+class Problem:
+    """One finding of the check.
+
+    Attributes:
+        severity: "error" or "warning".
+        file: The recording, campaign.yaml or the folder.
+        message: What is wrong.
+        row: Data row from 1 (the header is row 0), None when a whole column
+            or file is concerned.
+        column: The channel, None when whole rows are concerned.
+    """
+
+    severity: str
+    file: str
+    message: str
+    row: int | None = None
+    column: str | None = None
+
+    def __str__(self) -> str:
+        place = self.file
+        if self.row is not None:
+            place += f", row {self.row} (line {self.row + 1})"
+        if self.column is not None:
+            place += f", column {self.column}"
+        return f"{self.severity}: {place}: {self.message}"
 
 
 def quoted(value: object, length: int = 60) -> str:
@@ -33,20 +61,21 @@ def at_rows(
     column: str | None,
     where: np.ndarray,
     message: str,
-    severity: str = "error",
-) -> list[Problem]:
-    """One problem for all marked rows, none when no row is marked.
+    filled: bool = False,
+) -> Problem:
+    """One problem for all marked rows.
 
     Args:
         file: The recording.
         column: The channel, None when whole rows are concerned.
-        where: Marks of the data rows, shape (N,), bool.
+        where: Marks of the data rows, shape (N,), bool, at least one.
         message: What is wrong with the first of them.
-        severity: "error" or "warning".
+        filled: Whether straight lines stand in, which is a warning.
     """
     rows = np.flatnonzero(where)
-    if rows.size == 0:
-        return []
+    if filled:
+        message += "; filled by a straight line"
     if rows.size > 1:
         message += f" (first of {rows.size} rows)"
-    return [Problem(severity, file, message, int(rows[0]) + 1, column)]
+    severity = "warning" if filled else "error"
+    return Problem(severity, file, message, int(rows[0]) + 1, column)

@@ -1,13 +1,36 @@
-"""Loads a campaign folder that has no errors."""
+"""Reads a campaign folder once: its content if sound, and every problem.
+
+The manifest says which runs there are and what their device records; each
+run's table is parsed and checked by the declarations of its channels; repeats
+are compared; what few samples were lost is filled.
+"""
 
 from __future__ import annotations
 
 import shlex
+from dataclasses import replace
 from pathlib import Path
+from posixpath import normpath
 
-from brace_drake.core.errors import CampaignError
-from brace_drake.recording.check import ExamineCampaign
-from brace_drake.recording.recording import Campaign
+import numpy as np
+
+from brace_drake.core.errors import CampaignError, reason
+from brace_drake.recording.columns import (
+    LEG_BENCH,
+    Channel,
+    device_channels,
+    near_miss,
+)
+from brace_drake.recording.dropouts import fill_dropouts, lost_rows
+from brace_drake.recording.findings import Problem, error, quoted, warning
+from brace_drake.recording.forces import check_forces
+from brace_drake.recording.manifest import (
+    MANIFEST,
+    parse_manifest,
+)
+from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.samples import Limits, check_channel, check_time
+from brace_drake.recording.table import Columns, parse_table
 
 
 def LoadCampaign(path: str | Path) -> Campaign:
@@ -23,7 +46,7 @@ def LoadCampaign(path: str | Path) -> Campaign:
         CampaignError: The campaign has errors. The message is one line: the
             first error and how many more there are.
     """
-    campaign, problems = ExamineCampaign(path)
+    campaign, problems = _examine(Path(path), None)
     if campaign is not None:
         return campaign
     errors = [p for p in problems if p.severity == "error"]
@@ -34,3 +57,188 @@ def LoadCampaign(path: str | Path) -> Campaign:
         command = f"brace-drake check {shlex.quote(str(path))}"
         message += f" (and {len(errors) - 1} more; run `{command}`)"
     raise CampaignError(message)
+
+
+def CheckCampaign(
+    path: str | Path, limits: Limits | None = None
+) -> list[Problem]:
+    """Finds every problem of a campaign folder.
+
+    Args:
+        path: The folder.
+        limits: Where commands and force readings are clipped; the bench's
+            and, for a leg bench, those of its `control` by default.
+
+    Returns:
+        Errors and warnings, campaign.yaml first, then file by file; at most
+        one per file, column and kind.
+    """
+    return _examine(Path(path), limits)[1]
+
+
+def _examine(
+    path: Path, limits: Limits | None
+) -> tuple[Campaign | None, list[Problem]]:
+    """A campaign, None where it has errors, and everything wrong with it."""
+    try:
+        data = (path / MANIFEST).read_bytes()
+    except OSError as e:
+        return None, [_explain_absence(path, e)]
+    campaign, problems = parse_manifest(data)
+    if campaign is None:
+        return None, problems
+    channels = device_channels(campaign.device, campaign.stages)
+    limits = limits or _default_limits(campaign)
+    spoilt = {p.file for p in problems if p.severity == "error"}
+    runs: dict[str, Run] = {}
+    for run in campaign.runs:
+        if run.file and run.file not in spoilt:
+            columns, found = _read_run(path, run, campaign, channels, limits)
+            runs[normpath(run.file)] = replace(run, channels=columns)
+            problems += found
+    spoilt = {p.file for p in problems if p.severity == "error"}
+    for run in runs.values():
+        original = runs.get(normpath(run.repeat_of or ""), run)
+        if original is not run and not {run.file, original.file} & spoilt:
+            problems += _compare_repeat(run, original, channels)
+    if spoilt:
+        return None, problems
+    filled = tuple(
+        replace(run, channels=fill_dropouts(run.channels, channels))
+        for run in runs.values()
+    )
+    campaign = replace(
+        campaign, path=path.absolute(), runs=filled, warnings=tuple(problems)
+    )
+    return campaign, problems
+
+
+def _explain_absence(path: Path, error_: OSError) -> Problem:
+    """Why a folder has no campaign.yaml to read."""
+    if not path.exists():
+        return error(str(path), "no such folder")
+    if not path.is_dir():
+        return error(str(path), "is a file, not a campaign's folder")
+    names = sorted(item.name for item in path.iterdir())
+    if MANIFEST in names:
+        return error(MANIFEST, f"cannot be read: {error_.strerror}")
+    if not names:
+        return error(str(path), "the folder is empty")
+    found = ", ".join(names[:3]) + (", ..." if len(names) > 3 else "")
+    return error(str(path), f"no {MANIFEST} in this folder (it holds {found})")
+
+
+def _default_limits(campaign: Campaign) -> Limits | None:
+    """Limits of the device, None for a drive without feedback.
+
+    A drive that is commanded open loop may be driven with square waves,
+    which look like a clipped command.
+    """
+    if campaign.device != LEG_BENCH:
+        return Limits()
+    if not campaign.control:
+        return None
+    return Limits(command=campaign.control.get("force_limit_N"))
+
+
+def _read_run(
+    path: Path,
+    run: Run,
+    campaign: Campaign,
+    channels: dict[str, Channel],
+    limits: Limits | None,
+) -> tuple[Columns, list[Problem]]:
+    """Columns of one run and everything wrong with them."""
+    file = run.file
+    try:
+        data = (path / file).read_bytes()
+    except FileNotFoundError:
+        return {}, [error(file, "no such file in the campaign's folder")]
+    except (OSError, ValueError) as e:
+        return {}, [error(file, f"cannot be read: {reason(e)}")]
+    columns, problems = parse_table(data, file, {"time_s", *channels})
+    if not columns:
+        return columns, problems
+    missing = [
+        name
+        for name, channel in channels.items()
+        if name not in columns and not channel.is_optional
+    ]
+    if missing:
+        problems += _describe_missing(
+            missing, columns, channels, campaign, file
+        )
+    if len(next(iter(columns.values()))) < 2:
+        return columns, [
+            *problems,
+            error(file, "only one data row, no motion to see"),
+        ]
+    if "time_s" in columns:
+        problems += check_time(columns["time_s"], campaign.rate_hz, file)
+    there = {n: columns[n] for n in channels if n in columns}
+    for name in there:
+        problems += check_channel(
+            columns, channels[name], run.contact, limits, file
+        )
+    if there and not missing:
+        problems += check_forces(campaign.device, there, run.contact, file)
+    return columns, problems
+
+
+def _describe_missing(
+    missing: list[str],
+    columns: Columns,
+    channels: dict[str, Channel],
+    campaign: Campaign,
+    file: str,
+) -> list[Problem]:
+    """One problem per missing column, or one for all of a wrong device."""
+    wanted = sum(not channel.is_optional for channel in channels.values())
+    extra = [name for name in columns if name not in channels]
+    hints = {name: near_miss(name, extra) for name in missing}
+    if len(missing) > wanted / 2 and not any(hints.values()):
+        message = (
+            f"{len(missing)} missing columns, is this a {campaign.device}"
+            f" recording? {', '.join(missing)}"
+        )
+        return [error(file, message)]
+    problems = []
+    for name, hint in hints.items():
+        if hint is not None:
+            message = f"missing column; did you mean {quoted(hint)}?"
+            problems.append(error(file, message, name))
+        elif channels[name].required:
+            problems.append(error(file, "missing column", name))
+        else:
+            message = "missing column; what it would show stays unknown"
+            problems.append(warning(file, message, name))
+    return problems
+
+
+def _compare_repeat(
+    run: Run, original: Run, channels: dict[str, Channel]
+) -> list[Problem]:
+    """Warns about a repeat that cannot tell noise."""
+    repeat, first = run.channels, original.channels
+    shared = [n for n in channels if n in repeat and n in first]
+    rows = min((len(c[n]) for n in shared for c in (repeat, first)), default=0)
+    if rows == 0:
+        return []
+    differ = [
+        name
+        for name in shared
+        if not np.array_equal(
+            repeat[name][:rows], first[name][:rows], equal_nan=True
+        )
+    ]
+    if not differ:
+        message = f"a copy of {run.repeat_of}: it shows no noise"
+        return [warning(run.file, message)]
+    if any(lost_rows(c["time_s"]).any() for c in (repeat, first)):
+        return []
+    message = f"differs from {run.repeat_of}, which it should repeat"
+    return [
+        warning(run.file, message, name)
+        for name in differ
+        if channels[name].is_input
+    ]

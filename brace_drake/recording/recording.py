@@ -8,28 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-
-@dataclass(frozen=True)
-class Problem:
-    """One finding of the check.
-
-    `row` counts data rows from 1 (the header is row 0); None when the
-    finding concerns a whole column or file.
-    """
-
-    severity: str  # "error" | "warning"
-    file: str
-    message: str
-    row: int | None = None
-    column: str | None = None
-
-    def __str__(self) -> str:
-        place = self.file
-        if self.row is not None:
-            place += f", row {self.row} (line {self.row + 1})"
-        if self.column is not None:
-            place += f", column {self.column}"
-        return f"{self.severity}: {place}: {self.message}"
+from brace_drake.recording.findings import Problem
 
 
 @dataclass(frozen=True)
@@ -70,7 +49,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Campaign:
-    """A checked campaign folder."""
+    """A campaign folder: a device, and runs of it."""
 
     path: Path
     device: str

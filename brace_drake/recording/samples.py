@@ -8,8 +8,7 @@ import numpy as np
 
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.dropouts import can_fill, lost_rows
-from brace_drake.recording.findings import at_rows, error, warning
-from brace_drake.recording.recording import Problem
+from brace_drake.recording.findings import Problem, at_rows, error, warning
 from brace_drake.recording.table import Columns
 
 _RATE_TOLERANCE = 0.02
@@ -32,16 +31,21 @@ class Limits:
     reading_step: float = 0.0245
 
 
-def check_time(
-    time: np.ndarray, rate_hz: float | None, file: str
-) -> list[Problem]:
-    """Order, rate and gaps of the sample times, shape (N,), s."""
+def check_time(time: np.ndarray, rate_hz: float, file: str) -> list[Problem]:
+    """Order, rate and gaps of the sample times.
+
+    Args:
+        time: Shape (N,), s.
+        rate_hz: As campaign.yaml has it; NaN when that is unusable.
+        file: The recording.
+    """
+    problems = []
     steps = np.diff(time, prepend=np.nan)
-    problems = at_rows(
-        file, "time_s", steps <= 0, "time does not increase here"
-    )
+    if np.any(steps <= 0):
+        message = "time does not increase here"
+        problems.append(at_rows(file, "time_s", steps <= 0, message))
     forward = steps[steps > 0]
-    if rate_hz is None or forward.size == 0:
+    if np.isnan(rate_hz) or forward.size == 0:
         return problems
     period = float(np.median(forward))
     if abs(period * rate_hz - 1.0) > _RATE_TOLERANCE:
@@ -58,22 +62,53 @@ def check_time(
     if gaps.any():
         step = steps[int(np.argmax(gaps))]
         message = f"gap in time: {step:.4g} s before this row"
-        fills = np.all(steps[1:] > 0) and can_fill(lost_rows(time))
-        if fills:
-            message += "; filled by a straight line"
-        severity = "warning" if fills else "error"
-        problems += at_rows(file, "time_s", gaps, message, severity)
+        fills = bool(np.all(steps[1:] > 0)) and can_fill(lost_rows(time))
+        problems.append(at_rows(file, "time_s", gaps, message, fills))
+    return problems
+
+
+def check_channel(
+    columns: Columns,
+    channel: Channel,
+    contact: bool,
+    limits: Limits | None,
+    file: str,
+) -> list[Problem]:
+    """What a channel's values cannot be, by its declaration.
+
+    Args:
+        columns: With that of the channel.
+        channel: The declaration.
+        contact: Whether the torso is there.
+        limits: Where values are clipped, None when it is unknown.
+        file: The recording.
+    """
+    values = columns[channel.name]
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
+        return []
+    low, high = finite.min(), finite.max()
+    problems = []
+    if low < channel.low or high > channel.high:
+        problems.append(check_range(values, channel, file))
+    if low == high:
+        if not _may_rest(columns, channel, contact):
+            message = f"constant at {low:g} over the whole run"
+            problems.append(warning(file, message, channel.name))
+    elif channel.saturates and limits is not None and not problems:
+        problems += check_saturation(values, channel, limits, file)
     return problems
 
 
 def check_range(
     values: np.ndarray, channel: Channel, file: str
-) -> list[Problem]:
+) -> Problem | None:
     """Values no such channel can hold: mostly a wrong unit."""
     low, high = channel.low, channel.high
-    outside = np.isfinite(values) & ((values < low) | (values > high))
+    outside = (values < low) | (values > high)
+    outside &= np.isfinite(values)
     if not outside.any():
-        return []
+        return None
     value = values[int(np.argmax(outside))]
     message = (
         f"{value:g} is outside the plausible range {low:g} .. {high:g}: "
@@ -88,31 +123,20 @@ def is_constant(values: np.ndarray) -> bool:
     return values.size > 1 and bool(np.all(values == values[0]))
 
 
-def check_constant(
-    columns: Columns, channel: Channel, contact: bool, file: str
-) -> list[Problem]:
-    """Warns about a channel that is stuck at one value."""
-    if channel.constant == "always" or not is_constant(columns[channel.name]):
-        return []
-    if channel.constant == "free" and not contact:
-        return []
-    reference = columns.get(channel.reference)
-    if channel.constant == "still" and (
-        reference is None or is_constant(reference)
-    ):
-        return []
-    values = columns[channel.name]
-    value = values[np.isfinite(values)][0]
-    message = f"constant at {value:g} over the whole run"
-    return [warning(file, message, channel.name)]
+def _may_rest(columns: Columns, channel: Channel, contact: bool) -> bool:
+    """Whether a channel may stay at one value in this run."""
+    if channel.constant == "still":
+        reference = columns.get(channel.reference)
+        return reference is None or is_constant(reference)
+    return channel.constant == "always" or (
+        channel.constant == "free" and not contact
+    )
 
 
 def check_saturation(
     values: np.ndarray, channel: Channel, limits: Limits, file: str
 ) -> list[Problem]:
     """Warns about samples at a limit, known or seen as a flat top."""
-    if channel.saturates is None or is_constant(values):
-        return []
     size = np.abs(np.nan_to_num(values))
     if channel.saturates == "reading":
         limit = limits.reading

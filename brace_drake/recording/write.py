@@ -12,8 +12,7 @@ import yaml
 
 from brace_drake.core.errors import OutputError
 from brace_drake.recording.columns import split_unit
-from brace_drake.recording.manifest import FORMAT
-from brace_drake.recording.manifest_runs import MANIFEST, leaves_folder
+from brace_drake.recording.manifest import FORMAT, MANIFEST, leaves_folder
 from brace_drake.recording.recording import Campaign, Run
 
 # Decimals per unit: finer than any sensor of the bench resolves.

@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.core.errors import CampaignError
 from brace_drake.devices.motions.reference import COLUMNS, reference_columns
 from brace_drake.recording.columns import BRACE, device_channels
-from brace_drake.recording.manifest_runs import MANIFEST
+from brace_drake.recording.manifest import MANIFEST
 from brace_drake.recording.read import LoadCampaign
 from brace_drake.recording.recording import Run
 from brace_drake.recording.samples import check_range
@@ -98,7 +98,8 @@ def _check_motion(
     """Each column within what a brace can do, and y' the derivative of y."""
     known = device_channels(BRACE)
     for name in names:
-        for problem in check_range(channels[name], known[name], str(path)):
+        problem = check_range(channels[name], known[name], str(path))
+        if problem is not None:
             raise CampaignError(str(problem).removeprefix("error: "))
     y, speed = channels[names[0]], channels[names[1]]
     mean = np.diff(y) / np.diff(time)

@@ -24,8 +24,7 @@ import yaml
 from brace_drake.core.errors import CampaignError, OutputError
 from brace_drake.core.output import HoldFolder, ReleaseFolder, WriteText
 from brace_drake.recording.columns import split_unit
-from brace_drake.recording.manifest import FORMAT
-from brace_drake.recording.manifest_runs import MANIFEST
+from brace_drake.recording.manifest import FORMAT, MANIFEST
 from brace_drake.recording.write import DECIMALS
 
 _PAGE = 4096

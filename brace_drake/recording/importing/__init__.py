@@ -1,1 +1,14 @@
-"""Campaigns from and to other files: CSV, MATLAB, NI TDMS, MCAP."""
+"""Campaigns from and to other files: CSV, MATLAB, NI TDMS, MCAP.
+
+A map (YAML) says which column of a lab's file is which channel; an MCAP file
+that `WriteMcap` wrote holds a campaign as it is and needs none.
+"""
+
+from brace_drake.recording.importing.mapped import ImportCampaign
+from brace_drake.recording.importing.mcap_file import (
+    LoadMcapCampaign,
+    WriteMcap,
+)
+from brace_drake.recording.importing.tables import LoadTable
+
+__all__ = ["ImportCampaign", "LoadMcapCampaign", "LoadTable", "WriteMcap"]

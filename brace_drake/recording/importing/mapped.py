@@ -2,37 +2,58 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from brace_drake.core.errors import CampaignError, reason, suggest
 from brace_drake.recording.columns import DEVICES
-from brace_drake.recording.importing.options import (
-    check_options,
-    check_rate,
-    check_run,
+from brace_drake.recording.fields import (
+    NOT_NEGATIVE,
+    SWITCH,
+    TEXT,
+    Field,
+    parse_yaml,
+    take,
 )
-from brace_drake.recording.importing.tables import Columns, LoadTable
+from brace_drake.recording.importing.tables import OPTIONS, LoadTable
 from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.table import Columns
 
 FORMAT = "brace-import/1"
-_KEYS = (
-    "format",
-    "device",
-    "subject",
-    "columns",
-    "runs",
-    "options",
-    "rate_hz",
-    "settled_s",
-)
-_RUN_KEYS = ("file", "contact", "motion", "repeat_of", "split", "name")
-_RULE_KEYS = ("from", "scale", "offset", "constant")
 _LEAST_RATE_DEVIATION = 0.02
+
+_HEAD = {
+    "format": Field(repr(FORMAT), lambda v: v == FORMAT),
+    "device": Field(
+        ", ".join(DEVICES), lambda v: isinstance(v, str) and v in DEVICES
+    ),
+    "columns": Field("a map of channels", lambda v: isinstance(v, dict)),
+    "runs": Field("a list of runs", lambda v: isinstance(v, list) and v),
+    "options": Field(
+        "a map of names", lambda v: isinstance(v, dict), required=False
+    ),
+    "rate_hz": Field(
+        "above 0 up to 1e6",
+        lambda v: type(v) in (int, float) and 0.0 < v <= 1e6,
+        required=False,
+    ),
+    "settled_s": NOT_NEGATIVE,
+    "subject": Field("text", lambda _: True, required=False),
+}
+_RUN = {
+    "file": TEXT._replace(required=True),
+    "contact": SWITCH,
+    **dict.fromkeys(("motion", "repeat_of", "split", "name"), TEXT),
+}
+_NUMBER = Field(
+    "a number",
+    lambda v: type(v) in (int, float) and abs(v) <= sys.float_info.max,
+    required=False,
+)
+_RULE = {"from": TEXT, "scale": _NUMBER, "offset": _NUMBER, "constant": _NUMBER}
 
 
 def ImportCampaign(path: str | Path) -> Campaign:
@@ -48,77 +69,62 @@ def ImportCampaign(path: str | Path) -> Campaign:
         CampaignError: One line: file, key or column, and what is allowed.
     """
     path = Path(path)
-    content = _LoadMap(path)
-    device = content.get("device")
-    if not isinstance(device, str) or device not in DEVICES:
-        raise CampaignError(
-            f"{path}: device is {device!r}; allowed: {', '.join(DEVICES)}"
-        )
-    columns = content.get("columns") or {}
-    if not isinstance(columns, dict):
-        raise CampaignError(f"{path}: columns must be a map of channels")
-    rules = {
-        name: _parse_rule(path, name, rule, device)
-        for name, rule in columns.items()
-    }
-    needed = [c.name for c in DEVICES[device].values() if c.required]
-    missing = [name for name in needed if name not in rules]
-    if missing:
-        raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
-    options = check_options(str(path), content.get("options") or {})
-    rate = check_rate(str(path), content.get("rate_hz"))
-    settled = content.get("settled_s", 0.0)
-    if type(settled) not in (int, float) or not 0.0 <= settled < math.inf:
-        raise CampaignError(
-            f"{path}: settled_s is {settled!r}; allowed: a number from 0"
-        )
-    runs = [
-        replace(
-            _ImportRun(path, item, rules, options, rate),
-            settled_s=float(settled),
-        )
-        for item in _list_runs(path, content)
-    ]
-    steps = np.diff(runs[0].time_s)
-    found = 1.0 / float(np.median(steps))
-    subject = str(content.get("subject") or "")
-    return Campaign(path, device, float(rate or found), subject, tuple(runs))
-
-
-def _LoadMap(path: Path) -> dict:
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        content = parse_yaml(path.read_bytes())
+    except (OSError, ValueError) as error:
         raise CampaignError(
             f"{path}: cannot be read: {reason(error)}"
         ) from error
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise CampaignError(f"{path}: format must be {FORMAT!r}")
-    _check_keys(path, "", content, _KEYS)
-    return content
+    head = _take(content, _HEAD, f"{path}: ")
+    channels = DEVICES[head["device"]].channels
+    rules = {
+        name: _parse_rule(path, name, rule)
+        for name, rule in head["columns"].items()
+    }
+    for name in rules:
+        if name not in channels:
+            hint = suggest(name, channels)
+            raise CampaignError(f"{path}: no channel {name!r}{hint}")
+    missing = [n for n, c in channels.items() if c.required and n not in rules]
+    if missing:
+        raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
+    options = _take(head.get("options", {}), OPTIONS, f"{path}: options.")
+    items = [
+        _take(item, _RUN, f"{path}: run {number}: ")
+        for number, item in enumerate(head["runs"], 1)
+    ]
+    rate = head.get("rate_hz")
+    settled = float(head.get("settled_s", 0.0))
+    runs = []
+    for item in items:
+        source = path.parent / item["file"]
+        columns = _read_channels(source, rules, LoadTable(source, options))
+        if rate is not None:
+            columns = _resample(source, columns, float(rate))
+        runs.append(_make_run(item, columns, settled))
+    found = 1.0 / float(np.median(np.diff(runs[0].time_s)))
+    subject = str(head.get("subject") or "")
+    return Campaign(
+        path, head["device"], float(rate or found), subject, tuple(runs)
+    )
 
 
-def _check_keys(path: Path, place: str, item: dict, allowed) -> None:
-    for key in item:
-        if key not in allowed:
-            hint = suggest(key, allowed)
-            raise CampaignError(f"{path}: {place}no key {key!r}{hint}")
+def _take(values: object, fields: Mapping[str, Field], place: str) -> dict:
+    """The declared fields of a mapping; refuses any other, and bad values."""
+    if not isinstance(values, dict):
+        raise CampaignError(f"{place}is {values!r}; allowed: a map of names")
+    for key in values:
+        if key not in fields:
+            hint = suggest(key, fields) or f"; allowed: {', '.join(fields)}"
+            raise CampaignError(f"{place}no key {key!r}{hint}")
+    taken, faults = take(values, fields)
+    for name, wanted, value in faults:
+        raise CampaignError(f"{place}{name} is {value!r}; allowed: {wanted}")
+    return taken
 
 
-def _list_runs(path: Path, content: dict) -> list[dict]:
-    runs = content.get("runs")
-    if not isinstance(runs, list) or not runs:
-        raise CampaignError(f"{path}: runs must be a list of runs")
-    for number, run in enumerate(runs, 1):
-        check_run(str(path), number, run)
-        _check_keys(path, f"run {number}: ", run, _RUN_KEYS)
-    return runs
-
-
-def _parse_rule(path: Path, name: str, rule, device: str) -> dict:
-    if name not in DEVICES[device]:
-        hint = suggest(name, DEVICES[device])
-        raise CampaignError(f"{path}: no channel {name!r}{hint}")
+def _parse_rule(path: Path, name: str, rule: object) -> dict:
+    """Where a channel's values come from; see `ImportCampaign`."""
     if isinstance(rule, str):
         rule = {"from": rule}
     if not isinstance(rule, dict) or ("from" in rule) == ("constant" in rule):
@@ -126,28 +132,25 @@ def _parse_rule(path: Path, name: str, rule, device: str) -> dict:
             f"{path}: columns.{name} must be a column's name, or from (with"
             " scale, offset), or constant"
         )
-    _check_keys(path, f"columns.{name}: ", rule, _RULE_KEYS)
-    if not isinstance(rule.get("from", ""), str):
-        raise CampaignError(
-            f"{path}: columns.{name}.from is {rule['from']!r}; allowed: a name"
-        )
-    for key in ("scale", "offset", "constant"):
-        value = rule.get(key, 1.0)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise CampaignError(
-                f"{path}: columns.{name}.{key} is {value!r}; allowed: a number"
-            )
-    return rule
+    return _take(rule, _RULE, f"{path}: columns.{name}.")
 
 
-def _ImportRun(path, item, rules, options, rate) -> Run:
-    source = path.parent / item["file"]
-    table = LoadTable(source, options)
+def _read_channels(
+    source: Path, rules: dict[str, dict], table: Columns
+) -> Columns:
+    """Channels of a file by their rules, the time from 0."""
     rows = len(next(iter(table.values())))
-    channels = {
-        name: _channel(source, table, rule, rows)
-        for name, rule in rules.items()
-    }
+    channels = {}
+    for name, rule in rules.items():
+        column = rule.get("from")
+        if column is None:
+            channels[name] = np.full(rows, float(rule["constant"]))
+        elif column not in table:
+            hint = suggest(column, table)
+            raise CampaignError(f"{source}: no column {column!r}{hint}")
+        else:
+            scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
+            channels[name] = scale * table[column] + offset
     lengths = {len(values) for values in channels.values()}
     if len(lengths) > 1:
         raise CampaignError(
@@ -159,35 +162,27 @@ def _ImportRun(path, item, rules, options, rate) -> Run:
             f"{source}: it has {samples} samples; allowed: two or more"
         )
     channels["time_s"] = channels["time_s"] - channels["time_s"][0]
-    if rate is not None:
-        channels = _resample(source, channels, float(rate))
+    return channels
+
+
+def _make_run(item: dict, channels: Columns, settled_s: float) -> Run:
     name = item.get("name") or Path(item["file"]).stem
     return Run(
-        f"{name}.csv",
-        bool(item.get("contact", True)),
-        str(item.get("motion", name)),
-        item.get("repeat_of"),
-        str(item.get("split", "fit")),
-        channels,
+        file=f"{name}.csv",
+        contact=item.get("contact", True),
+        motion=item.get("motion", name),
+        repeat_of=item.get("repeat_of"),
+        split=item.get("split", "fit"),
+        channels=channels,
+        settled_s=settled_s,
     )
-
-
-def _channel(source: Path, table: Columns, rule: dict, rows: int):
-    if "constant" in rule:
-        return np.full(rows, float(rule["constant"]))
-    name = rule["from"]
-    if name not in table:
-        hint = suggest(name, table)
-        raise CampaignError(f"{source}: no column {name!r}{hint}")
-    scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
-    return scale * table[name] + offset
 
 
 def _resample(source: Path, channels: Columns, rate: float) -> Columns:
     """Channels at even times, linearly between their samples."""
     time = channels["time_s"]
     steps = np.diff(time)
-    if not (len(time) > 1 and np.isfinite(time).all() and steps.min() > 0.0):
+    if not (np.isfinite(time).all() and steps.min() > 0.0):
         raise CampaignError(f"{source}: the time does not increase")
     if np.abs(steps * rate - 1.0).max() < _LEAST_RATE_DEVIATION:
         return channels

@@ -13,6 +13,7 @@ import json
 import math
 import struct
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,15 +21,13 @@ import yaml
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.core.output import WriteBytes
-from brace_drake.recording.manifest import parse_manifest
-from brace_drake.recording.manifest_runs import RunEntry
+from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.table import Columns
 from brace_drake.recording.write import describe
 
-Columns = dict[str, np.ndarray]
-
-# Name of the metadata that holds a campaign, and its key.
-_CAMPAIGN, _MANIFEST = "brace_campaign", "campaign.yaml"
+# Name of the metadata that holds a campaign, under the manifest's own name.
+_CAMPAIGN = "brace_campaign"
 _PROFILE, _ENCODING, _SCHEMA = "", "json", "jsonschema"
 _LOG_TIME = "log_time_s"
 _PAUSE_S = 1.0
@@ -48,7 +47,7 @@ def WriteMcap(campaign: Campaign, path: str | Path) -> None:
     writer = writer_of(memory)
     writer.start(_PROFILE, "brace-drake")
     text = yaml.safe_dump(describe(campaign), sort_keys=False)
-    writer.add_metadata(_CAMPAIGN, {_MANIFEST: text})
+    writer.add_metadata(_CAMPAIGN, {MANIFEST: text})
     start = 0.0
     for run in campaign.runs:
         _AddRun(writer, run, start - float(run.time_s[0]))
@@ -84,7 +83,7 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
     path = Path(path)
     with _OpenReader(path) as reader:
         texts = [
-            m.metadata.get(_MANIFEST, "")
+            m.metadata.get(MANIFEST, "")
             for m in reader.iter_metadata()
             if m.name == _CAMPAIGN
         ]
@@ -92,40 +91,22 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
             raise CampaignError(
                 f"{path}: holds no campaign; take its topics by a map"
             )
-        manifest, problems = parse_manifest(texts[-1].encode())
+        campaign, problems = parse_manifest(texts[-1].encode())
         errors = [p for p in problems if p.severity == "error"]
-        if manifest is None or errors:
+        if campaign is None or errors:
             raise CampaignError(f"{path}: {errors[0]}")
-        # Without errors it has both.
-        assert manifest.device is not None and manifest.rate_hz is not None
         tables = _read_topics(reader)
-    runs = tuple(_make_run(path, e, tables) for e in manifest.entries)
-    return Campaign(
-        path,
-        manifest.device,
-        manifest.rate_hz,
-        manifest.subject,
-        runs,
-        manifest.nominal,
-        manifest.control,
-        manifest.stages,
-    )
+    runs = tuple(_fill_run(path, run, tables) for run in campaign.runs)
+    return replace(campaign, path=path, runs=runs)
 
 
-def _make_run(path: Path, entry: RunEntry, tables: dict[str, Columns]) -> Run:
-    assert entry.file is not None
-    topic = _topic(entry.file)
+def _fill_run(path: Path, run: Run, tables: dict[str, Columns]) -> Run:
+    """A run of the manifest with the channels of its topic."""
+    topic = _topic(run.file)
     if "time_s" not in tables.get(topic, {}):
         raise CampaignError(f"{path}: no topic {topic} with time_s")
     channels = {n: v for n, v in tables[topic].items() if n != _LOG_TIME}
-    return Run(
-        entry.file,
-        entry.contact,
-        entry.motion,
-        entry.repeat_of,
-        entry.split,
-        channels,
-    )
+    return replace(run, channels=channels)
 
 
 def LoadMcapTable(path: Path, options: dict) -> Columns:

@@ -8,7 +8,26 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, reason
-from brace_drake.recording.importing.mcap_file import Columns, LoadMcapTable
+from brace_drake.recording.fields import TEXT, Field
+from brace_drake.recording.importing.mcap_file import LoadMcapTable
+from brace_drake.recording.table import Columns
+
+_SIGN = Field(
+    "one character",
+    lambda v: isinstance(v, str) and len(v) == 1 and v not in '\r\n\0"',
+    required=False,
+)
+# What may be said of a file beside its columns.
+OPTIONS = {
+    "delimiter": _SIGN,
+    "decimal": _SIGN,
+    "skip_lines": Field(
+        "a whole number, 0 or more",
+        lambda v: type(v) is int and v >= 0,
+        required=False,
+    ),
+    "group": TEXT,
+}
 
 
 def LoadTable(path: str | Path, options: dict) -> Columns:
@@ -16,17 +35,21 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
 
     Args:
         path: *.csv or *.txt, *.mat, *.tdms, *.mcap.
-        options: Of CSV: `delimiter`, `decimal`, `skip_lines`. Of MATLAB and
-            TDMS: `group`, the struct or group to look in; of MCAP the topic.
+        options: See `OPTIONS`. Of CSV: `delimiter`, `decimal`, `skip_lines`.
+            Of MATLAB and TDMS: `group`, the struct or group to look in; of
+            MCAP the topic.
 
     Raises:
         CampaignError: One line: file, and what is wrong with it.
     """
     path = Path(path)
     ending = path.suffix.lower()
-    readers = {".mat": _LoadMatlab, ".tdms": _LoadTdms}
-    readers[".mcap"] = LoadMcapTable
-    readers |= dict.fromkeys((".csv", ".txt", ".tsv"), _LoadText)
+    readers = {
+        ".mat": _LoadMatlab,
+        ".tdms": _LoadTdms,
+        ".mcap": LoadMcapTable,
+        **dict.fromkeys((".csv", ".txt", ".tsv"), _LoadText),
+    }
     if ending not in readers:
         raise CampaignError(
             f"{path}: {ending or 'no ending'}; known are {', '.join(readers)}"
@@ -67,7 +90,8 @@ def _LoadText(path: Path, options: dict) -> Columns:
             )
         for name, text in zip(header, row, strict=True):
             values[name].append(_number(text, decimal))
-    return {n: np.array(v) for n, v in values.items() if not _is_empty(v)}
+    columns = {name: np.array(column) for name, column in values.items()}
+    return {n: v for n, v in columns.items() if not np.isnan(v).all()}
 
 
 def _number(text: str, decimal: str) -> float:
@@ -75,10 +99,6 @@ def _number(text: str, decimal: str) -> float:
         return float(text.strip().replace(decimal, "."))
     except ValueError:
         return float("nan")
-
-
-def _is_empty(values: list[float]) -> bool:
-    return bool(np.isnan(values).all())
 
 
 def _LoadMatlab(path: Path, options: dict) -> Columns:

@@ -1,15 +1,20 @@
-"""Does a force agree in sign with the motion that it causes?"""
+"""Do forces agree with the motion that they cause, and with contact?"""
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import nnls
 
-from brace_drake.recording.columns import BENCH, BRACE, LEG_BENCH, PAD_BENCH
-from brace_drake.recording.findings import error
-from brace_drake.recording.recording import Problem
+from brace_drake.recording.columns import (
+    BENCH,
+    BRACE,
+    LEG_BENCH,
+    PAD_BENCH,
+)
+from brace_drake.recording.findings import Problem, error, warning
 from brace_drake.recording.table import Columns
 
+_LEAST_ROWS = 50
 _WINDOW_S = 0.05
 _ABOVE_NOISE = 3.0
 # The wrong sign is reported when it explains most of the force and the right
@@ -20,34 +25,40 @@ _BEATEN = 0.5
 # Below this the torso's spring outweighs its mass: 4.6 rad/s is the lowest
 # resonance to expect, of 60 kg on 1260 N/m.
 _QUASI_STATIC_RAD_S = 3.5
-# Half the weight of the bench's moving ring, N.
+# Half the weight of one moving ring, N.
 _HALF_RING_WEIGHT = 0.5 * 0.85 * 9.81
+# No sensor drifts so far in a run, N; a brace presses with more.
+_PRESSES = 3.0
 
 
-def check_signs(
-    device: str | None,
-    columns: Columns,
-    rate_hz: float,
-    contact: bool,
-    file: str,
+def check_forces(
+    device: str, columns: Columns, contact: bool, file: str
 ) -> list[Problem]:
-    """Force signs of one run that contradict the motion.
+    """Forces of one run that contradict the motion or the contact.
+
+    Only rows count in which every channel has a number.
 
     Args:
         device: A key of DEVICES.
-        columns: All its channels, finite, each of shape (N,).
-        rate_hz: Sampling rate.
+        columns: Its channels, each of shape (N,).
         contact: Whether the torso is there.
         file: The recording's name.
     """
-    if device in (BENCH, BRACE):
-        found = _check_legs(columns, file)
-        return found + _check_ring(columns, rate_hz, file) if contact else found
+    whole = np.all([np.isfinite(values) for values in columns.values()], axis=0)
+    if np.count_nonzero(whole) < _LEAST_ROWS:
+        return []
+    columns = {name: values[whole] for name, values in columns.items()}
+    period = float(np.median(np.diff(columns["time_s"])))
+    if period <= 0.0:
+        return []
+    rate_hz = 1.0 / period
     if device == LEG_BENCH:
         return _check_drive(columns, rate_hz, file)
     if device == PAD_BENCH:
         return _check_pad(columns, rate_hz, file)
-    return []
+    if device not in (BENCH, BRACE):
+        return []
+    return _check_stages(columns, rate_hz, contact, file)
 
 
 def smoothed(values: np.ndarray, rate_hz: float) -> np.ndarray:
@@ -57,13 +68,6 @@ def smoothed(values: np.ndarray, rate_hz: float) -> np.ndarray:
         return values
     box = np.ones(width) / width
     return np.convolve(values, np.convolve(box, box), mode="valid")
-
-
-def moves(values: np.ndarray, rate_hz: float) -> bool:
-    """Whether a channel moves clearly above its own noise."""
-    noise = np.std(np.diff(values)) / np.sqrt(2.0)
-    motion = np.std(smoothed(values, rate_hz))
-    return bool(motion > max(_ABOVE_NOISE * noise, 1e-12))
 
 
 def explained(force: np.ndarray, terms: np.ndarray) -> float:
@@ -90,80 +94,105 @@ def explained(force: np.ndarray, terms: np.ndarray) -> float:
     return 1.0 - float(rest @ rest) / total
 
 
-def opposes(force: np.ndarray, terms: np.ndarray) -> bool:
+def _opposes(force: np.ndarray, terms: np.ndarray) -> bool:
     """Whether the negative of a force, but not the force, moves the body."""
     wrong = explained(-force, terms)
     return wrong > _EXPLAINED and explained(force, terms) < _BEATEN * wrong
 
 
-def _derivatives(motion: np.ndarray, rate_hz: float) -> np.ndarray:
-    """Displacement, velocity and acceleration side by side, shape (N, 3)."""
+def _moving(
+    force: np.ndarray, motion: np.ndarray, rate_hz: float
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """A force and what it may move, both smoothed.
+
+    Returns:
+        The force (N,); displacement, velocity and acceleration side by side
+        (N, 3). None where one does not change clearly above its own noise.
+    """
+    smooth = []
+    for values in (force, motion):
+        noise = np.std(np.diff(values)) / np.sqrt(2.0)
+        smooth.append(smoothed(values, rate_hz))
+        if not np.std(smooth[-1]) > max(_ABOVE_NOISE * noise, 1e-12):
+            return None
+    force, motion = smooth
     velocity = np.gradient(motion) * rate_hz
-    return np.column_stack([motion, velocity, np.gradient(velocity) * rate_hz])
+    terms = [motion, velocity, np.gradient(velocity) * rate_hz]
+    return force, np.column_stack(terms)
 
 
 def _is_mirrored(motion: np.ndarray, reference: np.ndarray) -> bool:
     return float((motion - motion.mean()) @ (reference - reference.mean())) < 0
 
 
-def _check_legs(columns: Columns, file: str) -> list[Problem]:
-    """The legs push apart to carry the ring's weight."""
-    names = [name for name in columns if name.endswith("_force_command_N")]
-    total = sum(float(columns[name].mean()) for name in names)
-    if total > -_HALF_RING_WEIGHT:
-        return []
-    message = (
-        f"wrong sign: the leg commands sum to {total:.3g} N on average, but "
-        f"positive ones carry the ring"
-    )
-    return [error(file, message)]
+def _check_stages(
+    columns: Columns, rate_hz: float, contact: bool, file: str
+) -> list[Problem]:
+    """Legs that push apart to carry their rings, rings that push the torso."""
+    problems = []
+    commands = [name for name in columns if name.endswith("_force_command_N")]
+    total = sum(float(columns[name].mean()) for name in commands)
+    if total <= -_HALF_RING_WEIGHT:
+        message = (
+            f"wrong sign: the leg commands sum to {total:.3g} N on average,"
+            " but positive ones carry the ring"
+        )
+        problems.append(error(file, message))
+    if contact:
+        return problems + _check_push(columns, rate_hz, file)
+    for name in columns:
+        if "_force_" not in name or name in commands:
+            continue
+        change = float(np.ptp(smoothed(columns[name], rate_hz)))
+        if change > _PRESSES:
+            message = (
+                f"changes by {change:.1f} N in a run with contact: false; was"
+                " the torso there?"
+            )
+            problems.append(warning(file, message, name))
+    return problems
 
 
-def _check_ring(columns: Columns, rate_hz: float, file: str) -> list[Problem]:
-    """A ring that moves the torso pushes it where it goes.
+def _check_push(columns: Columns, rate_hz: float, file: str) -> list[Problem]:
+    """Rings that move the torso push it where they go.
 
-    Runs in which the torso moves by itself say nothing: there the ring
-    resists. They are left out by asking that the reference moves as much.
+    Runs in which the torso moves by itself say nothing: there the rings
+    resist. They are left out by asking that the reference moves as much.
     """
-    rings = [i for i in (1, 2, 3) if f"ring{i}_force_y_N" in columns]
-    force = sum(columns[f"ring{i}_force_y_N"] for i in rings)
-    torso = columns["torso_y_m"]
-    if not (moves(force, rate_hz) and moves(torso, rate_hz)):
+    pushes = [name for name in columns if name.endswith("_force_y_N")]
+    force = sum(columns[name] for name in pushes)
+    moving = _moving(force, columns["torso_y_m"], rate_hz)
+    if moving is None:
         return []
-    force, torso = smoothed(force, rate_hz), smoothed(torso, rate_hz)
-    references = [
-        smoothed(columns[f"ring{i}_y_desired_m"], rate_hz) for i in rings
-    ]
+    force, terms = moving
+    torso = terms[:, 0]
+    asked = [name for name in columns if name.endswith("_y_desired_m")]
+    references = [smoothed(columns[name], rate_hz) for name in asked]
     reference = max(references, key=np.std)
     if np.std(reference) < 0.5 * np.std(torso):
         return []
-    terms = _derivatives(torso, rate_hz)
-    slow = np.std(terms[:, 1]) < _QUASI_STATIC_RAD_S * np.std(terms[:, 0])
+    slow = np.std(terms[:, 1]) < _QUASI_STATIC_RAD_S * np.std(torso)
     # A mass passes for a spring of the wrong sign: in a slow motion, where
     # the true mass does not count, it is also tried without.
-    if not (opposes(force, terms) or (slow and opposes(force, terms[:, :2]))):
+    if not (_opposes(force, terms) or (slow and _opposes(force, terms[:, :2]))):
         return []
     if _is_mirrored(torso, reference):
         message = "wrong sign: the torso moves against the force and the ring"
         return [error(file, message, "torso_y_m")]
     message = "wrong sign: the force opposes the torso's motion that it causes"
-    column = "ring2_force_y_N" if rings == [2] else None
-    return [error(file, message, column)]
+    return [error(file, message, pushes[0] if len(pushes) == 1 else None)]
 
 
 def _check_drive(columns: Columns, rate_hz: float, file: str) -> list[Problem]:
     """A drive's force accelerates it and overcomes its friction."""
-    force = columns["force_command_N"]
-    position = columns["position_m"]
-    if not (moves(force, rate_hz) and moves(position, rate_hz)):
+    moving = _moving(columns["force_command_N"], columns["position_m"], rate_hz)
+    if moving is None:
         return []
-    force = smoothed(force, rate_hz)
-    position = smoothed(position, rate_hz)
-    _, velocity, acceleration = _derivatives(position, rate_hz).T
+    force, (position, velocity, acceleration) = moving[0], moving[1].T
     direction = np.tanh(velocity / max(np.std(velocity), 1e-12) * 3.0)
     terms = np.column_stack([velocity, acceleration, direction])
     alone = _is_alone(columns, rate_hz)
-    if not opposes(force[alone], terms[alone]):
+    if not _opposes(force[alone], terms[alone]):
         return []
     desired = columns.get("position_desired_m")
     if desired is not None and _is_mirrored(
@@ -188,12 +217,8 @@ def _is_alone(columns: Columns, rate_hz: float) -> np.ndarray:
 
 def _check_pad(columns: Columns, rate_hz: float, file: str) -> list[Problem]:
     """Tissue that is pressed inward presses back."""
-    force, depth = columns["force_N"], columns["displacement_m"]
-    if not (moves(force, rate_hz) and moves(depth, rate_hz)):
-        return []
-    depth = smoothed(depth, rate_hz)
-    terms = _derivatives(depth, rate_hz)[:, :2]
-    if not opposes(smoothed(force, rate_hz), terms):
+    moving = _moving(columns["force_N"], columns["displacement_m"], rate_hz)
+    if moving is None or not _opposes(moving[0], moving[1][:, :2]):
         return []
     message = "wrong sign: the force falls when the pad is pressed inward"
     return [error(file, message, "force_N")]
