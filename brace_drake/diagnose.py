@@ -25,10 +25,10 @@ from brace_drake.isolation.imposed_motion import (
     fit_contact_side,
 )
 from brace_drake.recording.recording import Campaign
+from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
-from brace_drake.selection.null_bootstrap import NullDistribution
-from brace_drake.selection.search.search import try_causes
-from brace_drake.selection.surrogate_data import loses_to_decoys
+from brace_drake.selection.search.search import search_causes
+from brace_drake.selection.surrogate_data import loses_to_surrogates
 from brace_drake.validation.prediction import Prediction, predict_runs
 from brace_drake.validation.shrinkage import (
     RunComparison,
@@ -52,7 +52,7 @@ class Diagnosis:
     evaluator: Evaluator
     nominal: CandidateFit
     fits: list[CandidateFit]
-    null: NullDistribution
+    criterion: Criterion
     verdict: Verdict
     table: EstimateTable
     ladder: list[dict]
@@ -109,12 +109,12 @@ def diagnose(
     def see_side(say):
         return side() and explain_contact_side(side(), seed, say)
 
-    fits, null, is_cut, shown = try_causes(
+    fits, criterion, is_cut, shown = search_causes(
         evaluator, nominal, seed, say, at_rest, see_side
     )
     say("verdict", 0.8)
-    is_chance = partial(loses_to_decoys, evaluator, nominal, seed=seed)
-    verdict = decide(evaluator, nominal, fits, null, is_chance, shown)
+    is_chance = partial(loses_to_surrogates, evaluator, nominal, seed=seed)
+    verdict = decide(criterion, fits, is_chance, shown)
     chosen = verdict.winner or nominal
     table = estimate_table(evaluator, chosen, seed)
     say("validation runs", 0.94)
@@ -133,7 +133,7 @@ def diagnose(
         evaluator,
         nominal,
         fits,
-        null,
+        criterion,
         verdict,
         table,
         ladder,

@@ -2,6 +2,7 @@
 
 import unittest
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -13,10 +14,10 @@ from brace_drake.isolation.imposed_motion import (
     fit_contact_side,
     is_on_contact_side,
 )
-from brace_drake.selection.measures import misfit
-from brace_drake.selection.search.beside_friction import fit_frictions, sticking
-from brace_drake.selection.search.linearisation import Ground
-from brace_drake.selection.search.screening import race
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.search.friction import fit_frictions, sticking
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.screening import screen
 from brace_drake.selection.search.shortlist import best_fits
 from tests.synthetic_bench import SyntheticBench, record
 
@@ -26,6 +27,12 @@ RELAXATION = find_effect("relaxation"), np.array([4000.0, 0.8])
 
 def quiet(what, share):
     """Says nothing."""
+
+
+def with_limit(evaluator, limit):
+    """A criterion by whose noise a misfit up to the limit is none."""
+    null = SimpleNamespace(misfit_threshold=limit)
+    return Criterion(None, evaluator.count, True, null=null)
 
 
 class TestContactSide(unittest.TestCase):
@@ -43,7 +50,7 @@ class TestContactSide(unittest.TestCase):
 
     def test_friction_of_the_drives_is_no_gap_and_hides_no_subject(self):
         side = self.side(self.stuck)
-        self.assertLess(abs(misfit(side.evaluator, side.nominal)), 0.12)
+        self.assertLess(abs(side.nominal.excess / side.evaluator.count), 0.12)
         self.assertTrue(side.row()["acquitted"])
         found = explain_contact_side(side, 0)
         self.assertEqual(found.effects, ())
@@ -65,9 +72,9 @@ class TestContactSide(unittest.TestCase):
     def test_friction_is_found_beside_it_with_what_it_shows_kept(self):
         seen = explain_contact_side(self.side(self.stuck, RELAXATION), 0)
         evaluator = self.bench.evaluator([self.stuck, RELAXATION])
-        ground = Ground(evaluator, fit_nominal(evaluator))
-        alone = best_fits(race(ground, [FRICTION]))
-        frictions = sticking(evaluator, alone, 0.1)
+        ground = Linearisation(evaluator, fit_nominal(evaluator))
+        alone = best_fits(screen(ground, [FRICTION]))
+        frictions = sticking(with_limit(evaluator, 0.1), alone)
         self.assertEqual([f.name for f in frictions], ["coulomb_friction"])
         pair, *_ = fit_frictions(evaluator, frictions, seen, [FRICTION], quiet)
         self.assertEqual(pair.identifiers, ("relaxation", "coulomb_friction"))
@@ -78,10 +85,10 @@ class TestContactSide(unittest.TestCase):
 
     def test_no_friction_is_beside_what_explains_without_one(self):
         explained = self.bench.evaluator([self.stuck])
-        ground = Ground(explained, fit_nominal(explained))
-        fits = best_fits(race(ground, [FRICTION]))
-        enough = misfit(explained, fits[0]) + 0.01
-        self.assertEqual(sticking(explained, fits, enough), [])
+        ground = Linearisation(explained, fit_nominal(explained))
+        fits = best_fits(screen(ground, [FRICTION]))
+        enough = fits[0].excess / explained.count + 0.01
+        self.assertEqual(sticking(with_limit(explained, enough), fits), [])
 
     def test_without_the_way_or_a_touch_it_is_not_looked_at(self):
         def blind(run):

@@ -11,11 +11,10 @@ from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import fit_effects, fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
-from brace_drake.selection.measures import misfit
+from brace_drake.selection import thresholds
 from brace_drake.selection.surrogate_data import (
-    NUM_DECOYS,
-    decoy_gains,
-    loses_to_decoys,
+    loses_to_surrogates,
+    surrogate_gains,
 )
 from brace_drake.validation.held_out import held_out_misfit, motions_of
 from tests.synthetic_bench import RATE, SyntheticBench, record
@@ -84,19 +83,19 @@ class TestDecoys(unittest.TestCase):
     def test_the_cause_of_a_gap_takes_by_far_more_than_its_decoys(self):
         effect = self.signals(1)
         before, after = self.take(effect, 3.0 * effect[:, 0] + self.noise())
-        gains = decoy_gains(self.runs, before, after, 0)
-        self.assertEqual(len(gains), NUM_DECOYS)
+        gains = surrogate_gains(self.runs, before, after, 0)
+        self.assertEqual(len(gains), thresholds.NUM_SURROGATES)
         np.testing.assert_array_equal(gains, np.sort(gains))
         taken = (before.excess - after.excess) / self.runs.count
         self.assertGreater(taken, 3.0 * gains[-1])
-        self.assertFalse(loses_to_decoys(self.runs, before, after, 0))
+        self.assertFalse(loses_to_surrogates(self.runs, before, after, 0))
 
     def test_an_effect_of_other_times_loses_to_its_decoys(self):
         lost = 0
         for _ in range(10):
             gap = 30.0 * self.signals(1)[:, 0] + self.noise()
             before, after = self.take(self.signals(1), gap)
-            lost += loses_to_decoys(self.runs, before, after, 0)
+            lost += loses_to_surrogates(self.runs, before, after, 0)
         self.assertGreaterEqual(lost, 9)
 
     def test_copies_of_a_constant_effect_tell_nothing(self):
@@ -104,23 +103,23 @@ class TestDecoys(unittest.TestCase):
         constant = np.ones((2, SAMPLES, CHANNELS, 1))
         effect = self.runs.weigh(constant)
         before, after = self.take(effect, 3.0 * effect[:, 0] + self.noise())
-        gains = decoy_gains(self.runs, before, after, 0)
-        self.assertLess(len(gains), 0.7 * NUM_DECOYS)
-        self.assertGreater(len(gains), 0.3 * NUM_DECOYS)
-        self.assertFalse(loses_to_decoys(self.runs, before, after, 0))
+        gains = surrogate_gains(self.runs, before, after, 0)
+        self.assertLess(len(gains), 0.7 * thresholds.NUM_SURROGATES)
+        self.assertGreater(len(gains), 0.3 * thresholds.NUM_SURROGATES)
+        self.assertFalse(loses_to_surrogates(self.runs, before, after, 0))
 
     def test_of_noise_each_parameter_of_a_decoy_takes_one_square(self):
         # Chi-squared of p degrees of freedom, whatever the columns are.
         for p in (1, 4):
             before, after = self.take(self.signals(p), self.noise())
-            gains = decoy_gains(self.runs, before, after, 1)
+            gains = surrogate_gains(self.runs, before, after, 1)
             mean = float(np.mean(gains)) * self.runs.count
             self.assertAlmostEqual(mean / p, 1.0, delta=0.45)
 
     def test_they_are_the_same_for_the_same_seed(self):
         before, after = self.take(self.signals(1), self.noise())
         first, again, other = (
-            decoy_gains(self.runs, before, after, s) for s in (3, 3, 4)
+            surrogate_gains(self.runs, before, after, s) for s in (3, 3, 4)
         )
         np.testing.assert_array_equal(first, again)
         self.assertFalse(np.array_equal(first, other))
@@ -154,7 +153,7 @@ class TestHeldOut(unittest.TestCase):
             squares += float(residual @ residual)
         expected = squares / self.evaluator.count - 1.0
         found = held_out_misfit(self.evaluator, fit)
-        gain = expected - misfit(self.evaluator, fit)
+        gain = expected - fit.excess / self.evaluator.count
         self.assertGreater(gain, 0.0)
         self.assertAlmostEqual(found, expected, delta=0.2 * gain)
 

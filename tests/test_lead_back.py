@@ -9,15 +9,14 @@ from brace_drake.effects.registry import effects_for
 from brace_drake.identification.fits import finish_fit, fit_nominal
 from brace_drake.identification.gauss_newton import LeastSquaresSolution
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.selection.measures import misfit
 from brace_drake.selection.search.joint_refit import (
-    lead_back,
+    implausible,
+    refit_with_second,
     replace_second,
-    strays,
 )
-from brace_drake.selection.search.linearisation import Ground
-from brace_drake.selection.search.screening import race
-from brace_drake.selection.search.search import try_causes
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.screening import screen
+from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.search.shortlist import best_fits
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
@@ -36,8 +35,8 @@ class TestBesideAnchors(unittest.TestCase):
         uses = [(anchors, cls.displaced), (lag, np.array([0.02]))]
         cls.evaluator = cls.bench.evaluator(uses)
         nominal = fit_nominal(cls.evaluator)
-        ground = Ground(cls.evaluator, nominal)
-        cls.stray = best_fits(race(ground, [anchors], quiet, places=0))[0]
+        ground = Linearisation(cls.evaluator, nominal)
+        cls.stray = best_fits(screen(ground, [anchors], quiet, places=0))[0]
 
     def pair_with(self, second):
         """True anchors and another effect, as a search might leave them."""
@@ -53,11 +52,11 @@ class TestBesideAnchors(unittest.TestCase):
     def test_the_second_effect_leads_anchors_back(self):
         names = "force_bias", "force_lag", "viscous_leg"
         cards = [self.cards[n] for n in names]
-        self.assertGreater(misfit(self.evaluator, self.stray), 1.0)
-        self.assertEqual(strays([self.stray]), [self.stray])
-        best = lead_back(self.evaluator, self.stray, cards, quiet)[0]
+        self.assertGreater(self.stray.excess / self.evaluator.count, 1.0)
+        self.assertEqual(implausible([self.stray]), [self.stray])
+        best = refit_with_second(self.evaluator, self.stray, cards, quiet)[0]
         self.assertEqual(best.kinds, {"anchor_error", "force_lag"})
-        self.assertLess(misfit(self.evaluator, best), 0.1)
+        self.assertLess(best.excess / self.evaluator.count, 0.1)
         self.assertAlmostEqual(best.values[1][0], 0.02, delta=0.002)
 
     def test_one_that_leaves_less_takes_the_place_of_a_second_effect(self):
@@ -65,7 +64,7 @@ class TestBesideAnchors(unittest.TestCase):
         wrong = self.pair_with(delay)
         found = replace_second(self.evaluator, wrong, [lag], quiet)
         self.assertEqual([f.effects[-1].key for f in found], ["force_lag"])
-        self.assertLess(misfit(self.evaluator, found[0]), 0.1)
+        self.assertLess(found[0].excess / self.evaluator.count, 0.1)
         again = replace_second(self.evaluator, found[0], [delay], quiet)
         self.assertEqual(again, [])
 
@@ -74,11 +73,11 @@ class TestAnchorsInPlaceOfOthers(unittest.TestCase):
     def test_who_does_with_few_parameters_is_searched_beside_anchors(self):
         bench, card = SyntheticBench(), effects_for(DEVICE)["weak_leg"]
         evaluator, nominal = bench.recording_with_a_gap(card)
-        fits, *_ = try_causes(evaluator, nominal, 0, quiet, False)
+        fits, *_ = search_causes(evaluator, nominal, 0, quiet, False)
         found = {f.name: f for f in fits}
         self.assertIn("anchor_error", found)
         self.assertTrue(found["weak_leg"].refined)
-        self.assertLess(misfit(evaluator, found["weak_leg"]), 0.1)
+        self.assertLess(found["weak_leg"].excess / evaluator.count, 0.1)
 
 
 if __name__ == "__main__":

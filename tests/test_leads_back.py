@@ -11,9 +11,9 @@ from brace_drake.effects.registry import effects_for
 from brace_drake.identification.fits import fit_effects, fit_nominal
 from brace_drake.laws.hooks import plug
 from brace_drake.selection.decision import decide
-from brace_drake.selection.search.linearisation import Ground
-from brace_drake.selection.search.screening import line_up, race
-from brace_drake.selection.search.search import try_causes
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.screening import predict, screen
+from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.search.shortlist import best_fits
 from tests.synthetic_bench import DEVICE, SyntheticBench, without_torso
 
@@ -40,8 +40,8 @@ TREMOR = Effect(
 def answer(evaluator):
     """The verdict over all causes."""
     nominal = fit_nominal(evaluator)
-    fits, null, *_ = try_causes(evaluator, nominal, 0, lambda what, share: None)
-    return decide(evaluator, nominal, fits, null)
+    found = search_causes(evaluator, nominal, 0, lambda what, share: None)
+    return decide(found.criterion, found.fits)
 
 
 class OnTheBench(unittest.TestCase):
@@ -58,10 +58,10 @@ class TestRegistry(OnTheBench):
         rivals = [c for c in self.cards.values() if c.name in names]
         simple = [c for c in rivals if not c.is_flexible]
         evaluator, nominal = self.bench.recording_with_a_gap(card, sign)
-        ground = Ground(evaluator, nominal)
-        runners = race(ground, simple)
+        ground = Linearisation(evaluator, nominal)
+        runners = screen(ground, simple)
         if card.is_flexible:
-            runners += race(ground, [card], places=0)
+            runners += screen(ground, [card], places=0)
         best = best_fits(runners)[0]
         self.assertLess(best.excess, 0.3 * nominal.excess)
         found = frozenset((card.name, *best.identifiers))
@@ -104,10 +104,10 @@ class TestAnswers(OnTheBench):
         uses = list(zip((bias, reflex), both, strict=True))
         evaluator = self.bench.evaluator(uses)
         leader = fit_effects(evaluator, [bias], both[:1])
-        ground, bar = Ground(evaluator, leader), 0.5 * leader.excess
-        promises = [r.promise for r in line_up(ground, reflex)]
+        ground, bar = Linearisation(evaluator, leader), 0.5 * leader.excess
+        promises = [r.predicted for r in predict(ground, reflex)]
         self.assertGreater(min(promises), bar)
-        found = race(ground, [reflex], bar=bar, must_explain=True)
+        found = screen(ground, [reflex], bar=bar, must_explain=True)
         self.assertLess(best_fits(found)[0].excess, bar)
 
     def test_what_no_effect_explains_is_outside_the_library(self):

@@ -6,13 +6,11 @@ from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
-
-from brace_drake.effects.registry import find_effect
-from brace_drake.selection.search import restart as module
 from brace_drake.selection.search.restart import is_caught, restart
 
-TWIN = SimpleNamespace(instruments_known=True, carried=(), has_loop=True)
-EVALUATOR = SimpleNamespace(count=100, twin=TWIN)
+from brace_drake.effects.registry import find_effect
+
+EVALUATOR = SimpleNamespace(count=100)
 NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)
 
 
@@ -32,6 +30,14 @@ class Fit:
     @property
     def effects(self):
         return tuple(find_effect(name) for name in self.names)
+
+    @property
+    def is_flexible(self):
+        return any(e.is_flexible for e in self.effects)
+
+    @property
+    def sticks(self):
+        return any(e.sticks for e in self.effects)
 
     @property
     def uses(self):
@@ -56,7 +62,7 @@ def downhill(evaluator, fit):
 
 class TestRestart(unittest.TestCase):
     def test_a_search_that_was_caught_comes_out_of_its_valley(self):
-        with mock.patch.object(module, "try_refine", downhill):
+        with mock.patch.object(joint_refit, "try_refine", downhill):
             outcomes = [restart(EVALUATOR, caught(342.0), s) for s in range(20)]
         # Misses 0.1 of a scatter of 0.2 three times: 0.383 ** 3 = 0.06.
         self.assertGreaterEqual(sum(len(o) for o in outcomes), 16)
@@ -67,7 +73,7 @@ class TestRestart(unittest.TestCase):
         def stay(evaluator, fit):
             return replace(fit, excess=200.0, refined=True)
 
-        with mock.patch.object(module, "try_refine", stay):
+        with mock.patch.object(joint_refit, "try_refine", stay):
             self.assertEqual(restart(EVALUATOR, caught(342.0), 0), [])
 
     def test_a_seed_gives_the_same_places(self):
@@ -77,7 +83,7 @@ class TestRestart(unittest.TestCase):
             starts.append(np.concatenate([fit.subject, *fit.values]))
             return fit
 
-        with mock.patch.object(module, "try_refine", look):
+        with mock.patch.object(joint_refit, "try_refine", look):
             for seed in (1, 1, 2):
                 restart(EVALUATOR, caught(342.0), seed)
         first, second, other = np.split(np.array(starts), 3)
@@ -97,7 +103,9 @@ class TestRestart(unittest.TestCase):
         ):
             with self.subTest(excess=excess, names=names, searched=searched):
                 pair = caught(excess, names, searched)
-                self.assertEqual(is_caught(EVALUATOR, gap, pair, NULL), want)
+                self.assertEqual(
+                    is_caught(Criterion(gap, 100, True, null=NULL), pair), want
+                )
 
 
 if __name__ == "__main__":

@@ -7,12 +7,11 @@ import numpy as np
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_nominal
-from brace_drake.selection.measures import misfit
-from brace_drake.selection.search.linearisation import Ground
-from brace_drake.selection.search.nested import race_richer, richer_starts
-from brace_drake.selection.search.screening import _from_other_start, race
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.nested import richer_starts, search_richer
+from brace_drake.selection.search.screening import _from_another_start, screen
 from brace_drake.selection.search.shortlist import best_fits
-from brace_drake.selection.search.small_second import race_fewer
+from brace_drake.selection.search.small_second import try_fewer
 from tests.synthetic_bench import SyntheticBench
 
 COULOMB, STRIBECK = (
@@ -42,16 +41,16 @@ class TestRicherRace(unittest.TestCase):
     def race(self, card, values):
         """Of Coulomb friction alone, then of richer effects from there."""
         evaluator = self.bench.evaluator([(card, np.array(values))])
-        ground = Ground(evaluator, fit_nominal(evaluator))
-        runners = race(ground, [COULOMB])
-        richer = race_richer(ground, runners, [COULOMB, STRIBECK])
+        ground = Linearisation(evaluator, fit_nominal(evaluator))
+        runners = screen(ground, [COULOMB])
+        richer = search_richer(ground, runners, [COULOMB, STRIBECK])
         return evaluator, best_fits(runners)[0], best_fits(richer)
 
     def test_large_friction_that_falls_with_speed_is_found_from_coulombs(self):
         evaluator, plain, (found,) = self.race(STRIBECK, [0.8, 0.5, 0.002])
         self.assertEqual(found.name, "stribeck_friction")
         self.assertLess(
-            misfit(evaluator, found), 0.3 * misfit(evaluator, plain)
+            found.excess / evaluator.count, 0.3 * plain.excess / evaluator.count
         )
         self.assertAlmostEqual(found.values[0][0], 0.8, delta=0.08)
 
@@ -78,7 +77,7 @@ class TestOtherStarts(unittest.TestCase):
             )
         ]
         first, *more = runners
-        self.assertEqual(_from_other_start(first, more), (runners[2],))
+        self.assertEqual(_from_another_start(first, more), (runners[2],))
 
     def test_a_breath_and_an_effect_of_one_start_have_no_other(self):
         for name, starts in (
@@ -86,7 +85,7 @@ class TestOtherStarts(unittest.TestCase):
             ("ring_mass", ((), ())),
         ):
             first, *more = (begun(name, s, 1.0) for s in starts)
-            self.assertEqual(_from_other_start(first, more), ())
+            self.assertEqual(_from_another_start(first, more), ())
 
 
 class TestFewer(unittest.TestCase):
@@ -96,17 +95,18 @@ class TestFewer(unittest.TestCase):
         values = np.array([0.0, -4e-4, 0.0, 0.0, 0.0, 0.0]), np.array([0.02])
         uses = list(zip((offsets, mass), values, strict=True))
         evaluator = bench.evaluator(uses)
-        ground = Ground(evaluator, fit_nominal(evaluator))
-        (alone,) = best_fits(race(ground, [offsets]))
+        ground = Linearisation(evaluator, fit_nominal(evaluator))
+        (alone,) = best_fits(screen(ground, [offsets]))
         many = SimpleNamespace(excess=0.0)
         cards = [find_effect("force_bias"), find_effect("viscous_leg"), mass]
         found = best_fits(
-            race_fewer(evaluator, alone, many, cards, lambda what, share: None)
+            try_fewer(evaluator, alone, many, cards, lambda what, share: None)
         )[0]
         self.assertEqual(found.identifiers, ("encoder_offset", "ring_mass"))
         # As the race leaves it, before the end of its search.
         self.assertLess(
-            misfit(evaluator, found), 1e-2 * misfit(evaluator, alone)
+            found.excess / evaluator.count,
+            1e-2 * alone.excess / evaluator.count,
         )
         self.assertAlmostEqual(found.values[1][0], 0.02, delta=0.002)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gauss_newton import LeastSquaresSolution
-from brace_drake.selection.prior_check import (
+from brace_drake.identification.prior_check import (
     looks_scattered,
     refit_spread,
     whiten,

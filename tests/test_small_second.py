@@ -7,8 +7,8 @@ import numpy as np
 
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.fits import fit_effects
-from brace_drake.selection.measures import misfit
-from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.small_second import try_small_second
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
@@ -33,16 +33,16 @@ class TestSmallSecond(unittest.TestCase):
         leader = fit_effects(evaluator, [bias[0]], [bias[1]])
         names = "command_delay", "hardening", "hysteresis", "ring_mass"
         found = try_small_second(
-            Ground(evaluator, leader),
+            Linearisation(evaluator, leader),
             [self.cards[name] for name in names],
-            NULL,
+            Criterion(leader, evaluator.count, True, null=NULL),
             quiet,
         )
         return evaluator, leader, found
 
     def test_it_is_named_though_the_gap_is_at_the_floor_without_it(self):
         evaluator, leader, found = self.beside_bias(DELAY)
-        self.assertLess(misfit(evaluator, leader), 0.1)
+        self.assertLess(leader.excess / evaluator.count, 0.1)
         self.assertEqual(found[0].kinds, {"force_bias", "command_delay"})
         self.assertAlmostEqual(found[0].values[1][0], DELAY, delta=5e-5)
 

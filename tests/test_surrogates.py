@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.selection.measures import gains
+from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.null_bootstrap import NullDistribution
 
 
@@ -27,12 +27,10 @@ class TestLeastGain(unittest.TestCase):
         self.assertAlmostEqual(more, 0.01)
 
     def test_a_fit_is_held_to_the_parameters_that_it_has_more(self):
-        evaluator = SimpleNamespace(count=1000)
-
         def gain_is_more(taken, before, after):
             old = SimpleNamespace(excess=50.0, freedom=before)
             new = SimpleNamespace(excess=50.0 - 1000.0 * taken, freedom=after)
-            return gains(evaluator, old, new, null())
+            return Criterion(old, 1000, True, null=null()).gains(new, old)
 
         self.assertTrue(gain_is_more(0.02, 6, 7))
         self.assertTrue(gain_is_more(0.02, 6, 6))

@@ -6,17 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.effects.registry import find_effect
-from brace_drake.selection.acceptance import largest_rest
-from brace_drake.selection.decision import decide, is_near_floor
+from brace_drake.selection.decision import decide
 from brace_drake.selection.probability import sure_of_effects
 
 COUNT = 1000
 NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)
-EVALUATOR = SimpleNamespace(
-    count=COUNT,
-    recorded=1.0,
-    twin=SimpleNamespace(instruments_known=True, carried=(), has_loop=True),
-)
 
 
 def fit(rest, *names, refined=True, scattered=True):
@@ -34,12 +28,19 @@ def fit(rest, *names, refined=True, scattered=True):
         freedom=sum(len(card.parameters) for card in cards),
         subject=np.zeros(6),
         is_scattered=scattered,
+        is_flexible=any(card.is_flexible for card in cards),
+        sticks=any(card.sticks for card in cards),
+        is_dithered=any(card.dithered for card in cards),
     )
 
 
+def criterion(gap, recorded=1.0, null=NULL):
+    """Of a bench whose gap is a fit, with known instruments."""
+    return Criterion(gap, COUNT, True, recorded, null=null)
+
+
 def verdict(gap, *fits, recorded=1.0, null=NULL):
-    evaluator = SimpleNamespace(**vars(EVALUATOR) | {"recorded": recorded})
-    return decide(evaluator, fit(gap), fits, null)
+    return decide(criterion(fit(gap), recorded, null), fits)
 
 
 class TestVerdict(unittest.TestCase):
@@ -47,11 +48,11 @@ class TestVerdict(unittest.TestCase):
         friction = fit(0.9, "coulomb_friction")
         pair = fit(1.1, "coulomb_friction", "relaxation")
         fits, gap = [friction, pair], fit(500.0)
-        self.assertIs(decide(EVALUATOR, gap, fits, NULL).winner, friction)
+        self.assertIs(decide(criterion(gap), fits).winner, friction)
         shown = frozenset({"relaxation"})
-        seen = decide(EVALUATOR, gap, fits, NULL, shown=shown)
+        seen = decide(criterion(gap), fits, shown=shown)
         self.assertIs(seen.winner, pair)
-        alone = decide(EVALUATOR, gap, [friction], NULL, shown=shown)
+        alone = decide(criterion(gap), [friction], shown=shown)
         self.assertIs(alone.winner, friction)
 
     def test_a_rest_within_noise_is_no_gap(self):
@@ -175,14 +176,14 @@ class TestVerdict(unittest.TestCase):
     def test_one_may_leave_a_share_of_the_gap_and_two_no_more_than_noise(self):
         gap = fit(99.0)
         # sqrt(1 + 99) - 1 = 9 floors of amplitude, a fifth of them is 1.8.
-        one = largest_rest(EVALUATOR, gap, 1)
+        one = criterion(gap).largest_rest(1)
         self.assertAlmostEqual(one, 2.8**2 - 1.0)
-        self.assertEqual(largest_rest(EVALUATOR, gap, 2), 1.0)
+        self.assertEqual(criterion(gap).largest_rest(2), 1.0)
         # Of a large one a hundredth.
-        exact = largest_rest(EVALUATOR, fit(300.0**2 - 1.0), 2)
+        exact = criterion(fit(300.0**2 - 1.0)).largest_rest(2)
         self.assertAlmostEqual(exact, 3.99**2 - 1.0)
         # Of an amplitude a tenth, which is squared.
-        rough = largest_rest(EVALUATOR, gap, 2, is_rough=True)
+        rough = criterion(gap).largest_rest(2, True)
         before, after = (np.sqrt(1.0 + r) - 1.0 for r in (99.0, rough))
         self.assertAlmostEqual(after / before, 0.1)
 
@@ -211,7 +212,7 @@ class TestVerdict(unittest.TestCase):
 
     def test_where_drives_stick_a_bit_more_counts_as_the_floor(self):
         def is_near(rest, name, gap=9.0):
-            return is_near_floor(EVALUATOR, fit(gap), [fit(rest, name)], 0.1)
+            return criterion(fit(gap)).is_near_floor([fit(rest, name)])
 
         self.assertTrue(is_near(0.09, "force_bias"))
         self.assertFalse(is_near(0.3, "force_bias"))

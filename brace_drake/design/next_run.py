@@ -27,7 +27,7 @@ from brace_drake.diagnose import Diagnosis
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.decision import part_as_good, refined
+from brace_drake.selection.criterion import refined
 
 FILE = "next_run.csv"
 
@@ -133,7 +133,7 @@ def open_rivals(d: Diagnosis) -> list[Rival]:
     best: dict[str, CandidateFit] = {}
     seen: set[frozenset[str]] = set()
     for fit in refined(d.fits):
-        if part_as_good(d.evaluator, fit, d.fits, d.null) is not None:
+        if d.criterion.part_as_good(fit, d.fits) is not None:
             continue
         if fit.is_scattered and fit.kinds not in seen:
             seen.add(fit.kinds)

@@ -12,9 +12,7 @@ from brace_drake.identification.intervals import (
     ParameterEstimate,
 )
 from brace_drake.isolation.block_tests import holds_at_rest
-from brace_drake.selection import decision as verdict
-from brace_drake.selection.measures import closed_amplitude, gain, gains, misfit
-from brace_drake.selection.surrogate_data import decoy_gains
+from brace_drake.selection.surrogate_data import surrogate_gains
 from brace_drake.validation.held_out import held_out_misfit
 
 
@@ -38,12 +36,12 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                 "chosen": is_winner,
                 "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
                 "title": " and ".join(e.title for e in fit.effects),
-                "excess": misfit(d.evaluator, fit),
+                "excess": d.criterion.misfit(fit),
                 "held_out": held_out,
                 "decoys": _decoys(d, fit),
                 "explained": max(
                     0.0,
-                    closed_amplitude(d.evaluator, d.nominal, fit),
+                    d.criterion.closed(fit),
                 ),
                 "validation": _validation(d, fit),
                 "searched": fit.is_searched,
@@ -57,7 +55,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
 
 
 def _rank(d: Diagnosis, fit, held_out: float | None):
-    left = misfit(d.evaluator, fit) if held_out is None else held_out
+    left = d.criterion.misfit(fit) if held_out is None else held_out
     return (
         fit is not d.verdict.winner,
         not fit.is_searched,
@@ -69,7 +67,7 @@ def _rank(d: Diagnosis, fit, held_out: float | None):
 def _part_as_good(d: Diagnosis, fit):
     if fit is d.verdict.winner:
         return None
-    return verdict.part_as_good(d.evaluator, fit, d.fits, d.null)
+    return d.criterion.part_as_good(fit, d.fits)
 
 
 def _absent(d: Diagnosis) -> list[Effect]:
@@ -87,7 +85,7 @@ def _absent_row(d: Diagnosis, card: Effect) -> dict:
         "chosen": False,
         "block": card.block,
         "title": card.title,
-        "excess": misfit(d.evaluator, d.nominal),
+        "excess": d.criterion.misfit(d.nominal),
         "held_out": None,
         "decoys": None,
         "explained": 0.0,
@@ -113,16 +111,16 @@ def _decoys(d: Diagnosis, fit) -> dict | None:
     """Squares of the gap that it takes, and that the best of its decoys does;
     None where it was not compared in earnest.
     """
-    there = misfit(d.evaluator, d.nominal)
+    there = d.criterion.misfit(d.nominal)
     compared = [d.verdict.winner, *(p.fit for p in d.predictions)]
     if there <= 0.0 or all(fit is not other for other in compared):
         return None
-    gains = decoy_gains(d.evaluator, d.nominal, fit, d.seed)
+    gains = surrogate_gains(d.evaluator, d.nominal, fit, d.seed)
     if gains.size == 0:
         return None
     return {
         "number": len(gains),
-        "taken": gain(d.evaluator, d.nominal, fit) / there,
+        "taken": d.criterion.gain(fit, d.nominal) / there,
         "best_decoy": float(gains[-1]) / there,
     }
 
@@ -141,11 +139,11 @@ def _decision(d: Diagnosis, fit, is_winner: bool) -> str:
     part = _part_as_good(d, fit)
     if part is not None:
         return f"leaves as much as {part.name} alone"
-    if not gains(d.evaluator, d.nominal, fit, d.null):
+    if not d.criterion.gains(fit, d.nominal):
         return "gains no more than noise would"
     if not fit.is_scattered:
         return "its many parameters do not look like a draw"
-    rest = 1.0 + max(0.0, misfit(d.evaluator, fit))
+    rest = 1.0 + max(0.0, d.criterion.misfit(fit))
     return f"leaves {np.sqrt(rest):.1f} times the floor on the fit runs"
 
 

@@ -31,9 +31,7 @@ from brace_drake.isolation.phases import PHASES, motion_phases
 from brace_drake.isolation.repair_shares import share_repairs
 from brace_drake.isolation.residual_shapes import describe_left
 from brace_drake.recording.recording import Campaign
-from brace_drake.selection import decision as verdict
-from brace_drake.selection.acceptance import smallest_share
-from brace_drake.selection.measures import closed_amplitude, misfit
+from brace_drake.selection.criterion import refined
 from brace_drake.validation.shrinkage import RunComparison, is_repaired
 
 FORMAT = "brace-diagnosis/1"
@@ -105,12 +103,11 @@ def _nearest_block(d: Diagnosis) -> list[str]:
     It is not what happens, its parameters being no draw or its rest too large,
     but what happens acts like it.
     """
-    singles = [f for f in verdict.refined(d.fits) if len(f.effects) == 1]
-    least = smallest_share(d.evaluator)
+    singles = [f for f in refined(d.fits) if len(f.effects) == 1]
     return [
         fit.effects[0].block
         for fit in singles[:1]
-        if closed_amplitude(d.evaluator, d.nominal, fit) >= least
+        if d.criterion.closed(fit) >= d.criterion.least_share
     ]
 
 
@@ -222,8 +219,8 @@ def _warnings(d: Diagnosis) -> list[str]:
         )
     winner = d.verdict.winner
     if winner is not None:
-        rest = misfit(d.evaluator, winner)
-        if rest > d.null.misfit_threshold:
+        rest = d.criterion.misfit(winner)
+        if rest > d.criterion.null.misfit_threshold:
             found.append(
                 f"with the repair the fit runs are {np.sqrt(1.0 + rest):.2f}"
                 " times the floor off, more than noise: another, smaller effect"
@@ -249,17 +246,18 @@ def _warnings(d: Diagnosis) -> list[str]:
 
 
 def _receipt(d: Diagnosis) -> dict:
+    null = d.criterion.null
     packages = ("brace_drake", "drake", "numpy", "scipy", "numba")
     return {
         "data_sha256": campaign_hash(d.campaign),
         "seed": d.seed,
         "time_step_s": d.device.twin.time_step,
-        "misfit": misfit(d.evaluator, d.nominal),
-        "misfit_threshold": d.null.misfit_threshold,
-        "gain_threshold": d.null.least_gain(1),
-        "gain_threshold_of_six_parameters": d.null.least_gain(6),
-        "integration_error": d.null.numerical,
-        "smallest_explained_share": smallest_share(d.evaluator),
+        "misfit": d.criterion.misfit(d.nominal),
+        "misfit_threshold": null.misfit_threshold,
+        "gain_threshold": null.least_gain(1),
+        "gain_threshold_of_six_parameters": null.least_gain(6),
+        "integration_error": null.numerical,
+        "smallest_explained_share": d.criterion.least_share,
         "probability_is": "from what the best rival and the winner leave,"
         " calibrated on 165 withheld cases of an independent simulator",
         "versions": {p: importlib.metadata.version(p) for p in packages},

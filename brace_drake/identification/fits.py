@@ -10,15 +10,19 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
-from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.evaluation import (
+    Evaluator,
+    is_dithered,
+    sticks,
+)
 from brace_drake.identification.gauss_newton import (
     LeastSquaresSolution,
     bounded_step,
     solve_gauss_newton,
 )
+from brace_drake.identification.prior_check import looks_scattered, refit_spread
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.triangle import calc_triangle
-from brace_drake.selection.prior_check import looks_scattered, refit_spread
 
 _STEPS, _FAR_STEPS = 10, 30
 # Relative decrease of the sum of squares that ends the search at the coarse
@@ -49,6 +53,8 @@ class CandidateFit:
         num_runs: Runs that it was fitted on.
         num_prior: Rows of the residual that are the prior's.
         refined: Whether the search was led to its end.
+        sticks: Whether its drives stick and slip by chance.
+        is_dithered: Whether its replays are averages over noise.
     """
 
     effects: tuple[Effect, ...]
@@ -61,6 +67,8 @@ class CandidateFit:
     num_runs: int
     num_prior: int = 0
     refined: bool = False
+    sticks: bool = False
+    is_dithered: bool = False
 
     @property
     def name(self) -> str:
@@ -79,8 +87,13 @@ class CandidateFit:
 
     @cached_property
     def is_scattered(self) -> bool:
-        """Whether its alike parameters may be a draw, see `scatter`."""
+        """Whether its alike parameters may be a sample of their prior."""
         return looks_scattered(self)
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether one of the effects has dozens of parameters."""
+        return any(e.is_flexible for e in self.effects)
 
     @property
     def uses(self) -> tuple[Use, ...]:
@@ -89,7 +102,7 @@ class CandidateFit:
 
     @property
     def is_searched(self) -> bool:
-        """Whether a search has moved it, beyond what a race foresees."""
+        """Whether a search has moved it, beyond what screening predicts."""
         return self.solution.jacobian is not None
 
     @property
@@ -274,4 +287,6 @@ def finish_fit(
         spread,
         len(evaluator.prepared),
         problem.num_prior,
+        sticks=sticks(evaluator.twin, uses),
+        is_dithered=is_dithered(evaluator.twin, uses),
     )

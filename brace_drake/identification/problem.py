@@ -145,6 +145,31 @@ class CandidateProblem:
             points.append(point)
         return points
 
+    def best_run_starts(
+        self, z: np.ndarray, effect: Effect
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """z with every run at the best of an effect's own starts, and the
+        residual there; None where the twin breaks down.
+        """
+        points = self.run_starts(z, effect)
+        found = self.batch(points, coarse=True)
+        if len(points) == 1:
+            return z, found[0]
+        kept = [
+            (p, r) for p, r in zip(points, found, strict=True) if r is not None
+        ]
+        if not kept:
+            return z, None
+        out, residual = z.copy(), kept[0][1].copy()
+        ends = self.evaluator.ends
+        for run, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
+            costs = [r[begin:end] @ r[begin:end] for _, r in kept]
+            point, chosen = kept[int(np.argmin(costs))]
+            residual[begin:end] = chosen[begin:end]
+            mine = self.places_in_run(effect, run)
+            out[mine] = point[mine]
+        return out, residual
+
     @property
     def has_spread(self) -> bool:
         """Whether there are parameters with a common spread."""

@@ -15,7 +15,6 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gauss_newton import solve_gauss_newton
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.selection.search.candidate import own_starts
 
 _STEPS = 6
 
@@ -40,7 +39,7 @@ def adapt_to_runs(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
         for run in range(len(evaluator.prepared)):
             is_own[problem.places_in_run(effect, run)] = True
     for effect in fit.effects:
-        z, _ = own_starts(problem, effect, z)
+        z, _ = problem.best_run_starts(z, effect)
     first = int(np.argmax(is_own))
 
     def differentiate(z, residual):

@@ -23,19 +23,13 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
-from brace_drake.selection.acceptance import largest_excess
-from brace_drake.selection.decision import (
-    Verdict,
-    decide,
-    has_gap,
-    is_near_floor,
-)
-from brace_drake.selection.measures import misfit
+from brace_drake.selection.criterion import Criterion, make_criterion
+from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.null_bootstrap import draw_null
-from brace_drake.selection.search.linearisation import Ground
-from brace_drake.selection.search.screening import race
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.screening import screen
 from brace_drake.selection.search.shortlist import best_fits, refine
-from brace_drake.selection.surrogate_data import loses_to_decoys
+from brace_drake.selection.surrogate_data import loses_to_surrogates
 
 # Blocks that answer to the way of the ring; the others make it.
 BLOCKS = ("contact", "torso", "sensing")
@@ -60,7 +54,7 @@ class ContactSide:
 
     def row(self) -> dict:
         """What the nominal fit leaves, as a row of the ladder."""
-        rest = max(0.0, misfit(self.evaluator, self.nominal))
+        rest = max(0.0, self.nominal.excess / self.evaluator.count)
         ratio = float(np.sqrt(1.0 + rest))
         return {
             "block": "contact, torso and force reading",
@@ -127,35 +121,40 @@ def explain_contact_side(
         gap of less than half of the floor is none to build on.
     """
     evaluator, nominal = side.evaluator, side.nominal
+    criterion = make_criterion(evaluator, nominal)
     try:
-        ground = Ground(evaluator, nominal)
-        if misfit(evaluator, nominal) <= _LARGE:
+        base = Linearisation(evaluator, nominal)
+        if criterion.misfit(nominal) <= _LARGE:
             null = draw_null(evaluator, nominal, [], seed)
-            return None if has_gap(evaluator, nominal, [], null) else nominal
-        verdict = _diagnose(ground, seed, say)
+            known = replace(criterion, null=null)
+            return None if known.has_gap([]) else nominal
+        verdict = _diagnose(base, criterion, seed, say)
     except (BraceError, ValueError):
         return None
     return None if verdict.ambiguous_with else verdict.winner
 
 
-def _diagnose(ground: Ground, seed: int, say) -> Verdict:
-    evaluator, nominal = ground.evaluator, ground.leader
+def _diagnose(
+    base: Linearisation, criterion: Criterion, seed: int, say
+) -> Verdict:
+    evaluator, nominal = base.evaluator, base.base
     known = effects_for(evaluator.twin.device).values()
-    cards = [c for c in known if is_on_contact_side(c)]
-    most = largest_excess(evaluator, nominal, 1)
-    fits = _race(ground, [c for c in cards if not c.is_flexible], most, say)
+    effects = [e for e in known if is_on_contact_side(e)]
+    most = criterion.largest_excess(1)
+    few = [e for e in effects if not e.is_flexible]
+    fits = _screen(base, few, most, say)
     null = draw_null(evaluator, nominal, fits, seed)
-    if not is_near_floor(evaluator, nominal, fits, null.misfit_threshold):
-        many = [c for c in cards if c.is_flexible]
-        fits += _race(ground, many, most, say)
-    is_chance = partial(loses_to_decoys, evaluator, nominal, seed=seed)
-    return decide(evaluator, nominal, fits, null, is_chance)
+    criterion = replace(criterion, null=null)
+    if not criterion.is_near_floor(fits):
+        many = [e for e in effects if e.is_flexible]
+        fits += _screen(base, many, most, say)
+    is_chance = partial(loses_to_surrogates, evaluator, nominal, seed=seed)
+    return decide(criterion, fits, is_chance)
 
 
-def _race(ground, cards, most, say) -> list[CandidateFit]:
-    runners = race(ground, cards, say, most=most)
-    there = ground.leader.excess
-    return refine(ground.evaluator, best_fits(runners), there, rivals=most)
+def _screen(base, effects, most, say) -> list[CandidateFit]:
+    found = best_fits(screen(base, effects, say, enough=most))
+    return refine(base.evaluator, found, base.base.excess, rivals=most)
 
 
 def is_on_contact_side(card: Effect) -> bool:

@@ -30,8 +30,8 @@ from brace_drake.isolation.shapley import (
     coalitions,
     shapley_values,
 )
-from brace_drake.selection.search.candidate import make_runner, step
-from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.linearisation import Linearisation
 
 _PIECE_S = 1.0
 _RESAMPLES = 300
@@ -122,18 +122,18 @@ def _repaired_in(
         if e.block in blocks
     ]
     effects, values = zip(*kept, strict=True)
-    ground = Ground(evaluator, nominal)
+    base = Linearisation(evaluator, nominal)
     starts = [
-        make_runner(ground, effects, values, subject, winner.spread)
+        make_candidate(base, effects, values, subject, winner.spread)
         for subject in (nominal.subject, winner.subject)
     ]
     starts = [r for r in starts if r is not None]
     if not starts:
         return nominal.solution.residual, 1.0
-    runner = min(starts, key=lambda r: r.residual @ r.residual)
-    step(ground, runner, _STEPS)
+    best = min(starts, key=lambda r: r.residual @ r.residual)
+    best.step(base, _STEPS)
     uses = tuple(zip(effects, values, strict=True))
-    return runner.residual, evaluator.noise_level(uses, coarse=True)
+    return best.residual, evaluator.noise_level(uses, coarse=True)
 
 
 def _pieces(

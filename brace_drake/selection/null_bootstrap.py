@@ -1,4 +1,9 @@
-"""What pure noise does to the statistics of a diagnosis."""
+"""The null distribution: what noise alone does to misfits and gains.
+
+Parametric bootstrap under the null hypothesis of no gap: fault-free campaigns
+are simulated by the fitted nominal twin with its own noise (Efron and
+Tibshirani, An Introduction to the Bootstrap, 1993, chapter 6).
+"""
 
 from __future__ import annotations
 
@@ -11,27 +16,16 @@ from brace_drake.design.separation import beyond
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.prepare import noise_replicates
-
-_REPLICATES = 6
-_DRAWS = 400
-# The level of the instruments' noise is trusted to 5 %, its square to 10 %: a
-# repeat of one run shows no less (see `prepare`).
-NOISE_TRUST = 0.10
-# Effects of more parameters have priors that keep them from chance.
-_FEW = 8
-# What an effect may gain where the twin is not exact: for each parameter, and
-# at the least and the most. Beside the right effect wrong ones of few gained
-# up to 0.006, offsets of six lengths up to 0.014.
-_GAIN_TRUST, _GAIN_TRUST_FROM, _GAIN_TRUST_TO = 0.005, 0.015, 0.03
+from brace_drake.selection import thresholds
 
 
 @dataclass(frozen=True)
 class NullDistribution:
-    """Statistics of surrogates: the fitted nominal twin plus its own noise.
+    """Statistics of simulated fault-free campaigns.
 
     Attributes:
-        misfit: Mean squares of the weighted noise minus 1, per surrogate.
-        gain: Largest relative gain of any effect, per surrogate.
+        misfit: Mean squares of the weighted noise minus 1, per campaign.
+        gain: Largest gain of any effect, per campaign.
         numerical: Mean squares that halving the plant step would change.
         is_known: Whether instruments and nominal numbers are, so that the twin
             is as exact as a twin can be.
@@ -46,11 +40,12 @@ class NullDistribution:
     def misfit_threshold(self) -> float:
         """What a misfit must exceed to be more than noise.
 
-        The surrogates' spread and the error of integration, and what the
-        noise level of real instruments may be off unnoticed.
+        The spread of fault-free campaigns and the error of integration, and
+        what the noise level of real instruments may be off unnoticed.
         """
-        spread = np.quantile(self.misfit, 0.99) - np.median(self.misfit)
-        return float(spread) + 4.0 * self.numerical + NOISE_TRUST
+        high = np.quantile(self.misfit, thresholds.NULL_QUANTILE)
+        spread = float(high - np.median(self.misfit))
+        return spread + 4.0 * self.numerical + thresholds.NOISE_LEVEL
 
     def least_gain(self, freedom: int) -> float:
         """Largest gain that noise alone gives once in a hundred campaigns.
@@ -60,11 +55,13 @@ class NullDistribution:
         Args:
             freedom: Parameters that it has.
         """
-        chance = float(np.quantile(self.gain, 0.99))
-        trust = max(_GAIN_TRUST_FROM, _GAIN_TRUST * freedom)
+        chance = float(np.quantile(self.gain, thresholds.NULL_QUANTILE))
+        errors = thresholds.GAIN_PER_PARAMETER * freedom
+        errors = max(thresholds.LEAST_GAIN, errors)
         if not self.is_known:
-            trust = _GAIN_TRUST_TO
-        return chance + 4.0 * self.numerical + min(trust, _GAIN_TRUST_TO)
+            errors = thresholds.MOST_GAIN
+        errors = min(errors, thresholds.MOST_GAIN)
+        return chance + 4.0 * self.numerical + errors
 
 
 def draw_null(
@@ -73,7 +70,7 @@ def draw_null(
     fits: Sequence[CandidateFit],
     seed: int,
 ) -> NullDistribution:
-    """Draws surrogates by combining noisy replays of the single runs.
+    """Draws fault-free campaigns, noisy replays of single runs combined.
 
     Effects act through their sensitivities at the end of their own fits,
     after projection on the subject's.
@@ -92,14 +89,14 @@ def draw_null(
     bases = [
         _orthogonal_part(basis, fit, n)
         for fit in fits
-        if fit.num_free <= _FEW and fit.is_searched
+        if fit.num_free <= thresholds.NULL_PARAMETERS and fit.is_searched
     ]
     parts = _project(evaluator, noise, [basis, *bases])
     generator = np.random.default_rng([seed, 11])
     runs = len(evaluator.prepared)
     misfit, gain = [], []
-    for _ in range(_DRAWS):
-        pick = generator.integers(_REPLICATES, size=runs)
+    for _ in range(thresholds.NULL_DRAWS):
+        pick = generator.integers(thresholds.NULL_REPLICATES, size=runs)
         squares = sum(parts[r][i][0] for r, i in enumerate(pick))
         scores = [
             sum(parts[r][i][1][k] for r, i in enumerate(pick))
@@ -115,13 +112,15 @@ def draw_null(
 
 
 def _weighted_noise(evaluator, nominal, seed):
+    replicates = range(thresholds.NULL_REPLICATES)
+
     def one(run):
         noise = noise_replicates(
             evaluator.twin,
             run.motion,
             nominal.subject,
             (),
-            [[seed, 13, run.seed, i] for i in range(_REPLICATES)],
+            [[seed, 13, run.seed, i] for i in replicates],
         )
         return [run.weigh(e) for e in noise]
 

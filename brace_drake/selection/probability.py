@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 
-_LEAST, _MOST = 0.02, 0.98
-# Log-odds of being right over those that the rules below say, as 45 withheld
-# cases of our own showed them (tools/calibrate_probability.py; standard errors
-# 0.66 and 0.28). Answers became better since: of 120 more, told 0.846 on
-# average, 0.917 were right, so 0.70 was added to the offset.
-_OFFSET, _SLOPE = 0.20, 0.91
+from brace_drake.selection import thresholds
 
 
 def _logistic(x: float) -> float:
-    return min(max(1.0 / (1.0 + math.exp(-x)), _LEAST), _MOST)
+    return min(
+        max(1.0 / (1.0 + math.exp(-x)), thresholds.LEAST_PROBABILITY),
+        thresholds.MOST_PROBABILITY,
+    )
 
 
 def _calibrated(p: float) -> float:
-    return _logistic(_OFFSET + _SLOPE * math.log(p / (1.0 - p)))
+    odds = math.log(p / (1.0 - p))
+    return _logistic(thresholds.ODDS_OFFSET + thresholds.ODDS_SLOPE * odds)
 
 
 def sure_of_effects(contrast: float, rest: float, count: int) -> float:
@@ -32,7 +31,7 @@ def sure_of_effects(contrast: float, rest: float, count: int) -> float:
     slope = 2.0 if count == 1 else 1.5
     right = _logistic(slope * math.log(max(contrast, 1e-3)) - 0.5)
     whole = _logistic(3.0 - 10.0 * max(rest, 0.0))
-    return _calibrated(max(right * whole, _LEAST))
+    return _calibrated(max(right * whole, thresholds.LEAST_PROBABILITY))
 
 
 def sure_of_no_gap(rest: float) -> float:

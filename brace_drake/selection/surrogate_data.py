@@ -1,15 +1,15 @@
-"""Decoys of equal freedom: what chance would take of a gap.
+"""Surrogate-data test: what an effect's freedom alone would take of a gap.
 
-A decoy has as many parameters as an effect, and in each run the spectra and
-the mixture of channels that the effect's sensitivities have, but the phases of
-its frequencies are drawn at random, alike in all channels (surrogate data:
-Theiler et al., Testing for nonlinearity in time series, Physica D 58, 1992;
-Prichard and Theiler, Phys. Rev. Lett. 73, 1994). So it moves as much and as
-fast as the effect does, at other times. An effect that takes no more of the gap
-than its decoys do has taken it by its freedom.
+A surrogate has as many parameters as the effect, and in each run the spectra
+and the mixture of channels that the effect's sensitivities have, but the
+phases of its frequencies are drawn at random, alike in all channels (Theiler
+et al., Testing for nonlinearity in time series, Physica D 58, 1992; Prichard
+and Theiler, Phys. Rev. Lett. 73, 1994). So it moves as much and as fast as the
+effect, at other times. An effect that takes no more of the gap than its
+surrogates has taken it by its freedom.
 
-Of an effect that hardly changes in time some decoys come out as its copies:
-those that do what it has done tell nothing and are left out.
+Some surrogates of an effect that hardly changes in time are copies of it.
+Those tell nothing and are left out.
 """
 
 from __future__ import annotations
@@ -18,23 +18,20 @@ import numpy as np
 
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.measures import gain
+from brace_drake.selection import thresholds
 
-# Of so many none may take as much: once in a hundred campaigns one does.
-NUM_DECOYS = 99
-# A decoy that takes so much of what the effect has done is its copy.
-_ALIKE = 0.5
 # Directions of less than this part of their columns are copies of others.
 _COPY = 1e-10
 
 
-def decoy_gains(
+def surrogate_gains(
     evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit, seed: int
 ) -> np.ndarray:
-    """What decoys of a fit's effects take off the nominal fit's mean square.
+    """What surrogates of a fit's effects take off the nominal fit's misfit.
 
     Beyond what the subject's parameters take, in floors, ascending; to first
-    order, which is all that a decoy has. None of copies of the effect.
+    order, which is all that a surrogate has. Copies of the effect are left
+    out.
 
     Args:
         evaluator: Over the fit runs.
@@ -47,7 +44,7 @@ def decoy_gains(
     done = there - fit.solution.residual[:rows]
     kept = np.column_stack([nominal.solution.jacobian[:rows], there, done])
     own = fit.solution.jacobian
-    # A decoy pays what its effect pays for parameters far from the usual.
+    # A surrogate pays what its effect pays for parameters far from usual.
     prior = own[rows:, n:]
     own = own[:rows, n:]
     gram = kept.T @ kept
@@ -65,21 +62,22 @@ def decoy_gains(
     taken = np.array(
         [
             _gains(gram, own_gram, sum(_turned(p, generator) for p in products))
-            for _ in range(NUM_DECOYS)
+            for _ in range(thresholds.NUM_SURROGATES)
         ]
     )
     inner, right = gram[:-2, :-2], gram[:-2, -1]
     whole = gram[-1, -1] - right @ _solve(inner, right)
-    is_other = taken[:, 1] <= _ALIKE * whole
+    is_other = taken[:, 1] <= thresholds.SURROGATE_COPY * whole
     return np.sort(taken[is_other, 0]) / evaluator.count
 
 
-def loses_to_decoys(
+def loses_to_surrogates(
     evaluator: Evaluator, nominal: CandidateFit, fit: CandidateFit, seed: int
 ) -> bool:
-    """Whether one of a fit's decoys takes as much of the gap as it does."""
-    gains = decoy_gains(evaluator, nominal, fit, seed)
-    return bool(np.any(gains >= gain(evaluator, nominal, fit)))
+    """Whether one of a fit's surrogates takes as much of the gap as it does."""
+    gains = surrogate_gains(evaluator, nominal, fit, seed)
+    gain = (nominal.excess - fit.excess) / evaluator.count
+    return bool(np.any(gains >= gain))
 
 
 def _products(prepared: PreparedRun, first, second) -> np.ndarray:

@@ -1,8 +1,10 @@
-"""A second effect beside dozens of parameters that went astray to cover it."""
+"""Fits that set out again: beside parameters that are no sample of their
+prior, and near where a search was caught.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,22 +14,20 @@ from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.selection.decision import refined
-from brace_drake.selection.measures import is_exact
-from brace_drake.selection.search.linearisation import Ground
-from brace_drake.selection.search.screening import line_up, race
-from brace_drake.selection.search.shortlist import best_fits, refine
-
-# What a second effect has to promise to leave, of what the leader leaves and
-# what its parameters cost.
-_PROMISED = 0.5
-# Others that promise to leave at most this many times as much take its place.
-_CONTENDER = 1.5
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.screening import Say, predict, screen
+from brace_drake.selection.search.shortlist import (
+    best_fits,
+    refine,
+    try_refine,
+)
 
 
-def strays(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+def implausible(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Single effects of parameters drawn alike that leave too much or are no
-    draw, best first.
+    sample of their prior, best first.
     """
     found = [
         f
@@ -40,70 +40,72 @@ def strays(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     return sorted(found, key=lambda f: f.excess)
 
 
-def lead_back(
+def refit_with_second(
     evaluator: Evaluator,
-    leader: CandidateFit,
-    cards: Sequence[Effect],
-    say: Callable[[str, float], None],
+    fit: CandidateFit,
+    effects: Sequence[Effect],
+    say: Say,
 ) -> list[CandidateFit]:
-    """The leader with the second effect that promises most, refined.
+    """The fit with the second effect that is predicted to leave least.
 
-    The right one makes the leader's parameters a draw again: what they cost
-    counts too. From where they have gone no way leads back, so that both set
-    out afresh.
+    The right one makes the fit's parameters a sample of their prior again:
+    what they cost counts too. From where they have gone no way leads back, so
+    that both set out afresh.
 
     Args:
         evaluator: Over the fit runs.
-        leader: One of `strays`.
-        cards: Second effects.
+        fit: One of `implausible`.
+        effects: Second ones.
         say: Progress, shares of this search.
 
     Returns:
-        That fit, before it others of second effects that promised about as
-        much and leave less; none where nothing promises enough.
+        The pair, before it others of second effects that were predicted about
+        as well and leave less; none where no prediction is good enough.
     """
     try:
-        beside = Ground(evaluator, leader, with_prior=True)
+        beside = Linearisation(evaluator, fit, with_prior=True)
     except BraceError:
         return []
-    runners = []
-    for card in cards:
-        say(f"cause {leader.name}+{card.key}", 0.3)
-        runners += line_up(beside, card)
-    best = min(runners, key=lambda r: r.promise, default=None)
-    usual = leader.num_prior
-    if best is None or (
-        best.promise - usual > _PROMISED * (beside.there - usual)
-    ):
+    candidates = []
+    for effect in effects:
+        say(f"cause {fit.name}+{effect.key}", 0.3)
+        candidates += predict(beside, effect)
+    best = min(candidates, key=lambda c: c.predicted, default=None)
+    usual = fit.num_prior
+    most = thresholds.JOINT_PREDICTED * (beside.remaining - usual)
+    if best is None or best.predicted - usual > most:
         return []
     (first, _), (second, values) = best.problem.split(best.z)[1]
-    say(f"cause {leader.name}+{second.key}", 0.6)
+    say(f"cause {fit.name}+{second.key}", 0.6)
     try:
         pair = fit_effects(evaluator, (first, second), (first.off(), values))
     except (BraceError, ValueError):
         return []
-    bar = usual + _CONTENDER * max(0.0, best.promise - usual)
-    good = [r.card for r in runners if r.promise <= bar]
-    others = {card.key: card for card in good if card is not second}
-    rivals = replace_second(
-        evaluator,
-        pair,
-        list(others.values()),
-        lambda what, share: say(what, 0.6 + 0.4 * share),
-    )
-    return [*rivals, pair]
+    near = thresholds.JOINT_RIVAL * max(0.0, best.predicted - usual)
+    rivals = {
+        c.added.key: c.added
+        for c in candidates
+        if c.predicted <= usual + near and c.added is not second
+    }
+
+    def say_rest(what, share):
+        say(what, 0.6 + 0.4 * share)
+
+    rest = replace_second(evaluator, pair, list(rivals.values()), say_rest)
+    return [*rest, pair]
 
 
 def replace_second(
     evaluator: Evaluator,
     pair: CandidateFit,
-    cards: Sequence[Effect],
-    say: Callable[[str, float], None],
+    effects: Sequence[Effect],
+    say: Say,
 ) -> list[CandidateFit]:
     """The pair with others in the place of its second effect, those refined
     that leave less.
     """
-    if not cards or is_exact(evaluator, pair):
+    exact = thresholds.TWIN_ERROR * evaluator.count
+    if not effects or pair.excess <= exact:
         return []
     first, values = pair.uses[0]
     problem = CandidateProblem(evaluator, [first], [values])
@@ -122,9 +124,62 @@ def replace_second(
         ),
     )
     try:
-        beside = Ground(evaluator, alone)
+        beside = Linearisation(evaluator, alone)
     except BraceError:
         return []
-    found = best_fits(race(beside, cards, say, must_explain=True))
-    found = refine(evaluator, found, beside.there, most=pair.excess)
+    found = best_fits(screen(beside, effects, say, must_explain=True))
+    found = refine(evaluator, found, beside.remaining, most=pair.excess)
     return [f for f in refined(found) if f.excess < pair.excess]
+
+
+def is_caught(criterion: Criterion, pair: CandidateFit) -> bool:
+    """Whether a pair of few parameters takes most of the gap, and yet leaves
+    more than two effects may.
+
+    What drives leave that stick is no kink, and their search is dear.
+    """
+    if pair.is_flexible or len(pair.effects) < 2 or not pair.is_searched:
+        return False
+    if pair.sticks:
+        return False
+    enough = criterion.closed(pair) >= criterion.least_share
+    return enough and not criterion.explains(pair)
+
+
+def restart(
+    evaluator: Evaluator, fit: CandidateFit, seed: int
+) -> list[CandidateFit]:
+    """The search again from places near its end, up to three of them.
+
+    A limit, a gap or a stop has a kink where it is reached, and a search over
+    two effects and the subject may be caught beside it.
+
+    Args:
+        evaluator: Over the fit runs.
+        fit: Where a search stands, of few parameters.
+        seed: Of the places.
+
+    Returns:
+        The first fit that leaves less than half as much, if any does.
+    """
+    rng = np.random.default_rng([seed, 11])
+    for _ in range(thresholds.RESTARTS):
+        again = try_refine(evaluator, _moved(fit, rng))
+        if again.refined and again.excess < thresholds.ESCAPED * fit.excess:
+            return [again]
+    return []
+
+
+def _moved(fit: CandidateFit, rng: np.random.Generator) -> CandidateFit:
+    def factors(count: int, size: float) -> np.ndarray:
+        return np.exp(size * rng.standard_normal(count))
+
+    subject = fit.subject * factors(
+        len(fit.subject), thresholds.RESTART_SUBJECT
+    )
+    values = []
+    for effect, mine in fit.uses:
+        moved, free = mine.copy(), effect.is_continuous
+        moved[free] *= factors(int(free.sum()), thresholds.RESTART_EFFECTS)
+        values.append(moved)
+    return replace(fit, subject=subject, values=tuple(values), refined=False)

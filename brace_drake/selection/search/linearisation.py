@@ -1,4 +1,4 @@
-"""The fit that a race of causes sets out from, and what is near it."""
+"""A fit linearised: what a small change of it takes off the residual."""
 
 from __future__ import annotations
 
@@ -10,18 +10,13 @@ from brace_drake.design.separation import beyond
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.selection.measures import is_exact
+from brace_drake.selection import thresholds
 
-# A promise looks at most this many times as far as the start.
-_REACH = 30.0
-# About as near as a coarse search comes, in floors: what is promised to leave
-# less than noise by more is no promise.
-_NEAR = 0.03
 # Relative to the largest, what is added to the diagonal of small systems.
 _RIDGE = 1e-12
 
 
-class Ground:
+class Linearisation:
     """A fit, its sensitivities, and what it leaves that no change of it takes.
 
     Parameters of the fit stay within their limits: one that is at its limit
@@ -29,10 +24,15 @@ class Ground:
 
     Args:
         evaluator: Over the fit runs.
-        leader: The nominal fit, or one whose effects stay in.
-        with_prior: Whether what the leader's parameters cost counts too. Where
+        base: The nominal fit, or one whose effects stay in.
+        with_prior: Whether what the fit's parameters cost counts too. Where
             dozens of them cover what another effect does, that is where it
             shows.
+
+    Attributes:
+        residual: Of the fit at the coarse plant step (rows,).
+        unreachable: What of it no change of the fit's parameters takes.
+        excess: Sum of squares of that above noise; `remaining`: not below 0.
 
     Raises:
         BraceError: The twin breaks down there at the coarse plant step.
@@ -41,18 +41,18 @@ class Ground:
     def __init__(
         self,
         evaluator: Evaluator,
-        leader: CandidateFit,
+        base: CandidateFit,
         with_prior: bool = False,
     ):
-        self.evaluator, self.leader = evaluator, leader
+        self.evaluator, self.base = evaluator, base
         self.rows, self._with_prior = evaluator.ends[-1], with_prior
         if with_prior:
-            self.rows += leader.num_prior
-        self.sensitivities = leader.solution.jacobian[: self.rows]
-        problem = CandidateProblem(evaluator, leader.effects, leader.values)
-        if leader.spread is not None:
-            problem.spread = leader.spread / problem.spread_scale
-        z = leader.solution.z
+            self.rows += base.num_prior
+        self.sensitivities = base.solution.jacobian[: self.rows]
+        problem = CandidateProblem(evaluator, base.effects, base.values)
+        if base.spread is not None:
+            problem.spread = base.spread / problem.spread_scale
+        z = base.solution.z
         self._room = problem.lower - z, problem.upper - z
         (residual,) = problem.batch([z], coarse=True)
         if residual is None:
@@ -64,25 +64,26 @@ class Ground:
         step = _minimise(self._gram, self._slope, *self._room)
         inside = (step > self._room[0]) & (step < self._room[1])
         seen = np.linalg.norm(self.sensitivities, axis=0) > 0.0
-        self.basis = np.linalg.qr(self.sensitivities[:, inside & seen])[0]
+        self._basis = np.linalg.qr(self.sensitivities[:, inside & seen])[0]
         moved = self.residual + self.sensitivities @ np.where(inside, 0, step)
-        self.left = self.beyond(moved)
+        self.unreachable = self.beyond(moved)
         self.noise = evaluator.count * evaluator.noise_level(
-            leader.uses, coarse=True
+            base.uses, coarse=True
         )
-        self.excess = float(self.left @ self.left) - self.noise
-        self.there = max(0.0, self.excess)
+        self.excess = float(self.unreachable @ self.unreachable) - self.noise
+        self.remaining = max(0.0, self.excess)
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
-        """What of residuals or columns no change of the leader's fit takes."""
-        return beyond(vectors[: self.rows], self.basis)
+        """What of residuals or columns no change of the fit takes."""
+        return beyond(vectors[: self.rows], self._basis)
 
     @property
     def is_exact(self) -> bool:
-        """Whether the leader leaves nothing for another effect to explain."""
-        return not self._with_prior and is_exact(self.evaluator, self.leader)
+        """Whether the fit leaves nothing for another effect to explain."""
+        misfit = self.base.excess / self.evaluator.count
+        return not self._with_prior and misfit <= thresholds.TWIN_ERROR
 
-    def foresee(
+    def predict_excess(
         self,
         problem: CandidateProblem,
         z: np.ndarray,
@@ -91,13 +92,13 @@ class Ground:
     ) -> tuple[float, float]:
         """What is left at the best place on the straight way to a candidate.
 
-        On the way the leader's parameters follow, within their limits.
+        On the way the fit's parameters follow, within their limits.
 
         Args:
             problem: The candidate's.
             z: Where it stands.
             residual: There.
-            either_way: Whether the way goes on behind the leader, as for an
+            either_way: Whether the way goes on behind the fit, as for an
                 effect of either sign.
 
         Returns:
@@ -108,24 +109,23 @@ class Ground:
         whole, noise = float(way @ way), self.added_noise(problem, z)
         # Noise that the way has of its own is no part of it.
         if whole <= noise:
-            return self.there, 1.0
-        left, far = self._go(way, whole - noise, either_way)
-        if left < -_NEAR * self.evaluator.count:
+            return self.remaining, 1.0
+        left, far = self._best_on(way, whole - noise, either_way)
+        if left < -thresholds.COARSE_PREDICTION * self.evaluator.count:
             # More than there is: what the way is made of is mostly noise.
-            left, far = self._go(way, whole, either_way)
+            left, far = self._best_on(way, whole, either_way)
         return left, far
 
-    def _go(
-        self, way: np.ndarray, length: float, either_way: bool
+    def _best_on(
+        self, way: np.ndarray, square: float, either_way: bool
     ) -> tuple[float, float]:
-        """`foresee` along a way of a given squared length."""
+        """Least excess along a way of a given squared length, and where."""
         cross = self.sensitivities.T @ way
-        gram = np.block([[self._gram, cross[:, None]], [cross, length]])
+        gram = np.block([[self._gram, cross[:, None]], [cross, square]])
         slope = np.append(self._slope, way @ self.residual)
-        reach = (-_REACH if either_way else 0.0), _REACH
-        low, high = (
-            np.append(r, e) for r, e in zip(self._room, reach, strict=True)
-        )
+        reach = thresholds.REACH
+        low = np.append(self._room[0], -reach if either_way else 0.0)
+        high = np.append(self._room[1], reach)
         x = _minimise(gram, slope, low, high)
         left = self._square + 2.0 * slope @ x + x @ gram @ x - self.noise
         return float(left), float(x[-1])
@@ -137,20 +137,17 @@ class Ground:
         level = self.evaluator.noise_level(uses, coarse=True)
         return max(0.0, level * count - self.noise)
 
-    def differentiate(self, problem: CandidateProblem):
-        """Jacobian with the leader's columns kept."""
+    def differentiate(
+        self, problem: CandidateProblem, z: np.ndarray, residual: np.ndarray
+    ) -> np.ndarray:
+        """Jacobian of a candidate with the fit's columns kept."""
         n = self.sensitivities.shape[1]
-
-        def jacobian(z, residual):
-            columns = problem.columns(z, n, residual)
-            out = np.zeros((len(residual), len(z)))
-            out[: self.rows, :n] = self.sensitivities
-            prior = problem.prior_jacobian()
-            out[len(out) - len(prior) :] = prior
-            out[:, n:] = columns
-            return out
-
-        return jacobian
+        out = np.zeros((len(residual), len(z)))
+        out[: self.rows, :n] = self.sensitivities
+        prior = problem.prior_jacobian()
+        out[len(out) - len(prior) :] = prior
+        out[:, n:] = problem.columns(z, n, residual)
+        return out
 
 
 def _minimise(

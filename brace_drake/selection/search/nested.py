@@ -1,4 +1,4 @@
-"""Effects that set out from a special case of theirs, as it was found.
+"""Nested models: from a special case to the richer effect, and back.
 
 Where drives stick and slip every parameter changes which slip comes when, and
 from afar no way leads on: dry friction that falls with speed is found from dry
@@ -14,26 +14,16 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.search.candidate import Runner, make_runner, step
-from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection import thresholds
+from brace_drake.selection.search.candidate import Candidate, make_candidate
+from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.shortlist import best_fits
-
-# What is added to a special case begins as these parts of its strength; other
-# numbers at so many times their start.
-_PARTS, _TIMES = (0.1, 0.4), (0.5, 1.0, 2.0)
-# One that begins no better than this share of what the special case leaves is
-# not searched.
-_BETTER = 0.9
-# Of what the best has left, up to which a special case is one to set out from.
-_NEAR = 2.0
-# Steps of a round, and rounds as long as each leaves less than this share.
-_STEPS, _ROUNDS, _WORTH_A_ROUND = 4, 3, 0.8
 
 
 def richer_starts(
-    card: Effect, special: Effect, values: np.ndarray
+    effect: Effect, special: Effect, values: np.ndarray
 ) -> Iterator[np.ndarray]:
-    """Values of a card that do nearly what its special case does.
+    """Values of an effect that do nearly what its special case does.
 
     A part of the strength goes to each parameter that the special case has
     not, half of that part is taken off those that it has.
@@ -41,85 +31,133 @@ def richer_starts(
     known = dict(zip(special.parameter_names, values, strict=False))
     strength = max(abs(v) for v in known.values())
     axes = []
-    for p in card.parameters:
+    for p in effect.parameters:
         if p.name in known:
             axes.append([None])
         elif p.off == 0.0:
-            axes.append([part * strength for part in _PARTS])
+            axes.append([s * strength for s in thresholds.NESTED_SHARES])
         else:
-            axes.append([times * p.starts[0] for times in _TIMES])
+            axes.append([t * p.starts[0] for t in thresholds.NESTED_SHAPES])
     for chosen in itertools.product(*axes):
         added = sum(
             v
-            for p, v in zip(card.parameters, chosen, strict=True)
+            for p, v in zip(effect.parameters, chosen, strict=True)
             if v is not None and p.off == 0.0
         )
         less = 1.0 - 0.5 * added / strength
         yield np.clip(
             [
                 known[p.name] * less if v is None else v
-                for p, v in zip(card.parameters, chosen, strict=True)
+                for p, v in zip(effect.parameters, chosen, strict=True)
             ],
-            card.lower,
-            card.upper,
+            effect.lower,
+            effect.upper,
         )
 
 
 def search_richer(
-    ground: Ground,
-    fit: CandidateFit,
-    cards: Sequence[Effect],
-    place: int,
-) -> list[Runner]:
-    """The richer cards in the place of one effect of a fit, searched where
-    they begin better than it has ended.
+    base: Linearisation,
+    candidates: Sequence[Candidate],
+    effects: Sequence[Effect],
+) -> list[Candidate]:
+    """Richer effects in the place of special cases near the best candidate.
 
     Args:
-        ground: The nominal fit.
-        fit: Where a search has ended.
-        cards: Those that may be richer.
-        place: Of the effect among those of the fit.
+        base: The fit that the candidates set out from.
+        candidates: After screening.
+        effects: Those that may be richer.
+    """
+    if base.is_exact:
+        return []
+    fits = [f for f in best_fits(candidates) if f.is_searched]
+    least = min((f.excess for f in fits), default=np.inf)
+    near = thresholds.NESTED_NEAR * max(0.0, least)
+    return [
+        candidate
+        for fit in fits
+        if fit.excess <= near
+        for place in range(len(fit.effects))
+        for candidate in _richer_in(base, fit, effects, place)
+    ]
+
+
+def _richer_in(
+    base: Linearisation,
+    fit: CandidateFit,
+    effects: Sequence[Effect],
+    place: int,
+) -> list[Candidate]:
+    """Richer effects in the place of one of a fit's, searched where they begin
+    better than it has ended.
     """
     special, values = fit.uses[place]
     out = []
-    for card in cards:
-        if not card.is_richer_than(special):
+    for effect in effects:
+        if not effect.is_richer_than(special):
             continue
-        if any(card.is_alike(e) for e in fit.effects if e is not special):
+        if any(effect.is_alike(e) for e in fit.effects if e is not special):
             continue
-        runners = []
-        for start in richer_starts(card, special, values):
-            effects, both = list(fit.effects), list(fit.values)
-            effects[place], both[place] = card, start
-            runner = make_runner(ground, effects, both, fit.subject, fit.spread)
-            if runner is not None:
-                runners.append(runner)
-        best = min(runners, key=lambda r: r.excess, default=None)
-        if best is None or best.excess > _BETTER * fit.excess:
+        found = []
+        for start in richer_starts(effect, special, values):
+            both, strengths = list(fit.effects), list(fit.values)
+            both[place], strengths[place] = effect, start
+            candidate = make_candidate(
+                base, both, strengths, fit.subject, fit.spread
+            )
+            if candidate is not None:
+                found.append(candidate)
+        best = min(found, key=lambda c: c.excess, default=None)
+        better = thresholds.NESTED_BETTER * fit.excess
+        if best is None or best.excess > better:
             continue
         before = np.inf
-        for _ in range(_ROUNDS):
-            if not step(ground, best, _STEPS, own=True):
+        for _ in range(thresholds.NESTED_ROUNDS):
+            if not best.step(base, thresholds.NESTED_STEPS, own=True):
                 break
-            if best.excess > _WORTH_A_ROUND * before:
+            if best.excess > thresholds.NESTED_WORTH * before:
                 break
             before = best.excess
         out.append(best)
     return out
 
 
-def race_richer(
-    ground: Ground, runners: Sequence[Runner], cards: Sequence[Effect]
-) -> list[Runner]:
-    """Richer effects of those that a race has left near its best one."""
-    if ground.is_exact:
-        return []
-    fits = [f for f in best_fits(runners) if f.is_searched]
-    least = min((f.excess for f in fits), default=np.inf)
-    near = [f for f in fits if f.excess <= _NEAR * max(0.0, least)]
-    return [
-        runner
-        for fit in near
-        for place in range(len(fit.effects))
-        for runner in search_richer(ground, fit, cards, place)
-    ]
+def special_cases(
+    base: Linearisation, pair: CandidateFit, effects: Sequence[Effect]
+) -> Iterator[Candidate]:
+    """The pair with a special case of either effect in its place, parameters
+    that both have as they are.
+    """
+    for (out, values), kept in itertools.permutations(pair.uses):
+        there = dict(zip(out.parameter_names, values, strict=False))
+        for effect in effects:
+            if not out.is_richer_than(effect):
+                continue
+            start = dict(
+                zip(effect.parameter_names, effect.starts()[0], strict=True)
+            )
+            # From no strength at all no way leads on.
+            mine = np.array([there.get(n) or v for n, v in start.items()])
+            both, strengths = zip(kept, (effect, mine), strict=True)
+            candidate = make_candidate(
+                base, both, strengths, pair.subject, pair.spread
+            )
+            if candidate is not None:
+                yield candidate
+
+
+def confused_with_many(
+    base: Linearisation, pair: CandidateFit, effects: Sequence[Effect]
+) -> Iterator[Candidate]:
+    """The pair with an effect of many parameters, drawn alike, in the place of
+    one that is confused with it.
+    """
+    for (out, _), kept in itertools.permutations(pair.uses):
+        for effect in effects:
+            if effect.spread is None or effect.is_alike(kept[0]):
+                continue
+            if out.name not in effect.impostors:
+                continue
+            both, values = zip(kept, (effect, effect.off()), strict=True)
+            candidate = make_candidate(base, both, values, pair.subject)
+            if candidate is not None:
+                yield candidate

@@ -8,98 +8,94 @@ another one takes it tells, not how much there is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from brace_drake.core.errors import BraceError
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator, is_dithered
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.measures import EXACT_TO, gains
-from brace_drake.selection.null_bootstrap import NullDistribution
-from brace_drake.selection.search.candidate import Runner, step
-from brace_drake.selection.search.linearisation import Ground
-from brace_drake.selection.search.screening import line_up, race
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.search.candidate import Candidate
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.screening import Say, predict, screen
 from brace_drake.selection.search.shortlist import best_fits, try_refine
-
-# Second effects that are searched, and steps of each.
-_PLACES, _STEPS = 3, 5
-# A straight way foresees half of what a search takes, or less.
-_FORESEEN = 0.5
 
 
 def try_small_second(
-    ground: Ground,
-    cards: Sequence[Effect],
-    null: NullDistribution,
-    say: Callable[[str, float], None],
+    base: Linearisation,
+    effects: Sequence[Effect],
+    criterion: Criterion,
+    say: Say,
 ) -> list[CandidateFit]:
-    """The leader with the second effect that takes most, refined.
+    """The base with the second effect that takes most, refined.
 
-    None where the leader or that effect is averaged over noise, and its
-    replays are no nearer than what is looked for.
+    None where the base or that effect is averaged over noise, and its replays
+    are no nearer than what is looked for.
 
     Args:
-        ground: At the single effect that explains.
-        cards: Second effects.
-        null: What noise alone gives.
+        base: At the single effect that explains.
+        effects: Second ones.
+        criterion: With its null distribution.
         say: Progress, shares of this search.
 
     Returns:
         Fits of those searched, up to that one refined; none where no effect
         takes more than noise would.
     """
-    evaluator, leader = ground.evaluator, ground.leader
-    if is_dithered(evaluator.twin, leader.uses):
+    evaluator, fit = base.evaluator, base.base
+    if fit.is_dithered:
         return []
-    runners: list[Runner] = []
-    least = _FORESEEN * null.least_gain(1) * evaluator.count
-    for i, card in enumerate(cards):
-        if is_dithered(evaluator.twin, [(card, ())]):
+    candidates: list[Candidate] = []
+    # A straight way predicts half of what a search takes, or less.
+    least = criterion.null.least_gain(1) * evaluator.count / thresholds.BENDS
+    for i, effect in enumerate(effects):
+        if is_dithered(evaluator.twin, [(effect, ())]):
             continue
-        say(f"cause {leader.name}+{card.key}", 0.6 * i / len(cards))
-        runners += line_up(ground, card, least)
-    bar = ground.excess - least
-    best: dict[str, Runner] = {}
-    for runner in sorted(runners, key=lambda r: r.promise):
-        if runner.promise < bar:
-            best.setdefault(runner.card.key, runner)
-    searched = list(best.values())[:_PLACES]
-    for i, runner in enumerate(searched):
-        say(f"cause {runner.fit().name}", 0.6 + 0.1 * i)
-        step(ground, runner, _STEPS)
+        say(f"cause {fit.name}+{effect.key}", 0.6 * i / len(effects))
+        candidates += predict(base, effect, least)
+    bar = base.excess - least
+    best: dict[str, Candidate] = {}
+    for candidate in sorted(candidates, key=lambda c: c.predicted):
+        if candidate.predicted < bar:
+            best.setdefault(candidate.added.key, candidate)
+    searched = list(best.values())[: thresholds.SMALL_PLACES]
+    for i, candidate in enumerate(searched):
+        say(f"cause {candidate.fit().name}", 0.6 + 0.1 * i)
+        candidate.step(base, thresholds.STEPS)
     fits = [f for f in best_fits(searched) if f.is_searched]
-    for place, fit in enumerate(fits):
-        if fit.excess > bar:
+    for place, found in enumerate(fits):
+        if found.excess > bar:
             break
         # One of many parameters may take most and yet no more than it would.
-        fits[place] = try_refine(evaluator, fit)
-        if fits[place].refined and gains(evaluator, leader, fits[place], null):
+        fits[place] = try_refine(evaluator, found)
+        if fits[place].refined and criterion.gains(fits[place], fit):
             return fits
     return []
 
 
-def race_fewer(
+def try_fewer(
     evaluator: Evaluator,
-    leader: CandidateFit,
+    fit: CandidateFit,
     many: CandidateFit,
-    cards: Sequence[Effect],
-    say: Callable[[str, float], None],
-) -> list[Runner]:
+    effects: Sequence[Effect],
+    say: Say,
+) -> list[Candidate]:
     """An effect of few parameters with second ones, where one of dozens that
     shows where it does explains the gap, but may only cover it.
 
     Args:
         evaluator: Over the fit runs.
-        leader: The effect of few parameters.
+        fit: Of the effect of few parameters.
         many: That of dozens.
-        cards: Second effects.
+        effects: Second ones.
         say: Progress, shares of this search.
     """
-    if not leader.is_searched:
+    if not fit.is_searched:
         return []
     try:
-        ground = Ground(evaluator, leader)
+        base = Linearisation(evaluator, fit)
     except BraceError:
         return []
-    most = max(many.excess, EXACT_TO * evaluator.count)
-    return race(ground, cards, say, most=most, must_explain=True)
+    most = max(many.excess, thresholds.TWIN_ERROR * evaluator.count)
+    return screen(base, effects, say, enough=most, must_explain=True)
