@@ -6,9 +6,11 @@ from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
-from brace_drake.selection.search.restart import is_caught, restart
 
 from brace_drake.effects.registry import find_effect
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.search import joint_refit
+from brace_drake.selection.search.joint_refit import is_caught, restart
 
 EVALUATOR = SimpleNamespace(count=100)
 NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)
@@ -92,6 +94,7 @@ class TestRestart(unittest.TestCase):
 
     def test_only_pairs_that_nearly_explain_are_taken_for_caught(self):
         gap = Fit(np.ones(6), (), 110_000.0, ())
+        criterion = Criterion(gap, 100, True, null=NULL)
         for excess, names, searched, want in (
             (342.0, Fit.names, True, True),
             (342.0, Fit.names, False, False),
@@ -103,9 +106,7 @@ class TestRestart(unittest.TestCase):
         ):
             with self.subTest(excess=excess, names=names, searched=searched):
                 pair = caught(excess, names, searched)
-                self.assertEqual(
-                    is_caught(Criterion(gap, 100, True, null=NULL), pair), want
-                )
+                self.assertEqual(is_caught(criterion, pair), want)
 
 
 if __name__ == "__main__":

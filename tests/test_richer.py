@@ -103,7 +103,7 @@ class TestFewer(unittest.TestCase):
             try_fewer(evaluator, alone, many, cards, lambda what, share: None)
         )[0]
         self.assertEqual(found.identifiers, ("encoder_offset", "ring_mass"))
-        # As the race leaves it, before the end of its search.
+        # As screening leaves it, before the end of its search.
         self.assertLess(
             found.excess / evaluator.count,
             1e-2 * alone.excess / evaluator.count,

@@ -1,12 +1,13 @@
 """A second effect that takes little, on the twin's own recordings."""
 
 import unittest
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 
 from brace_drake.effects.registry import effects_for
-from brace_drake.identification.fits import fit_effects
+from brace_drake.identification.fits import fit_effects, fit_nominal
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.small_second import try_small_second
@@ -52,13 +53,11 @@ class TestSmallSecond(unittest.TestCase):
 
     def test_beside_what_is_averaged_over_noise_nothing_is_looked_for(self):
         dry = self.cards["coulomb_friction"]
-        ground = SimpleNamespace(
-            evaluator=SimpleNamespace(
-                twin=SimpleNamespace(carried=(), has_loop=True)
-            ),
-            leader=SimpleNamespace(uses=((dry, np.array([0.1])),)),
-        )
-        found = try_small_second(ground, self.cards.values(), NULL, quiet)
+        evaluator = self.bench.evaluator([(dry, np.array([0.1]))])
+        base = Linearisation(evaluator, fit_nominal(evaluator))
+        base.base = replace(base.base, is_dithered=True)
+        criterion = Criterion(base.base, evaluator.count, True, null=NULL)
+        found = try_small_second(base, self.cards.values(), criterion, quiet)
         self.assertEqual(found, [])
 
 

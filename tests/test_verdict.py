@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.effects.registry import find_effect
+from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import decide
 from brace_drake.selection.probability import sure_of_effects
 
