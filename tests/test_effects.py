@@ -61,6 +61,26 @@ class TestCards(unittest.TestCase):
                         self.assertLessEqual(p.lower, start)
                         self.assertLess(start, p.upper)
 
+    def test_devices_have_the_effects_whose_places_they_have(self):
+        names = {
+            device: {card.name for card in effects_for(device).values()}
+            for device in ("bench stage 2", "leg bench", "pad bench")
+        }
+        self.assertEqual(
+            names["bench stage 2"], {e.name for e in all_effects().values()}
+        )
+        actuation = {
+            e.name
+            for e in all_effects().values()
+            if e.block == "actuation" and e.name != "weak_leg"
+        }
+        self.assertEqual(names["leg bench"], actuation)
+        self.assertEqual(
+            {e.block for e in effects_for("pad bench").values()},
+            {"contact", "sensing"},
+        )
+        self.assertNotIn("encoder_offset", names["pad bench"])
+
     def test_an_unknown_effect_is_answered_with_the_closest_name(self):
         with self.assertRaisesRegex(EffectError, "mean coulomb_friction"):
             find_effect("coulomb_frictoin")

@@ -132,6 +132,14 @@ class TestLaws(unittest.TestCase):
         late = make_twin().simulate(motion, subject, uses)[:, 1]
         np.testing.assert_allclose(late[7:], prompt[:-7], atol=1e-10)
 
+    def test_play_holds_the_reading_until_half_of_it_is_used_up(self):
+        motion = make_motion(added=30.0, closed=False)
+        uses = [starts_of("backlash", backlash_m=2e-3)]
+        true = make_twin().simulate(motion, SUBJECT)[:, 1]
+        read = make_twin().simulate(motion, SUBJECT, uses)[:, 1]
+        expected = true[0] + np.maximum(true - true[0] - 1e-3, 0.0)
+        np.testing.assert_allclose(read, expected, rtol=0.0, atol=1e-12)
+
     def test_more_viscous_friction_is_the_same_as_effect_or_subject(self):
         time = np.arange(400) / RATE
         motion = make_motion(0.01 * np.sin(9.0 * time) ** 2)

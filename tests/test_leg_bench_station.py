@@ -6,7 +6,6 @@ import numpy as np
 
 from brace_drake.devices.leg_bench.twin import LegMotion, simulate_leg
 from brace_drake.effects.stack import stack_effects
-from brace_drake.laws.plug_in import idle
 from brace_drake.model.leg_station import MakeLegBenchStation, SimulateLegBench
 from brace_drake.scenario.leg_bench import LegBenchScenario, pack_leg_bench
 from tests.test_leg_bench import RATE, starts_of
@@ -29,10 +28,10 @@ class TestAgreement(unittest.TestCase):
     def check(self, motion, uses):
         scenario = LegBenchScenario(offset=-3.0)
         numbers, step = pack_leg_bench(scenario), scenario.time_step
-        drive = stack_effects(uses)["drive"] if uses else idle("drive")
-        station = MakeLegBenchStation(numbers, motion, step, drive)
+        plug_ins = stack_effects(uses)
+        station = MakeLegBenchStation(numbers, motion, step, plug_ins["drive"])
         diagram = SimulateLegBench(station)
-        compiled = simulate_leg(numbers, motion, step, drive)
+        compiled = simulate_leg(numbers, motion, step, plug_ins)
         self.assertEqual(diagram.shape, compiled.shape)
         # Same laws, same order: rounding alone, through a stiff loop.
         np.testing.assert_allclose(diagram, compiled, rtol=0.0, atol=1e-8)

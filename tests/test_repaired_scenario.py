@@ -19,7 +19,7 @@ from brace_drake.devices.motions.reference import (
 )
 from brace_drake.devices.pad_bench.twin import PadBenchTwin
 from brace_drake.diagnose import diagnose
-from brace_drake.effects.registry import all_effects, find_effect
+from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
@@ -71,10 +71,8 @@ def found(twin, subject, *uses):
 class TestEffectsInFiles(unittest.TestCase):
     def test_every_effect_of_the_library_comes_back_from_a_file(self):
         schemas = {schema().device: schema for schema in SCENARIOS}
-        for card in all_effects().values():
-            for device in card.devices:
-                if device not in schemas:
-                    continue
+        for device in schemas:
+            for card in effects_for(device).values():
                 with self.subTest(effect=card.key, device=device):
                     values = card.starts()[-1]
                     scenario = schemas[device]()

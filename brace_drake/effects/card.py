@@ -77,7 +77,8 @@ class Effect:
         signature: What it looks like in a recording.
         impostors: Other effects it is taken for, and what tells them apart.
         experiment: The motion that shows it best.
-        devices: Where it applies.
+        needs: What a device must have for it beside the plug points of its
+            laws, see `places`.
         dithered: Whether the noise in the loop changes the mean motion, as
             with dry friction; the twin then averages over noisy replays.
         sticks: Whether it holds a drive until noise lets it go: when it slips
@@ -106,7 +107,7 @@ class Effect:
     num_states: Mapping[str, int] = field(default_factory=dict)
     modify: Callable | None = None
     constants: Callable | None = None
-    devices: tuple[str, ...] = ("bench stage 2",)
+    needs: tuple[str, ...] = ()
     dithered: bool = False
     sticks: bool = False
     spread: tuple[str, str] | None = None
@@ -144,6 +145,14 @@ class Effect:
     def is_richer_than(self, other: Effect) -> bool:
         """Whether the other one is a special case, in the same form."""
         return other.name in self.generalises and other.form == self.form
+
+    @property
+    def places(self) -> frozenset[str]:
+        """What a device must have for it: the plug points of its laws, its
+        other needs, and the brace's numbers where it takes or changes them.
+        """
+        numbers = self.modify is not None or self.constants is not None
+        return frozenset((*self.laws, *self.needs, *["brace"] * numbers))
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

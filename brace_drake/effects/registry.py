@@ -17,6 +17,20 @@ from functools import cache
 import brace_drake.effects
 from brace_drake.core.errors import EffectError, suggest
 from brace_drake.effects.card import Effect
+from brace_drake.laws.hooks import PLUG_POINTS
+
+# What each device has that an effect may need: plug points of its rollout,
+# what is read at `sensing`, and the numbers and six legs of a brace.
+PLACES = {
+    "bench stage 2": {
+        *PLUG_POINTS,
+        "brace",
+        "force reading",
+        "length reading",
+    },
+    "leg bench": {"drive", "sensing", "length reading"},
+    "pad bench": {"compression", "contact", "sensing", "force reading"},
+}
 
 ENTRY_POINTS = "brace_drake.effects"
 
@@ -89,8 +103,11 @@ def _of_packages() -> Iterator[Effect]:
 
 
 def effects_for(device: str) -> dict[str, Effect]:
-    """Cards of the effects that can occur on a device."""
-    return {n: e for n, e in all_effects().items() if device in e.devices}
+    """Cards of the effects that can occur on a device: those whose places it
+    has.
+    """
+    known = PLACES.get(device, frozenset())
+    return {n: e for n, e in all_effects().items() if e.places <= known}
 
 
 def find_effect(key: str) -> Effect:

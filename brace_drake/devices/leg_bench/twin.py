@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,8 @@ from brace_drake.scenario.leg_bench import (
 )
 
 CHANNELS = ("force_command_N", "position_m")
+# Plug points that a leg has.
+POINTS = ("drive", "sensing")
 
 # Mass and viscous friction may be that many times less or more than nominal.
 _SPREAD = 4.0
@@ -60,7 +62,7 @@ def simulate_leg(
     numbers: LegBenchNumbers,
     motion: LegMotion,
     time_step: float,
-    drive: PlugIn | None = None,
+    plug_ins: Mapping[str, PlugIn] | None = None,
     noise: np.ndarray | None = None,
 ) -> np.ndarray:
     """Simulates one run with the compiled rollout.
@@ -69,7 +71,7 @@ def simulate_leg(
         numbers: The twin.
         motion: The run.
         time_step: Plant step, s; the control period is a multiple of it.
-        drive: Effects in the drive.
+        plug_ins: Effects by plug point, those of POINTS count.
         noise: Of the reading at each tick (ticks,), m; None: exact readings.
 
     Returns:
@@ -78,7 +80,8 @@ def simulate_leg(
     Raises:
         BraceError: The run broke down (the message says when).
     """
-    drive = drive or idle("drive")
+    given = plug_ins or {}
+    plugs = [given.get(point) or idle(point) for point in POINTS]
     control, period = numbers.control, numbers.control[3]
     if not motion.closed:
         control = np.array([0.0, 0.0, math.inf, period])
@@ -97,9 +100,9 @@ def simulate_leg(
         np.zeros(0) if noise is None else noise,
         motion.state.copy(),
         motion.previous.copy(),
-        drive.laws,
-        drive.parameters,
-        drive.fresh_memory(),
+        *(p.laws for p in plugs),
+        plugs[0].parameters,
+        *(p.fresh_memory() for p in plugs),
         log,
     )
     if broke_at >= 0:
@@ -226,8 +229,8 @@ class LegBenchTwin(ReplayTwin):
         if generator is not None:
             draws = generator.standard_normal(len(motion.asked))
             noise = draws * numbers.noise_sigma[0]
-        drive = stack_effects(uses)["drive"]
-        return simulate_leg(numbers, motion, self.time_step, drive, noise)
+        plug_ins = stack_effects(uses)
+        return simulate_leg(numbers, motion, self.time_step, plug_ins, noise)
 
     def estimate_noise(self, runs: Sequence[Run]) -> float:
         """Standard deviation of the position readings of recordings, m."""

@@ -86,6 +86,7 @@ CARDS = (
         equation="l_read = min(max(l_read before, l - w/2), l + w/2)",
         parameters=(_WIDTH,),
         laws={"sensing": _play},
+        needs=("length reading",),
         num_states={"sensing": 7},
         **_COMMON,
     ),

@@ -54,5 +54,4 @@ CARD = Effect(
         "force_lag": "acts through the impedance filter only",
     },
     experiment="free multisine with high frequencies",
-    devices=("bench stage 2", "leg bench"),
 )

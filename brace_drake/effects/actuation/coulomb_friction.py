@@ -113,7 +113,6 @@ CARD = Effect(
         "command_delay": "no step at reversals; grows with acceleration",
     },
     experiment="slow reversals without contact",
-    devices=("bench stage 2", "leg bench"),
 )
 
 # Under noise in the loop bristles that always slip a bit let a drive creep

@@ -28,5 +28,4 @@ CARD = Effect(
         "force_scale": "a reading, not a force: free runs stay as they are",
     },
     experiment="stairs: the load on the legs changes, the weight does not",
-    devices=("bench stage 2", "leg bench"),
 )

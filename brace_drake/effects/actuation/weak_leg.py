@@ -33,6 +33,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
+    needs=("brace",),
     on_command=True,
     signature="one leg commanded more than symmetry allows, a tilt of the ring",
     impostors={

@@ -37,7 +37,6 @@ CARD = Effect(
         ),
     ),
     laws={"compression": _law},
-    devices=("bench stage 2", "pad bench"),
     signature="no force over the first part of a push, then the usual one",
     impostors={
         "hardening": "grows with depth, no threshold",

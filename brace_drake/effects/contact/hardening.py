@@ -29,7 +29,6 @@ CARD = Effect(
         ),
     ),
     laws={"contact": _law},
-    devices=("bench stage 2", "pad bench"),
     signature="force grows faster than depth, the same at every speed",
     impostors={
         "relaxation": "depends on how long a push lasts",

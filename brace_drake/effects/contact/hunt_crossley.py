@@ -56,7 +56,6 @@ CARD = Effect(
         ),
     ),
     laws={"contact": _law},
-    devices=("bench stage 2", "pad bench"),
     signature="damping weak at first touch, strong at depth",
     impostors={
         "hardening": "the same at every speed",

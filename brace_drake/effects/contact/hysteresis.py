@@ -73,7 +73,6 @@ CARD = Effect(
     laws={"contact": _law},
     num_states={"contact": 2},
     dithered=True,
-    devices=("bench stage 2", "pad bench"),
     signature="a loop between force and depth as wide in slow as in fast runs",
     impostors={
         "relaxation": "the loop's width depends on speed, force creeps in holds"

@@ -43,7 +43,6 @@ CARD = Effect(
     ),
     laws={"contact": _law},
     num_states={"contact": 2},
-    devices=("bench stage 2", "pad bench"),
     signature="force creeps back in every hold after a push",
     impostors={
         "posture_drift": "grows with time of the run, not after each step",

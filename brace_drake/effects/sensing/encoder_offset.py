@@ -23,6 +23,7 @@ CARD = Effect(
         for k in range(1, 7)
     ),
     laws={"sensing": _law},
+    needs=("brace",),
     at_rest=True,
     signature="the ring starts with a jump and holds a wrong pose",
     impostors={

@@ -19,7 +19,7 @@ CARD = Effect(
         EffectParameter("force_bias_N", "N", -20.0, 20.0, (0.1,), "offset F_0"),
     ),
     laws={"sensing": _law},
-    devices=("bench stage 2", "pad bench"),
+    needs=("force reading",),
     signature="a force reading without contact; the ring gives way to a force"
     " that is not there",
     impostors={

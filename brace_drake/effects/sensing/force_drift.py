@@ -19,7 +19,7 @@ CARD = Effect(
         EffectParameter("force_drift_N_s", "N/s", -5.0, 5.0, (0.01,), "rate r"),
     ),
     laws={"sensing": _law},
-    devices=("bench stage 2", "pad bench"),
+    needs=("force reading",),
     signature="a free force reading that grows with time",
     impostors={
         "force_bias": "there from the start",

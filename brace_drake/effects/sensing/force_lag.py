@@ -30,8 +30,8 @@ CARD = Effect(
         ),
     ),
     laws={"sensing": _law},
+    needs=("force reading",),
     num_states={"sensing": 4},
-    devices=("bench stage 2", "pad bench"),
     signature="the force trails the motion in fast contact runs",
     impostors={
         "command_delay": "free runs show it as well",

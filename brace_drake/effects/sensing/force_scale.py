@@ -20,7 +20,7 @@ CARD = Effect(
         EffectParameter("force_scale", "1", -0.8, 2.0, (0.05,), "gain error s"),
     ),
     laws={"sensing": _law},
-    devices=("bench stage 2", "pad bench"),
+    needs=("force reading",),
     signature="force reading and motion of torso and ring disagree by a"
     " constant factor",
     impostors={"force_gain": "a gain of the drives, seen in free runs as well"},

@@ -108,6 +108,7 @@ CARD = Effect(
         ),
     ),
     laws={"compression": _law},
+    needs=("torso",),
     signature="a slow periodic force, in quiet holds too",
     impostors={"posture_drift": "does not come back"},
     experiment="quiet hold in contact over several breaths",

@@ -4,6 +4,7 @@ The same laws in the same order as the Drake diagram of
 `brace_drake.model.leg_station`, which remains the reference.
 """
 
+import numpy as np
 from numba import float64, int64, njit
 
 from brace_drake.laws.compiled import MAKER, compiled_maker
@@ -61,6 +62,8 @@ def calc_drive_force(u, viscous, velocity, f):
         vector,
         vector,
         stack_type("drive"),
+        stack_type("sensing"),
+        vectors,
         vectors,
         vectors,
         matrix,
@@ -81,8 +84,10 @@ def rollout_leg(
     state,
     previous,
     drive,
+    sensing,
     parameters,
     drive_memory,
+    sensing_memory,
     log,
 ):
     """Simulates m y'' = f - offset + load and writes the run's log.
@@ -100,19 +105,26 @@ def rollout_leg(
         noise: Of the reading at each tick (ticks,), m, or (0,).
         state: Initial y, y' (2,), updated.
         previous: Readings before the first tick, newer first (2,), updated.
-        drive: Laws of the effects.
-        parameters, drive_memory: Their parameters and states.
+        drive, sensing: Laws of the effects.
+        parameters, drive_memory, sensing_memory: Their parameters and states.
         log: Output (samples, 2): command, N; reading, m.
 
     Returns:
         -1 when all went well, else the tick at which the run broke down.
     """
     position, velocity = state[0:1], state[1:2]
-    work = state.copy()
-    u, f = work[0:1], work[1:2]
+    work = np.zeros(6)
+    # A leg alone reads no force.
+    u, f, length, no_force = work[0:1], work[1:2], work[2:3], work[3:6]
     period = dt * steps_per_tick
     for tick in range(asked.shape[0]):
-        reading = position[0]
+        length[0] = position[0]
+        for e in range(MAX_EFFECTS):
+            sensing[e](
+                tick * period, period, u, length, no_force,
+                parameters[e], sensing_memory[e],
+            )  # fmt: skip
+        reading = length[0]
         if noise.shape[0] > 0:
             reading += noise[tick]
         calc_servo_command(reading, asked[tick], control, previous, u)
