@@ -12,22 +12,17 @@ from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Diagram
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.core.errors import OutputError
+from brace_drake.core.errors import OutputError, ScenarioError
 from brace_drake.core.output import MakeFolder, WriteText
 from brace_drake.core.resources import scenario_path
-from brace_drake.devices.leg_bench.twin import LegMotion
 from brace_drake.model.articulated import GetClosures
 from brace_drake.model.brace_station import MakeBraceStation
-from brace_drake.model.leg_station import MakeLegBenchStation
-from brace_drake.model.pad_station import MakePadBenchStation
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
-from brace_drake.scenario.leg_bench import LegBenchScenario, pack_leg_bench
 from brace_drake.scenario.load import LoadScenario, Scenario
-from brace_drake.scenario.pad_bench import PadBenchScenario, pack_pad_bench
 
 INSTALL = "apt-get install graphviz, or brew install graphviz"
 
@@ -165,15 +160,8 @@ def MakeDrawnDiagram(
     if isinstance(scenario, BenchScenario):
         rest = PiecewisePolynomial(np.zeros((3, 1)))
         station = MakeBenchStation(scenario, rest)
-    elif isinstance(scenario, LegBenchScenario):
-        rest = LegMotion(np.zeros((2, 3)), np.zeros(2), np.zeros(2), True)
-        numbers = pack_leg_bench(scenario)
-        station = MakeLegBenchStation(numbers, rest, scenario.time_step)
-    elif isinstance(scenario, PadBenchScenario):
-        numbers, step = pack_pad_bench(scenario), scenario.time_step
-        time = step * np.arange(3)
-        station = MakePadBenchStation(numbers, time, np.zeros((3, 2)), step)
-        return station.diagram, None, []
     else:
-        raise TypeError(f"no diagram of a {type(scenario).__name__}")
+        raise ScenarioError(
+            f"a {scenario.device} has no diagram: its twin is one compiled law"
+        )
     return station.diagram, station.plant, []

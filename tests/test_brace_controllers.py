@@ -1,4 +1,4 @@
-"""The controllers as systems: ports, ticks, and PIC as one system or two."""
+"""The controllers as systems: ports and ticks."""
 
 import unittest
 
@@ -6,20 +6,11 @@ import numpy as np
 from pydrake.systems.analysis import Simulator
 
 from brace_drake.core.errors import BraceError, ScenarioError
-from brace_drake.effects.registry import effects_for
-from brace_drake.effects.stack import stack_effects
 from brace_drake.kinematics import leg_jacobian, leg_lengths, make_geometry
-from brace_drake.laws.loop import kernels
 from brace_drake.model.systems.brace_controllers import MakeController
-from brace_drake.model.systems.pic_controller import (
-    PicController,
-    pack_tick_law,
-)
-from brace_drake.scenario.bench import DEVICE, BenchScenario
+from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
-from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
-from brace_drake.scenario.control_numbers import BraceRings, pack_control
+from brace_drake.scenario.control_numbers import BraceRings
 from brace_drake.scenario.controllers import TAGS, BraceControl
 from tests.brace_loop import PERIOD, bench_rings
 
@@ -62,76 +53,6 @@ class Ticks:
 
     def output(self, name):
         return self.dut.GetOutputPort(name).Eval(self.context)
-
-
-def wander(generator, size, ticks, step):
-    """A smooth random walk from 0 (ticks, size)."""
-    walk = np.cumsum(generator.normal(size=(ticks, size)), axis=0)
-    return step * np.cumsum(0.05 * walk, axis=0)
-
-
-class TestOneSystemEqualsTwo(unittest.TestCase):
-    """PicController, which has the instruments inside, and BracePic."""
-
-    def compare(self, scenario, plug_ins=None, ticks=250):
-        rings, n = pack_rings(scenario), len(scenario.stages)
-        numbers = pack_control(scenario.control, rings)
-        generator = np.random.default_rng(6)
-        lengths = rings.geometry.rest_lengths
-        lengths = lengths + wander(generator, 6 * n, ticks, 1e-5)
-        force = wander(generator, 3 * n, ticks, 1e-3)
-        y = wander(generator, 3, ticks, 1e-6)
-        one = Ticks(
-            PicController(numbers, plug_ins or {}),
-            law=pack_tick_law(pack_brace(scenario), numbers),
-        )
-        two = Ticks(MakeController(scenario.control, rings, plug_ins))
-        desired, sizes = np.zeros((3, 6 * n)), kernels.tick_sizes(n)
-        for k in range(ticks):
-            desired[:, 1::6] = y[k][:, None]
-            measured = np.concatenate([lengths[k], force[k], np.zeros(3)])
-            tick = one.tick(
-                measured=measured, desired=desired[:, 1::6].ravel()
-            ).output("tick")
-            two.tick(
-                leg_length=lengths[k], force=force[k], desired=desired.ravel()
-            )
-            parts = np.split(tick, np.cumsum(sizes)[:-1])
-            for name, found in (
-                ("leg_command", parts[0]),
-                ("virtual", parts[4]),
-                ("impedance", parts[5]),
-            ):
-                np.testing.assert_array_equal(two.output(name), found)
-        return parts[0].copy()
-
-    def test_every_tick_is_the_same_for_one_ring_and_for_three(self):
-        for stages in ([2], [1, 2, 3]):
-            with self.subTest(stages=stages):
-                command = self.compare(BraceScenario(stages=stages))
-                self.assertGreater(np.ptp(command), 1.0)
-
-    def test_they_agree_with_effects_at_the_sensors(self):
-        cards = effects_for(DEVICE)
-        hosted = [c for c in cards.values() if "sensing" in c.laws]
-        self.assertGreater(len(hosted), 3)
-        scenario = BraceScenario(stages=[2])
-        without = self.compare(scenario, ticks=60)
-        for card in hosted[:4]:
-            values = np.array([p.upper for p in card.parameters])
-            use = (card, card.in_run(values, 0))
-            with self.subTest(effect=card.key):
-                plug_ins = stack_effects((use,))
-                command = self.compare(scenario, plug_ins, ticks=60)
-                self.assertGreater(np.abs(command - without).max(), 1e-3)
-
-    def test_effects_of_one_stage_are_refused_by_three(self):
-        cards = effects_for(DEVICE).values()
-        card = next(c for c in cards if "sensing" in c.laws)
-        values = np.array([p.upper for p in card.parameters])
-        plug_ins = stack_effects(((card, card.in_run(values, 0)),))
-        with self.assertRaisesRegex(BraceError, "one stage.*3"):
-            MakeController(BraceControl(), three_rings(), plug_ins)
 
 
 class TestSystems(unittest.TestCase):

@@ -145,7 +145,6 @@ class TestLoad(unittest.TestCase):
             "torso: 3": ("torso is 3", "a map"),
             "contact: {model: rubber}": ("contact.model", "hydroelastic"),
             "contact: {preload: 0.2}": ("contact.preload", "0.15"),
-            "control: {layout: fast}": ("control.layout", "pic or blocks"),
             "time_step: 3e-4": ("time_step", "control period"),
             "sensors: {log_period: 0.0015}": ("sensors.log_period", "multiple"),
             "sensors: {log_period: 1.0e+308}": (

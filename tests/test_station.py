@@ -24,7 +24,6 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 
 RATE, PIC = 1000.0, "pic_controller"
-LAYOUTS = ("pic", "blocks")
 
 
 def smooth_push(duration: float = 1.5, depth: float = -0.01):
@@ -66,9 +65,8 @@ def run_both(scenario, noise=None, uses=()):
     return SimulateBench(station, time[-1]), rollout
 
 
-def bench(layout="pic", time_step=5e-4, with_torso=True) -> BenchScenario:
+def bench(time_step=5e-4, with_torso=True) -> BenchScenario:
     scenario = BenchScenario(time_step=time_step)
-    scenario.control.layout = layout
     scenario.torso.present = with_torso
     return scenario
 
@@ -88,59 +86,46 @@ class TestDiagramEqualsRollout(unittest.TestCase):
     TOLERANCE = 1e-8
 
     def test_push_agrees_in_every_column(self):
-        for layout in LAYOUTS:
-            for time_step in (5e-4, 2e-4):
-                with self.subTest(layout=layout, time_step=time_step):
-                    log, rollout = run_both(bench(layout, time_step))
-                    self.assertEqual(log.shape, rollout.shape)
-                    np.testing.assert_allclose(
-                        log, rollout, rtol=0, atol=self.TOLERANCE
-                    )
-                    self.assertGreater(np.abs(log[:, 13]).max(), 5.0)
-
-    def test_free_motion_agrees_in_every_column(self):
-        for layout in LAYOUTS:
-            with self.subTest(layout=layout):
-                scenario = bench(layout, with_torso=False)
-                log, rollout = run_both(scenario)
+        for time_step in (5e-4, 2e-4):
+            with self.subTest(time_step=time_step):
+                log, rollout = run_both(bench(time_step))
+                self.assertEqual(log.shape, rollout.shape)
                 np.testing.assert_allclose(
                     log, rollout, rtol=0, atol=self.TOLERANCE
                 )
+                self.assertGreater(np.abs(log[:, 13]).max(), 5.0)
+
+    def test_free_motion_agrees_in_every_column(self):
+        log, rollout = run_both(bench(with_torso=False))
+        np.testing.assert_allclose(log, rollout, rtol=0, atol=self.TOLERANCE)
 
     def test_effects_agree_without_a_torso(self):
         friction = find_effect("coulomb_friction")
         values = np.array([p.starts[0] for p in friction.parameters])
-        for layout in LAYOUTS:
-            with self.subTest(layout=layout):
-                scenario = bench(layout, with_torso=False)
-                log, rollout = run_both(scenario, uses=[(friction, values)])
-                np.testing.assert_allclose(log, rollout, rtol=0, atol=1e-6)
+        scenario = bench(with_torso=False)
+        log, rollout = run_both(scenario, uses=[(friction, values)])
+        np.testing.assert_allclose(log, rollout, rtol=0, atol=1e-6)
 
     def test_the_same_noise_gives_the_same_run(self):
         generator = np.random.default_rng(3)
         noise = generator.standard_normal((1501, 12))
-        for layout in LAYOUTS:
-            with self.subTest(layout=layout):
-                log, rollout = run_both(bench(layout), noise)
-                # A reading next to a rounding edge may fall either way, and
-                # the run then differs by less than the noise does.
-                same = np.isclose(log, rollout, rtol=0, atol=1e-7).all(axis=1)
-                self.assertGreater(same.mean(), 0.99)
-                quiet, _ = run_both(bench(layout))
-                spread = (log - quiet)[:, 6:12].std()
-                self.assertGreater(spread, 3e-6)
+        log, rollout = run_both(bench(), noise)
+        # A reading next to a rounding edge may fall either way, and the run
+        # then differs by less than the noise does.
+        same = np.isclose(log, rollout, rtol=0, atol=1e-7).all(axis=1)
+        self.assertGreater(same.mean(), 0.99)
+        quiet, _ = run_both(bench())
+        spread = (log - quiet)[:, 6:12].std()
+        self.assertGreater(spread, 3e-6)
 
-    def test_effects_agree_in_both_layouts(self):
+    def test_effects_agree(self):
         names = ("coulomb_friction", "relaxation", "force_scale", "hardening")
         for name in names:
             effect = find_effect(name)
             values = np.array([p.starts[0] for p in effect.parameters])
-            for layout in LAYOUTS:
-                with self.subTest(effect=name, layout=layout):
-                    log, rollout = run_both(
-                        bench(layout), uses=[(effect, values)]
-                    )
-                    np.testing.assert_allclose(log, rollout, rtol=0, atol=1e-6)
+            with self.subTest(effect=name):
+                log, rollout = run_both(bench(), uses=[(effect, values)])
+                np.testing.assert_allclose(log, rollout, rtol=0, atol=1e-6)
 
 
 class TestStation(unittest.TestCase):
@@ -159,34 +144,11 @@ class TestStation(unittest.TestCase):
         brace = BraceScenario(stages=[2])
         controller = MakeController(brace.control, pack_rings(brace))
         expected = ports_of(MakeBraceStation(brace, controller).diagram)
-        for layout in LAYOUTS:
-            station = MakeBenchStation(bench(layout), self.reference)
-            inputs, outputs = ports_of(station.diagram)
-            # The reference takes the place of `desired`; what the faster
-            # layout has estimated stays inside.
-            self.assertEqual(inputs, expected[0] - {("desired", 18)})
-            self.assertLessEqual(outputs, expected[1])
-            self.assertLessEqual(expected[1] - outputs, {("estimate", 18)})
-
-    def test_a_gain_changed_in_the_context_changes_the_run(self):
-        kp_y = brace_control.K_P * 6 + 1
-        # In the law of a tick behind resolution and sigma.
-        changes = {"pic": ("pic_law", 14 + kp_y), "blocks": (PIC, kp_y)}
-        for layout, (name, index) in changes.items():
-            station = MakeBenchStation(bench(layout), self.reference)
-            system = station.diagram.GetSubsystemByName(name)
-
-            def double(context, system=system, index=index):
-                own = system.GetMyMutableContextFromRoot(context)
-                law = own.get_mutable_numeric_parameter(0)
-                law.SetAtIndex(index, 2.0 * law[index])
-
-            with self.subTest(layout=layout):
-                nominal = self.run_with(station)
-                changed = self.run_with(station, double)
-                again = self.run_with(station)
-                self.assertGreater(np.abs(changed - nominal).max(), 1e-6)
-                np.testing.assert_array_equal(again, nominal)
+        station = MakeBenchStation(bench(), self.reference)
+        inputs, outputs = ports_of(station.diagram)
+        # The reference takes the place of `desired`.
+        self.assertEqual(inputs, expected[0] - {("desired", 18)})
+        self.assertEqual(outputs, expected[1])
 
     def test_a_stiffness_changed_in_the_context_changes_the_run(self):
         station = MakeBenchStation(bench(), self.reference)
@@ -207,13 +169,13 @@ class TestStation(unittest.TestCase):
 
     def test_doubled_gain_in_the_context_equals_a_rebuilt_station(self):
         station = MakeBenchStation(bench(), self.reference)
-        system = station.diagram.GetSubsystemByName("pic_law")
+        system = station.diagram.GetSubsystemByName(PIC)
 
         def double(context):
             own = system.GetMyMutableContextFromRoot(context)
             law = own.get_mutable_numeric_parameter(0)
             for i in range(6):
-                law.SetAtIndex(14 + brace_control.K_P * 6 + i, 3200.0)
+                law.SetAtIndex(brace_control.K_P * 6 + i, 3200.0)
 
         scenario = bench()
         scenario.control.kp = 3200.0

@@ -36,9 +36,7 @@ def short_push(rings=(2,)):
 
 
 def bench():
-    scenario = BenchScenario(time_step=5e-4)
-    scenario.control.layout = "blocks"
-    return scenario
+    return BenchScenario(time_step=5e-4)
 
 
 class TestSupervisedStation(unittest.TestCase):

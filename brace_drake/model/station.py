@@ -7,17 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.systems.framework import DiagramBuilder, OutputPort
-from pydrake.systems.primitives import (
-    ConstantVectorSource,
-    Demultiplexer,
-    MatrixGain,
-    TrajectorySource,
-)
+from pydrake.systems.primitives import MatrixGain, TrajectorySource
 from pydrake.trajectories import Trajectory
 
 from brace_drake.core.errors import EffectError
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
-from brace_drake.laws.loop import kernels
 from brace_drake.laws.plug_in import PlugIn
 from brace_drake.link.device.limits import Limits
 from brace_drake.model.brace_plant import plant_resolves_contact
@@ -32,15 +26,10 @@ from brace_drake.model.station_parts import (
     AddDrives,
     AddInstruments,
     BraceParts,
-    Feed,
     Join,
 )
 from brace_drake.model.station_safety import Supervision
 from brace_drake.model.systems.brace_controllers import BracePic
-from brace_drake.model.systems.pic_controller import (
-    PicController,
-    pack_tick_law,
-)
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.bench_numbers import (
@@ -77,10 +66,7 @@ def MakeBenchStation(
     """Builds the bench of a scenario that follows a reference.
 
     It is the brace of one stage, see `scenario.bench_brace`, with PIC along y;
-    `sink` logs X_v, X_v', X_v'' (18,) behind the rest. In layout `blocks`
-    instruments and controller are those of the brace; in `pic`, the faster
-    one, they are one system, see PicController, and there are no drives: the
-    controller keeps to their limits.
+    `sink` logs X_v, X_v', X_v'' (18,) behind the rest.
 
     Args:
         scenario: Numbers of the nominal twin, and effects that are always on.
@@ -89,8 +75,7 @@ def MakeBenchStation(
         noise: Standard normal draws (12 rows), constant around each tick, in
             place of the exported port.
         log_pads: Also log the forces of single pads, see `BraceStation`.
-        limits: Of a supervisor behind the controller, in layout `blocks`
-            whatever the scenario says; None: there is none.
+        limits: Of a supervisor behind the controller; None: there is none.
 
     Raises:
         EffectError: More effects than the twin carries, or effects of a
@@ -108,9 +93,7 @@ def MakeBenchStation(
     source = builder.AddNamedSystem("reference", TrajectorySource(reference))
     control = pack_bench_control(brace, bench)
     loop = _Loop(brace, numbers, control, plug_ins, noise, limits)
-    layout = scenario.control.layout if limits is None else "blocks"
-    add = _LAYOUTS[layout]
-    ports, logged = add(builder, parts, source.get_output_port(), loop)
+    ports, logged = _AddBlocks(builder, parts, source.get_output_port(), loop)
     period = scenario.sensors.log_period
     sinks = FinishStation(
         builder, parts.plant, ports, logged, period, pads_of(brace, log_pads)
@@ -175,38 +158,3 @@ def _AddBlocks(
     ports = {"drive_force": drives.get_output_port(), **readings, **ports}
     row = [ports["drive_force"], read, ports["virtual"]]
     return ports, Join(builder, "log_row", row)
-
-
-def _AddPic(
-    builder: DiagramBuilder, parts: BraceParts, y: OutputPort, loop: _Loop
-) -> tuple[dict[str, OutputPort], OutputPort]:
-    """Adds all as one system, arguments and results as `_AddBlocks`.
-
-    Each further system would cost time in every step of the plant.
-    """
-    add, n = builder.AddNamedSystem, loop.numbers.num_stages
-    pic = add("pic_controller", PicController(loop.control, loop.plug_ins))
-    numbers = pack_tick_law(loop.numbers, loop.control)
-    law = add("pic_law", ConstantVectorSource(numbers))
-    split = add("tick_split", Demultiplexer(list(kernels.tick_sizes(n))))
-    for source, name in (
-        (parts.measured, "measured"),
-        (y, "desired"),
-        (law.get_output_port(), "law"),
-    ):
-        builder.Connect(source, pic.GetInputPort(name))
-    Feed(builder, pic.GetInputPort("noise"), loop.noise)
-    tick = pic.GetOutputPort("tick")
-    builder.Connect(tick, split.get_input_port())
-    names = (
-        "leg_command", "leg_length", "force", "marker", "virtual", "impedance",
-    )  # fmt: skip
-    ports = {name: split.get_output_port(i) for i, name in enumerate(names)}
-    # The law of the controller has limited the commands.
-    ports["drive_force"] = ports["leg_command"]
-    for port in parts.legs:
-        builder.Connect(ports["leg_command"], port)
-    return ports, tick
-
-
-_LAYOUTS = {"pic": _AddPic, "blocks": _AddBlocks}

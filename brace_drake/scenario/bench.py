@@ -67,8 +67,11 @@ class Contact:
     """Pads against torso: `linear` or `hydroelastic`, one law or the other.
 
     The linear law's numbers are always given; the hydroelastic ones are used
-    where `model` says so, and `brace_drake.model.contact_mapping` measures
-    those that give the linear stiffness and damping.
+    where `model` says so. A rigid pad of area A that sinks by d into a layer of
+    modulus E and thickness H meets N = (E A / H) d (1 + D d'), so that
+    E = k H / A and, at a working depth d_0, D = c / (k d_0) give the linear k
+    and c. Two pads that share a preload d_0 damp as the linear law does while
+    both touch: their depths add up to 2 d_0.
     """
 
     model: str = "linear"
@@ -82,8 +85,7 @@ class Contact:
     # On a torso's mesh, hydroelastic: points of a pad, across and up, that
     # stand for its face, see brace_drake.torso.points; 0, 0: the whole face.
     pad_points: list[int] = field(default_factory=lambda: [2, 4])
-    # What `brace_drake.model.contact_mapping` gives for stiffness and damping
-    # above at the preload; tests/test_contact_mapping.py measures it.
+    # These give the stiffness and damping above at the preload.
     hydroelastic_modulus: float = 26666.666666666668  # Pa, k H / A
     hydroelastic_thickness: float = 0.02  # m, H of the compliant layer
     hydroelastic_dissipation: float = 23.4375  # s/m, c / (k preload)
@@ -91,13 +93,8 @@ class Contact:
 
 @dataclass
 class Control:
-    """Position-based impedance control on inverse dynamics.
+    """Position-based impedance control on inverse dynamics."""
 
-    `layout` is "pic", instruments and controller as one system, which is fast,
-    or "blocks", those of the brace; both compute the same.
-    """
-
-    layout: str = "pic"
     rate: float = 1000.0  # Hz
     kp: float = 1600.0  # 1/s^2
     kd: float = 80.0  # 1/s

@@ -38,7 +38,6 @@ _NOT_NEGATIVE = (
 _WORDS = {
     "contact.model": ("linear", "hydroelastic"),
     "contact.ring.model": ("none", "linear", "hydroelastic"),
-    "control.layout": ("pic", "blocks"),
     "mechanism": ("task_space", "articulated"),
 }
 _MOST_POINTS = 10  # of a pad, in a row

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.core.errors import BraceError
 from brace_drake.laws.control import brace_control
 from brace_drake.laws.control.pose_estimate import NUM_POSE_MEMORY
-from brace_drake.laws.plug_in import PlugIn, idle
-from brace_drake.model.systems.hosting import EffectHost
 from brace_drake.model.systems.ticks import DeclareTick
 from brace_drake.scenario.control_numbers import ControlNumbers
 
@@ -56,8 +52,6 @@ class BraceController(LeafSystem):
         estimate: What the tick knew: X, X', and the filtered force (18n,).
 
     Numeric parameters: law, the rows of `advance_brace` one after another.
-    Effects at `sensing` may be hosted where n is 1: their parameters and states
-    are this system's.
 
     Raises (at a tick):
         BraceError: The legs have no pose or are singular, or a stiffness asked
@@ -66,11 +60,7 @@ class BraceController(LeafSystem):
 
     TAG = ""
 
-    def __init__(
-        self,
-        numbers: ControlNumbers,
-        plug_ins: Mapping[str, PlugIn] | None = None,
-    ):
+    def __init__(self, numbers: ControlNumbers):
         super().__init__()
         self._kind, self._period = numbers.kind, numbers.period
         self._rows, coordinates = numbers.law.shape
@@ -96,13 +86,6 @@ class BraceController(LeafSystem):
             self._CalcEstimate,
             prerequisites_of_calc={self.xd_ticket()},
         )
-        plug_in = (plug_ins or {}).get("sensing") or idle("sensing")
-        if coordinates != 6 and not plug_in.is_idle:
-            raise BraceError(
-                f"{type(self).__name__}: effects at sensing are those of one"
-                f" stage, and this brace has {coordinates // 6}"
-            )
-        self._host = EffectHost(self, plug_in)
         DeclareTick(self, self._period, self._Tick)
 
     def _DeclarePorts(self, coordinates: int) -> None:
@@ -139,15 +122,11 @@ class BraceController(LeafSystem):
         virtual, impedance, command, pose, memory = (
             discrete.get_mutable_value(i) for i in self._groups
         )
-        lengths = self._length_port.Eval(context)
-        force = self._force_port.Eval(context)
-        if not self._host.is_idle:
-            self._ApplyEffects(context, discrete, command, lengths, force)
         law = context.get_numeric_parameter(self._law).CopyToVector()
         result = brace_control.advance_brace(
             self._kind,
-            lengths,
-            force,
+            self._length_port.Eval(context),
+            self._force_port.Eval(context),
             self._desired_port.Eval(context),
             self._AskedStiffness(context),
             law.reshape((self._rows, -1)),
@@ -162,9 +141,3 @@ class BraceController(LeafSystem):
                 f"{type(self).__name__}: {PROBLEMS[result]}"
                 f" at {context.get_time():.3f} s"
             )
-
-    def _ApplyEffects(self, context, discrete, u, lengths, force) -> None:
-        memory = self._host.memory(context)
-        now = (context.get_time(), self._period)
-        self._host.apply(context, memory, *now, u, lengths, force)
-        self._host.store(memory, discrete)

@@ -7,12 +7,9 @@ stages from the top down, each leg limited, the rings' weight carried).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 from pydrake.systems.framework import Context
 
-from brace_drake.laws.plug_in import PlugIn
 from brace_drake.model.systems.brace_controller import BraceController
 from brace_drake.scenario.check_controllers import check_control
 from brace_drake.scenario.control_numbers import BraceRings, pack_control
@@ -114,7 +111,6 @@ _CONTROLLERS = {
 def MakeController(
     control: BraceControl,
     rings: BraceRings,
-    plug_ins: Mapping[str, PlugIn] | None = None,
     source: str = "control",
 ) -> BraceController:
     """The controller that the numbers' tag names.
@@ -122,13 +118,11 @@ def MakeController(
     Args:
         control: Numbers.
         rings: Geometry, masses and limits as the controller knows them.
-        plug_ins: Effects at `sensing`, for one moving ring.
         source: Named where a number is refused.
 
     Raises:
         ScenarioError: A number is not allowed: source, key, value, range.
-        BraceError: Effects at `sensing` with more than one ring.
     """
     check_control(control, rings, source)
     numbers = pack_control(control, rings)
-    return _CONTROLLERS[control.tag](numbers, plug_ins)
+    return _CONTROLLERS[control.tag](numbers)
