@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import ortho_group
 
-from brace_drake.identification.gauss_newton import solve_gauss_newton
+from brace_drake.identification.least_squares import solve_gauss_newton
 
 T = np.linspace(0.0, 3.0, 60)
 

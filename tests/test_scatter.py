@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.gauss_newton import LeastSquaresSolution
+from brace_drake.identification.least_squares import LeastSquaresSolution
 from brace_drake.identification.prior_check import (
     looks_scattered,
     refit_spread,

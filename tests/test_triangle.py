@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.identification.triangle import calc_triangle
+from brace_drake.identification.least_squares import calc_triangle
 
 
 class TestTriangle(unittest.TestCase):

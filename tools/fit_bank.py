@@ -25,7 +25,7 @@ import numpy as np
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.gauss_newton import LeastSquaresSolution
+from brace_drake.identification.least_squares import LeastSquaresSolution
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.null_bootstrap import NullDistribution
@@ -105,7 +105,7 @@ def _fit_row(d, fit: CandidateFit, chance: bool | None) -> dict:
 
 
 def _triangle_of(fit: CandidateFit) -> np.ndarray | None:
-    from brace_drake.identification.triangle import calc_triangle
+    from brace_drake.identification.least_squares import calc_triangle
 
     if not fit.is_searched:
         return None

@@ -11,14 +11,14 @@ from brace_drake.devices.bench.recorded_motion import ring_poses
 from brace_drake.devices.bench.rollout import LENGTHS
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.experiments.measures import rms
-from brace_drake.identification.nn_regression import (
-    NnContactEstimate,
-    fit_contact_nn,
-)
-from brace_drake.identification.start import (
+from brace_drake.identification.contact_start import (
     contact_motion,
     contact_starts,
     start_values,
+)
+from brace_drake.identification.nn_regression import (
+    NnContactEstimate,
+    fit_contact_nn,
 )
 from brace_drake.recording.columns import BENCH
 from brace_drake.recording.recording import Campaign, Run

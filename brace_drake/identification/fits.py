@@ -15,14 +15,14 @@ from brace_drake.identification.evaluation import (
     is_dithered,
     sticks,
 )
-from brace_drake.identification.gauss_newton import (
+from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
     bounded_step,
+    calc_triangle,
     solve_gauss_newton,
 )
 from brace_drake.identification.prior_check import looks_scattered, refit_spread
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.identification.triangle import calc_triangle
 
 _STEPS, _FAR_STEPS = 10, 30
 # Relative decrease of the sum of squares that ends the search at the coarse

@@ -13,7 +13,7 @@ import numpy as np
 
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.gauss_newton import solve_gauss_newton
+from brace_drake.identification.least_squares import solve_gauss_newton
 from brace_drake.identification.problem import CandidateProblem
 
 _STEPS = 6

@@ -22,7 +22,7 @@ from brace_drake.identification.fits import (
     correct_step,
     finish_fit,
 )
-from brace_drake.identification.gauss_newton import (
+from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
     solve_gauss_newton,
 )

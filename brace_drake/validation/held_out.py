@@ -18,8 +18,8 @@ from scipy.optimize import lsq_linear
 
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.least_squares import calc_triangle
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.identification.triangle import calc_triangle
 
 
 def motions_of(prepared: list[PreparedRun]) -> list[list[int]]:

@@ -16,7 +16,7 @@ import numpy as np
 from brace_drake.core.errors import BraceError
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit, finish_fit
-from brace_drake.identification.gauss_newton import (
+from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
     solve_gauss_newton,
 )

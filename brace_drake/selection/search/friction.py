@@ -16,7 +16,7 @@ from brace_drake.identification.fits import (
     finish_fit,
     fit_effects,
 )
-from brace_drake.identification.gauss_newton import (
+from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
     solve_gauss_newton,
 )

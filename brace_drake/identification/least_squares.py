@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from brace_drake.identification.triangle import calc_triangle
-
+# Rows at a time that stay in a processor's cache, with dozens of columns.
+_ROWS = 2000
 # A Jacobian is kept while steps bring this share of what it promised, and take
 # this share of the cost: less where its columns are many, and dear.
 _KEPT_PROMISE = 0.7
@@ -24,6 +24,32 @@ _DAMPED = (1e-4, 1e-3, 1e-2)
 # Noise in a Jacobian, as of drives that stick, makes steps too short: one of
 # few parameters that brings so many times its promise is tried so much longer.
 _EXCEEDED, _LONGER = 1.3, (2.0, 4.0)
+
+
+def calc_triangle(columns: Sequence[np.ndarray]) -> np.ndarray:
+    """R of A = Q R, A the arrays beside each other.
+
+    Block by block of rows, then of the triangles below each other: as exact as
+    Householder's reflections of the whole, without their ways through memory
+    (Demmel, Grigori, Hoemmen, Langou, Communication-optimal parallel and
+    sequential QR and LU factorizations, SIAM J. Sci. Comput. 34, 2012).
+
+    Args:
+        columns: Arrays (m,) or (m, n_i).
+
+    Returns:
+        (min(m, n), n), n the sum of all n_i.
+    """
+    rows = len(columns[0])
+    triangles = [
+        np.linalg.qr(
+            np.column_stack([c[at : at + _ROWS] for c in columns]), mode="r"
+        )
+        for at in range(0, rows, _ROWS)
+    ]
+    if len(triangles) == 1:
+        return triangles[0]
+    return np.linalg.qr(np.vstack(triangles), mode="r")
 
 
 class Batch(Protocol):
