@@ -36,9 +36,8 @@ from brace_drake.learning.policy import SavePolicy
 from brace_drake.learning.subjects import NOMINAL, Subject
 from brace_drake.scenario.bench import EffectUse
 from brace_drake.scenario.load import LoadScenario, SaveScenario
-from brace_drake.withheld.simulator.bench import run_bench
-from brace_drake.withheld.simulator.flaws import Flaws
-from brace_drake.withheld.simulator.numbers import Subject as Wearer
+from brace_drake.withheld.simulator import Decisions, Flaws, run_bench
+from brace_drake.withheld.simulator import Subject as Wearer
 from tests.learning_tasks import random_policy
 
 _TIME = 0.4
@@ -93,15 +92,15 @@ class TestBenchTask(unittest.TestCase):
         self.assertGreater(np.abs(with_it.force - without.force).max(), 0.01)
 
 
-class TestStandIn(unittest.TestCase):
+class TestSimulator(unittest.TestCase):
     def test_a_constant_decision_changes_nothing_of_a_run(self):
         wanted = cubic_push(-4e-4, 0.2, 201)
         logs = [
             run_bench(
                 wanted, True, Wearer(), Flaws(), np.random.default_rng(1),
-                decide=decide,
+                decisions=decisions,
             )
-            for decide in (None, lambda tick, run: 6000.0)
+            for decisions in (None, Decisions(50, lambda tick, run: 6000.0))
         ]  # fmt: skip
         np.testing.assert_array_equal(*logs)
 
@@ -114,7 +113,7 @@ class TestStandIn(unittest.TestCase):
 
         run_bench(
             wanted, True, Wearer(), Flaws(), np.random.default_rng(1),
-            decide=decide,
+            decisions=Decisions(50, decide),
         )  # fmt: skip
         ticks, seen, ahead = zip(*told, strict=True)
         self.assertEqual(ticks, (0, 50, 100, 150))

@@ -8,7 +8,7 @@ from brace_drake.withheld.cases import build_case
 from brace_drake.withheld.faults import FAULTS
 from brace_drake.withheld.floors import measure
 from brace_drake.withheld.make import size_of
-from brace_drake.withheld.simulator.motions import make_motions
+from brace_drake.withheld.simulator import make_motions
 
 
 class TestPair(unittest.TestCase):

@@ -6,12 +6,20 @@ import unittest
 import numpy as np
 
 from brace_drake.withheld.faults import FAULTS, OUTSIDE
-from brace_drake.withheld.simulator import bristle, numbers, pads
-from brace_drake.withheld.simulator.bench import COLUMNS, run_bench
-from brace_drake.withheld.simulator.flaws import Flaws, PadFlaws, with_flaws
+from brace_drake.withheld.simulator import (
+    COLUMNS,
+    Flaws,
+    Subject,
+    legs,
+    make_motions,
+    numbers,
+    pads,
+    run_bench,
+    with_flaws,
+)
+from brace_drake.withheld.simulator.flaws import PadFlaws
 from brace_drake.withheld.simulator.frame import find_pose, leg_geometry
-from brace_drake.withheld.simulator.motions import between_samples, make_motions
-from brace_drake.withheld.simulator.numbers import Subject
+from brace_drake.withheld.simulator.motions import between_samples
 from brace_drake.withheld.simulator.turning import exponential, logarithm
 from tests.shared_data import SHARED, needs_shared
 
@@ -87,22 +95,22 @@ class TestMechanics(unittest.TestCase):
 class TestFriction(unittest.TestCase):
     def test_it_sticks_below_breakaway_without_creep(self):
         # A shaking load below break-away moves the bristle to and fro only.
-        stiffness = bristle.bristle_stiffness(1.0, 0.0)
+        stiffness = legs.bristle_stiffness(1.0, 0.0)
         z, x, h = 0.0, 0.0, 1e-5
         for i in range(20000):
             v = 1e-3 * math.cos(2 * math.pi * 100.0 * i * h)
-            rate = bristle.bristle_rate(v, z, 1.0, stiffness)
+            rate = legs.bristle_rate(v, z, 1.0, stiffness)
             z, x = z + h * rate, x + h * v
         self.assertAlmostEqual(z, x, delta=1e-12)
 
     def test_it_slides_at_the_stribeck_curve(self):
-        sliding = bristle.sliding_friction(2e-3, 1.0, 0.5, 1e-3, 2.0)
+        sliding = legs.sliding_friction(2e-3, 1.0, 0.5, 1e-3, 2.0)
         self.assertAlmostEqual(sliding, 1.0 + 0.5 * math.exp(-4.0))
-        stiffness = bristle.bristle_stiffness(1.0, 0.5)
+        stiffness = legs.bristle_stiffness(1.0, 0.5)
         z, h = 0.0, 1e-6
         for _ in range(100000):
-            z += h * bristle.bristle_rate(2e-3, z, sliding, stiffness)
-        force = bristle.friction(z, 0.0, stiffness)
+            z += h * legs.bristle_rate(2e-3, z, sliding, stiffness)
+        force = legs.friction(z, 0.0, stiffness)
         self.assertAlmostEqual(force, sliding, places=6)
 
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from brace_drake.withheld.faults import FAULTS, OUTSIDE, SEVERITIES, Fault
-from brace_drake.withheld.simulator.flaws import Flaws, with_flaws
-from brace_drake.withheld.simulator.numbers import Subject
+from brace_drake.withheld.simulator import Flaws, Subject, with_flaws
 
 KINDS = ("none", "outside", "pair", "single")
 # Shares of the kinds among many cases.

@@ -12,10 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.withheld.simulator.bench import COLUMNS, run_bench
-from brace_drake.withheld.simulator.flaws import Flaws
-from brace_drake.withheld.simulator.motions import Motion, make_motions
-from brace_drake.withheld.simulator.numbers import Subject
+from brace_drake.withheld.simulator import (
+    COLUMNS,
+    Flaws,
+    Motion,
+    Subject,
+    make_motions,
+    run_bench,
+)
 
 _STEP = 0.02  # of a subject's number, relative
 _STEPS = 5  # of the integration in a tick; both benches err alike

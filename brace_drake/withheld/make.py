@@ -16,14 +16,16 @@ from brace_drake.recording import Campaign, Run, WriteCampaign
 from brace_drake.withheld.cases import Case, build_case, draw_faults, draw_kinds
 from brace_drake.withheld.floors import measure
 from brace_drake.withheld.seals import SEALS, VAULT_FORMAT, new_salt, seal
-from brace_drake.withheld.simulator.bench import COLUMNS, REFERENCE, run_bench
-from brace_drake.withheld.simulator.flaws import Flaws
-from brace_drake.withheld.simulator.motions import (
+from brace_drake.withheld.simulator import (
+    COLUMNS,
     LOG_PERIOD,
+    REFERENCE,
+    Flaws,
     Motion,
+    Subject,
     make_motions,
+    run_bench,
 )
-from brace_drake.withheld.simulator.numbers import Subject
 
 _DEVICE = "bench stage 2"
 

@@ -9,11 +9,15 @@ import numpy as np
 
 from brace_drake.laws import cubic
 from brace_drake.learning.policy import Policy
-from brace_drake.withheld.simulator import control
-from brace_drake.withheld.simulator.bench import run_bench
-from brace_drake.withheld.simulator.flaws import Flaws
-from brace_drake.withheld.simulator.numbers import TICK, Subject
-from brace_drake.withheld.simulator.run import Run
+from brace_drake.withheld.simulator import (
+    TICK,
+    Decisions,
+    Flaws,
+    Run,
+    Subject,
+    control,
+    run_bench,
+)
 
 _COORDINATES = 6
 
@@ -99,9 +103,8 @@ def push_bench(
         return stiffness
 
     rng = np.random.default_rng(seed)
-    run_bench(
-        wanted, True, subject, flaws, rng, noise, decide=decide, every=every
-    )
+    decisions = Decisions(every, decide)
+    run_bench(wanted, True, subject, flaws, rng, noise, decisions=decisions)
     table = np.array(rows)
     position = table[:, 3:6] - np.array([0.0, 0.0, table[0, 5]])
     return PhysicalPush(

@@ -38,8 +38,7 @@ from brace_drake.validation.repaired import FILE, MakeRepairedScenario
 from brace_drake.withheld.cases import Case, draw_decoy, draw_subject
 from brace_drake.withheld.faults import FAULTS, SEVERITIES
 from brace_drake.withheld.make import record_campaign
-from brace_drake.withheld.simulator.flaws import with_flaws
-from brace_drake.withheld.simulator.motions import make_motions
+from brace_drake.withheld.simulator import make_motions, with_flaws
 
 # Streams of chance of a seed: campaigns, pushes.
 _RECORDED, _PUSHED = 1, 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from brace_drake.withheld.simulator import numbers
@@ -9,6 +11,21 @@ from brace_drake.withheld.simulator.flaws import Flaws
 
 # Breath wanders in rate and depth by this much, within this time.
 _WANDER, _WANDER_TIME = 0.08, 6.0
+
+
+class Chance(NamedTuple):
+    """What is random in a run of n ticks.
+
+    Attributes:
+        lengths, force: Noise of the instruments (n, 6), (n, 3), m, N.
+        expansion: Of the chest at both pads (n + 1, 2), m.
+        lost: 1 where a drive has not heard its command (n, 6).
+    """
+
+    lengths: np.ndarray
+    force: np.ndarray
+    expansion: np.ndarray
+    lost: np.ndarray
 
 
 def coloured(
@@ -68,8 +85,8 @@ def lost_commands(
 
 def draw(
     rng: np.random.Generator, ticks: int, flaws: Flaws, noise: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """All of a run: noise (or none), expansion, lost commands.
+) -> Chance:
+    """All that is random in a run.
 
     Without noise the rest is drawn from the same generator in the same way,
     so that runs with and without it breathe alike.
@@ -78,8 +95,9 @@ def draw(
     expansion = chest_expansion(breath_rng, ticks, flaws)
     lost = lost_commands(lost_rng, ticks, flaws)
     if not noise:
-        return np.zeros((ticks, 6)), np.zeros((ticks, 3)), expansion, lost
+        zeros = np.zeros((ticks, 6)), np.zeros((ticks, 3))
+        return Chance(*zeros, expansion, lost)
     colour = flaws.sensors.colour
     lengths = coloured(noise_rng, (ticks, 6), numbers.LENGTH_NOISE, colour)
     force = coloured(noise_rng, (ticks, 3), numbers.FORCE_NOISE, colour)
-    return lengths, force, expansion, lost
+    return Chance(lengths, force, expansion, lost)

@@ -37,8 +37,7 @@ STIFFNESS, DAMPING = 15, 16
 NUM_MEMORY = 17
 
 
-@maker
-def make_memory():
+def make_memory() -> np.ndarray:
     """The memory before the first tick, with the data sheet's impedance."""
     memory = np.zeros(NUM_MEMORY)
     memory[STIFFNESS], memory[DAMPING] = DESIRED_STIFFNESS, DESIRED_DAMPING
@@ -58,31 +57,35 @@ def give_way(wanted, reading, memory):
 
 
 @maker
-def control(first, lengths, reading, wanted, p, R, g, memory, commands):
+def control(tick, reading, wanted, nominal, run):
     """One tick.
 
     Args:
-        first: Whether it is the first, with no pose before it.
-        lengths: Measured (6,), m.
-        reading: Measured force along y, N.
+        tick: The first, 0, has no pose before it.
+        reading: Measured lengths (6), m, and force (3), N.
         wanted: Reference y, y', y'' (3,).
-        p, R: The pose found last, updated.
-        g: Nominal anchors (2, 6, 3).
-        memory: (NUM_MEMORY,), updated.
-        commands: Output (6,), N.
+        nominal: Lower and upper anchors as the controller knows them.
+        run: Run; its pose and memory are updated, its commands written.
     """
-    find_pose(lengths, p, R, g[0], g[1])
+    p, R, memory, commands = (
+        run.p_found,
+        run.R_found,
+        run.memory,
+        run.sent[tick],
+    )
+    lower, upper = nominal
+    find_pose(reading[0:6], p, R, lower, upper)
     pose = np.empty(6)
     pose[0:3] = p
     pose[2] -= RING_HEIGHTS[1]
     logarithm(R, pose[3:6])
-    if first:
+    if tick == 0:
         memory[POSE : POSE + 6] = pose
     for i in range(6):
         slope = (pose[i] - memory[POSE + i]) / TICK
         memory[RATE + i] += RATE_GAIN * (slope - memory[RATE + i])
         memory[POSE + i] = pose[i]
-    a = give_way(wanted, reading, memory)
+    a = give_way(wanted, reading[7], memory)
     wrench = np.empty(6)
     for i in range(6):
         inertia = RING_MASS if i < 3 else RING_INERTIA[i - 3]
@@ -96,7 +99,7 @@ def control(first, lengths, reading, wanted, p, R, g, memory, commands):
     wrench[2] += RING_MASS * GRAVITY
     length, arm, along = np.empty(6), np.empty((6, 3)), np.empty((6, 3))
     J = np.empty((6, 6))
-    leg_geometry(p, R, g[0], g[1], length, arm, along)
+    leg_geometry(p, R, lower, upper, length, arm, along)
     screws(arm, along, J)
     commands[:] = np.linalg.solve(np.ascontiguousarray(J.T), wrench)
     for k in range(6):

@@ -7,10 +7,10 @@ show some of y on its other axes. Encoders sit on the drives' side.
 import math
 
 from brace_drake.withheld.simulator.compiled import worker
-from brace_drake.withheld.simulator.drives import is_loose
 from brace_drake.withheld.simulator.frame import leg_geometry
-from brace_drake.withheld.simulator.motion import DRIVE
+from brace_drake.withheld.simulator.legs import is_loose
 from brace_drake.withheld.simulator.numbers import FORCE_STEP, LENGTH_STEP, TICK
+from brace_drake.withheld.simulator.state import DRIVE
 
 
 @worker
@@ -37,24 +37,23 @@ def to_step(value, step):
 
 
 @worker
-def sense(tick, x, R, g, on, flaws, noise, rounding, scratch, lagged, out):
+def sense(tick, bench, run, out):
     """Writes the readings of a tick, lengths (6) and force (3), to out (9,).
 
-    Also leaves the legs' geometry in `scratch`, which the mass matrix takes.
-    `noise` holds that of lengths and force (n, 6), (n, 3).
+    Also leaves the legs' geometry in `run`, which the mass matrix takes.
     """
-    length_noise, force_noise = noise
+    flaws, chance = bench.flaws, bench.chance
+    lower, upper = bench.anchors
     leg_geometry(
-        x[0:3], R[0], g[0], g[1], scratch.length, scratch.arm, scratch.along
+        run.x[0:3], run.R[0], lower, upper, run.length, run.arm, run.along
     )
-    read_force(
-        tick * TICK, on[2], force_noise[tick], flaws.sensors, lagged, out[6:9]
-    )
+    t, noise = tick * TICK, chance.force[tick]
+    read_force(t, run.on[2], noise, flaws.sensors, run.lagged, out[6:9])
     for k in range(6):
-        length = scratch.length[k]
+        length = run.length[k]
         if is_loose(flaws.legs):
-            length = x[DRIVE + k]
-        out[k] = length + flaws.sensors.lengths[k] + length_noise[tick, k]
-    if rounding:
+            length = run.x[DRIVE + k]
+        out[k] = length + flaws.sensors.lengths[k] + chance.lengths[tick, k]
+    if bench.rounding:
         for k in range(9):
             out[k] = to_step(out[k], LENGTH_STEP if k < 6 else FORCE_STEP)

@@ -1,22 +1,19 @@
-"""Rates of everything that moves: ring, torso, bristles, drives, tissue.
+"""Motion of ring and torso: at rest, its rates, and a step of integration.
 
-The state holds, for ring and torso alike, position, turn since the tick's
-step began (exponential coordinates), velocity and angular velocity, all in W.
+A step is one of the classical Runge-Kutta method on poses (Munthe-Kaas, "High
+order Runge-Kutta methods on manifolds", Applied Numerical Mathematics 29,
+1999): turns within a step are exponential coordinates.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from brace_drake.withheld.simulator.compiled import maker, worker
-from brace_drake.withheld.simulator.drives import leg_force
-from brace_drake.withheld.simulator.frame import leg_geometry
+from brace_drake.withheld.simulator.frame import leg_geometry, screws
+from brace_drake.withheld.simulator.legs import joint_stretch, leg_wrench
 from brace_drake.withheld.simulator.numbers import (
     GRAVITY,
-    PAD_FRICTION,
-    PAD_OFFSET,
-    PAD_SLIP_SPEED,
     POSTURE,
     POSTURE_DAMPING,
     RING_HEIGHTS,
@@ -24,7 +21,17 @@ from brace_drake.withheld.simulator.numbers import (
     RING_MASS,
     TORSO_INERTIA,
 )
-from brace_drake.withheld.simulator.pads import press, rest_compression
+from brace_drake.withheld.simulator.pads import (
+    pad_wrenches,
+    rest_compression,
+    start_memory,
+)
+from brace_drake.withheld.simulator.state import (
+    DRIVE,
+    NUM_STATE,
+    TISSUE,
+    TORSO,
+)
 from brace_drake.withheld.simulator.turning import (
     apply,
     apply_back,
@@ -32,51 +39,37 @@ from brace_drake.withheld.simulator.turning import (
     exponential,
     logarithm,
     product,
+    turn,
 )
-
-RING, TORSO, BRISTLE, DRIVE, TISSUE = 0, 12, 24, 30, 36
-NUM_STATE = 42
-
-
-class Scratch(NamedTuple):
-    """Arrays that the hot loop writes into, made once per run."""
-
-    rotations: np.ndarray  # (2, 3, 3)
-    step: np.ndarray  # (3, 3)
-    length: np.ndarray  # (6,)
-    arm: np.ndarray  # (6, 3)
-    along: np.ndarray  # (6, 3)
-    load: np.ndarray  # (6,)
-    body_load: np.ndarray  # (6,)
-    a: np.ndarray  # (3,)
-    b: np.ndarray  # (3,)
-    c: np.ndarray  # (3,)
-    on: np.ndarray  # (4, 3)
-    pad: np.ndarray  # (5, 3)
 
 
 @maker
-def make_scratch():
-    """A new Scratch."""
-    return Scratch(
-        np.empty((2, 3, 3)),
-        np.empty((3, 3)),
-        np.empty(6),
-        np.empty((6, 3)),
-        np.empty((6, 3)),
-        np.empty(6),
-        np.empty(6),
-        np.empty(3),
-        np.empty(3),
-        np.empty(3),
-        np.empty((4, 3)),
-        np.empty((5, 3)),
-    )
+def begin(bench, run):
+    """Writes the state at rest: ring and torso at their rest poses."""
+    x, flaws, expansion = run.x, bench.flaws, bench.chance.expansion[0]
+    x[2] = RING_HEIGHTS[1]
+    lower, upper = bench.anchors
+    leg_geometry(x[0:3], run.R[0], lower, upper, run.length, run.arm, run.along)
+    J = np.empty((6, 6))
+    screws(run.arm, run.along, J)
+    weight = np.zeros(6)
+    weight[2] = (RING_MASS + flaws.ring.mass) * GRAVITY
+    carried = np.linalg.solve(np.ascontiguousarray(J.T), weight)
+    for k in range(6):
+        x[DRIVE + k] = run.length[k] + joint_stretch(carried[k], flaws.legs)
+    if bench.contact:
+        for pad in range(2):
+            first = TISSUE + 3 * pad
+            rest = rest_compression(pad, bench.subject, flaws.pads)
+            d = rest + expansion[pad]
+            start_memory(d, flaws.pads, x[first : first + 3])
+    run.p_found[:] = x[0:3]
 
 
 @worker
-def posture_wrench(t, x, R, subject, flaws, push, a, out):
+def posture_wrench(t, x, R, bench, run, out):
     """Writes force and torque (6,) of posture and muscles on the torso."""
+    subject, flaws, a = bench.subject, bench.flaws.torso, run.a
     logarithm(R, a)
     shift = 0.0
     if flaws.creep != 0.0:
@@ -94,108 +87,7 @@ def posture_wrench(t, x, R, subject, flaws, push, a, out):
         out[i] += flaws.tremor[i] * tremor
         turn_rate = x[TORSO + 9 + i]
         out[3 + i] = -POSTURE[3 + i] * a[i] - POSTURE_DAMPING[3 + i] * turn_rate
-    out[1] += push
-
-
-@worker
-def approach(side, x, R_ring, R_torso, o):
-    """Writes how a pad stands to the torso.
-
-    Args:
-        side: +1 or -1 along y.
-        x: State.
-        R_ring, R_torso: Their rotations.
-        o: Output (5, 3): the pad from the ring's centre, from the torso's, its
-            velocity on the torso, the torso's y-axis; then depth of the pad
-            along that axis and its rate.
-    """
-    for i in range(3):
-        o[0, i] = side * PAD_OFFSET * R_ring[i, 1]
-        o[1, i] = x[i] + o[0, i] - x[TORSO + i]
-        o[3, i] = R_torso[i, 1]
-    o[1, 2] -= RING_HEIGHTS[1]
-    o[4, 0] = 0.0
-    o[4, 1] = 0.0
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        ring = x[6 + i] + x[9 + j] * o[0, k] - x[9 + k] * o[0, j]
-        turned = x[TORSO + 9 + j] * o[1, k] - x[TORSO + 9 + k] * o[1, j]
-        o[2, i] = ring - x[TORSO + 6 + i] - turned
-        o[4, 0] += o[1, i] * o[3, i]
-        o[4, 1] += o[2, i] * o[3, i]
-
-
-@worker
-def add_press(side, N, o, on):
-    """Adds a pad's normal force N and its friction, see `approach`, to on."""
-    square = 0.0
-    for i in range(3):
-        o[2, i] -= o[4, 1] * o[3, i]
-        square += o[2, i] * o[2, i]
-    speed = math.sqrt(square)
-    grip = PAD_FRICTION * N / PAD_SLIP_SPEED
-    if speed > 1e-12:
-        grip *= math.tanh(speed / PAD_SLIP_SPEED) / speed * PAD_SLIP_SPEED
-    f = o[2]
-    for i in range(3):
-        f[i] = grip * o[2, i] - side * N * o[3, i]
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        on[0, i] -= f[i]
-        on[1, i] -= o[0, j] * f[k] - o[0, k] * f[j]
-        on[2, i] += f[i]
-        on[3, i] += o[1, j] * f[k] - o[1, k] * f[j]
-
-
-@worker
-def pad_wrenches(x, R, breath, subject, flaws, o, on, rates):
-    """Adds both pads' forces.
-
-    Args:
-        x: State.
-        R: Rotations of ring and torso (2, 3, 3).
-        breath: Expansion at each pad and its rate (2, 2), m, m/s.
-        subject, flaws: Subject and PadFlaws.
-        o: Room for `approach`.
-        on: Output (4, 3), added to: force and torque on the ring, then on the
-            torso. The force on the torso is the ideal reading.
-        rates: State's rates; those of the tissue are written.
-    """
-    for pad in range(2):
-        side = 1.0 - 2.0 * pad
-        approach(side, x, R[0], R[1], o)
-        d = rest_compression(pad, subject, flaws) + breath[pad, 0]
-        d += PAD_OFFSET - side * o[4, 0]
-        d_rate = breath[pad, 1] - side * o[4, 1]
-        first = TISSUE + 3 * pad
-        N = press(d, d_rate, subject, flaws, x, rates, first)
-        if N > 0.0:
-            add_press(side, N, o, on)
-
-
-@worker
-def leg_wrench(x, R, u, lower, upper, flaws, scratch, on, rates):
-    """Adds the legs' force and torque on the ring; rates of their memory."""
-    length, arm, along = scratch.length, scratch.arm, scratch.along
-    leg_geometry(x[0:3], R, lower, upper, length, arm, along)
-    for k in range(6):
-        n0, n1, n2 = along[k, 0], along[k, 1], along[k, 2]
-        m0 = arm[k, 1] * n2 - arm[k, 2] * n1
-        m1 = arm[k, 2] * n0 - arm[k, 0] * n2
-        m2 = arm[k, 0] * n1 - arm[k, 1] * n0
-        rate = n0 * x[6] + n1 * x[7] + n2 * x[8]
-        rate += m0 * x[9] + m1 * x[10] + m2 * x[11]
-        f, q_rate, z_rate = leg_force(
-            u[k], x[DRIVE + k], length[k], rate, x[BRISTLE + k], flaws
-        )
-        rates[DRIVE + k] = q_rate
-        rates[BRISTLE + k] = z_rate
-        on[0, 0] += f * n0
-        on[0, 1] += f * n1
-        on[0, 2] += f * n2
-        on[1, 0] += f * m0
-        on[1, 1] += f * m1
-        on[1, 2] += f * m2
+    out[1] += run.push[0]
 
 
 @worker
@@ -213,9 +105,9 @@ def surroundings(x, flaws, on):
 
 
 @worker
-def turn_acceleration(R, inertia, w, torque, scratch, out):
+def turn_acceleration(R, inertia, w, torque, run, out):
     """Writes Euler's equation for a free body, in W: out (3,)."""
-    body_w, body_t, b = scratch.a, scratch.b, scratch.c
+    body_w, body_t, b = run.a, run.b, run.c
     apply_back(R, w, body_w)
     apply_back(R, torque, body_t)
     for i in range(3):
@@ -226,9 +118,9 @@ def turn_acceleration(R, inertia, w, torque, scratch, out):
 
 
 @worker
-def ring_acceleration(x, R, on, W, scratch, out):
-    """Writes the ring's [v', w'] (6,) by its inverse mass matrix W."""
-    body_w, spin, load = scratch.a, scratch.b, scratch.load
+def ring_acceleration(x, R, run, out):
+    """Writes the ring's [v', w'] (6,) by its inverse mass matrix."""
+    body_w, spin, load, on = run.a, run.b, run.load, run.on
     apply_back(R, x[9:12], body_w)
     for i in range(3):
         body_w[i] *= RING_INERTIA[i]
@@ -237,63 +129,67 @@ def ring_acceleration(x, R, on, W, scratch, out):
         j, k = (i + 1) % 3, (i + 2) % 3
         load[i] = on[0, i]
         load[3 + i] = on[1, i] - x[9 + j] * spin[k] + x[9 + k] * spin[j]
-    apply(W, load, out)
+    apply(run.W, load, out)
 
 
 @worker
-def torso_acceleration(t, x, R, on, subject, flaws, push, scratch, out):
+def torso_acceleration(t, x, R, bench, run, out):
     """Writes the torso's [v', w'] (6,)."""
-    load = scratch.body_load
-    posture_wrench(t, x, R, subject, flaws, push, scratch.a, load)
+    load, on = run.body_load, run.on
+    posture_wrench(t, x, R, bench, run, load)
     for i in range(3):
-        out[i] = (load[i] + on[2, i]) / subject.torso_mass
+        out[i] = (load[i] + on[2, i]) / bench.subject.torso_mass
         load[3 + i] += on[3, i]
     spin = x[TORSO + 9 : TORSO + 12]
-    turn_acceleration(R, TORSO_INERTIA, spin, load[3:6], scratch, out[3:6])
+    turn_acceleration(R, TORSO_INERTIA, spin, load[3:6], run, out[3:6])
 
 
 @worker
-def calc_rates(
-    t, x, R0, u, W, breath, push, contact, subject, flaws, g, scratch, on, o
-):
-    """Writes the state's rates o (NUM_STATE,).
+def calc_rates(t, x, breath, bench, run, rates):
+    """Writes the state's rates (NUM_STATE,), and forces and torques, `run.on`.
 
     Args:
         t: s.
-        x: State.
-        R0: Rotations of ring and torso where the step began (2, 3, 3).
-        u: What the drives deliver (6,), N.
-        W: Inverse of the ring's mass matrix (6, 6).
+        x: State, its turns since the rotations `run.R`.
         breath: Expansion at each pad and its rate (2, 2).
-        push: Muscles' force on the torso along y, N.
-        contact: Whether the torso is there.
-        subject, flaws: Subject, Flaws.
-        g: Anchors (2, 6, 3) as they are.
-        scratch: Scratch.
-        on: Output (4, 3): force and torque on ring and of the ring on torso.
+        bench, run: Bench and Run.
+        rates: Output.
     """
-    R = scratch.rotations
-    on[:, :] = 0.0
+    R = run.rotations
+    run.on[:, :] = 0.0
     for body in range(2):
         b = 12 * body
-        exponential(x[b + 3 : b + 6], scratch.step)
-        product(scratch.step, R0[body], R[body])
+        turned, spin = x[b + 3 : b + 6], x[b + 9 : b + 12]
+        exponential(turned, run.turned)
+        product(run.turned, run.R[body], R[body])
         for i in range(3):
-            o[b + i] = x[b + 6 + i]
-        coordinate_rate(x[b + 3 : b + 6], x[b + 9 : b + 12], o[b + 3 : b + 6])
-    if contact:
-        pad_wrenches(x, R, breath, subject, flaws.pads, scratch.pad, on, o)
-        torso_acceleration(
-            t,
-            x,
-            R[1],
-            on,
-            subject,
-            flaws.torso,
-            push,
-            scratch,
-            o[TORSO + 6 : TORSO + 12],
-        )
-    leg_wrench(x, R[0], u, g[0], g[1], flaws.legs, scratch, on, o)
-    surroundings(x, flaws.ring, on)
-    ring_acceleration(x, R[0], on, W, scratch, o[6:12])
+            rates[b + i] = x[b + 6 + i]
+        coordinate_rate(turned, spin, rates[b + 3 : b + 6])
+    if bench.contact:
+        pad_wrenches(x, breath, bench, run, rates)
+        out = rates[TORSO + 6 : TORSO + 12]
+        torso_acceleration(t, x, R[1], bench, run, out)
+    leg_wrench(x, R[0], bench, run, rates)
+    surroundings(x, bench.flaws.ring, run.on)
+    ring_acceleration(x, R[0], run, rates[6:12])
+
+
+@worker
+def advance(t, h, bench, run):
+    """Moves state and rotations on by one step h, s; `run.breath` is known."""
+    x, k, y = run.x, run.stages, run.stages[4]
+    for i in range(NUM_STATE):
+        y[i] = x[i]
+    for stage in range(4):
+        if stage > 0:
+            part = h if stage == 3 else 0.5 * h
+            for i in range(NUM_STATE):
+                y[i] = x[i] + part * k[stage - 1, i]
+        at = (stage + 1) // 2
+        calc_rates(t + 0.5 * h * at, y, run.breath[at], bench, run, k[stage])
+    for i in range(NUM_STATE):
+        x[i] += h / 6.0 * (k[0, i] + 2.0 * (k[1, i] + k[2, i]) + k[3, i])
+    for i in range(2):
+        b = 12 * i + 3
+        turn(x[b : b + 3], run.R[i])
+        x[b : b + 3] = 0.0

@@ -1,13 +1,24 @@
-"""The tissue under one pad, with what it may do beyond a spring and damper.
+"""A pad on the torso: tissue with what it may do beyond a spring and damper.
 
 Nominal: N = k d + c d' where d > 0 and N > 0. On top: a cubic spring; Maxwell
 arms, f' = k_a d' - f / tau, here two of them, for tissue has no single time
 constant (the second a tenth as stiff and five times as fast); a Bouc-Wen loop
 (Wen 1976, exponent 1), H z with z' = (d' - |d'| z / 2 - d' |z| / 2) / w; the
 damper of Hunt and Crossley 1975, k d (1 + a d'), instead of c d'.
+
+A pad slides with friction mu N tanh(v / v_s).
 """
 
+import math
+
 from brace_drake.withheld.simulator.compiled import worker
+from brace_drake.withheld.simulator.numbers import (
+    PAD_FRICTION,
+    PAD_OFFSET,
+    PAD_SLIP_SPEED,
+    RING_HEIGHTS,
+)
+from brace_drake.withheld.simulator.state import TISSUE, TORSO
 
 SECOND_ARM = 0.1
 SECOND_TIME = 0.2
@@ -66,3 +77,76 @@ def rest_compression(pad, subject, flaws):
     if flaws.gap[pad] >= 0.0:
         return -flaws.gap[pad]
     return subject.preload
+
+
+@worker
+def approach(side, x, R_ring, R_torso, o):
+    """Writes how a pad stands to the torso.
+
+    Args:
+        side: +1 or -1 along y.
+        x: State.
+        R_ring, R_torso: Their rotations.
+        o: Output (5, 3): the pad from the ring's centre, from the torso's, its
+            velocity on the torso, the torso's y-axis; then depth of the pad
+            along that axis and its rate.
+    """
+    for i in range(3):
+        o[0, i] = side * PAD_OFFSET * R_ring[i, 1]
+        o[1, i] = x[i] + o[0, i] - x[TORSO + i]
+        o[3, i] = R_torso[i, 1]
+    o[1, 2] -= RING_HEIGHTS[1]
+    o[4, 0] = 0.0
+    o[4, 1] = 0.0
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        ring = x[6 + i] + x[9 + j] * o[0, k] - x[9 + k] * o[0, j]
+        turned = x[TORSO + 9 + j] * o[1, k] - x[TORSO + 9 + k] * o[1, j]
+        o[2, i] = ring - x[TORSO + 6 + i] - turned
+        o[4, 0] += o[1, i] * o[3, i]
+        o[4, 1] += o[2, i] * o[3, i]
+
+
+@worker
+def add_press(side, N, o, on):
+    """Adds a pad's normal force N and its friction, see `approach`, to on."""
+    square = 0.0
+    for i in range(3):
+        o[2, i] -= o[4, 1] * o[3, i]
+        square += o[2, i] * o[2, i]
+    speed = math.sqrt(square)
+    grip = PAD_FRICTION * N / PAD_SLIP_SPEED
+    if speed > 1e-12:
+        grip *= math.tanh(speed / PAD_SLIP_SPEED) / speed * PAD_SLIP_SPEED
+    f = o[2]
+    for i in range(3):
+        f[i] = grip * o[2, i] - side * N * o[3, i]
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        on[0, i] -= f[i]
+        on[1, i] -= o[0, j] * f[k] - o[0, k] * f[j]
+        on[2, i] += f[i]
+        on[3, i] += o[1, j] * f[k] - o[1, k] * f[j]
+
+
+@worker
+def pad_wrenches(x, breath, bench, run, rates):
+    """Adds both pads' forces to those on ring and torso, `run.on`.
+
+    Args:
+        x: State.
+        breath: Expansion at each pad and its rate (2, 2), m, m/s.
+        bench, run: Bench and Run; the force on the torso is the ideal reading.
+        rates: State's rates; those of the tissue are written.
+    """
+    subject, flaws, o = bench.subject, bench.flaws.pads, run.pad
+    for pad in range(2):
+        side = 1.0 - 2.0 * pad
+        approach(side, x, run.rotations[0], run.rotations[1], o)
+        d = rest_compression(pad, subject, flaws) + breath[pad, 0]
+        d += PAD_OFFSET - side * o[4, 0]
+        d_rate = breath[pad, 1] - side * o[4, 1]
+        first = TISSUE + 3 * pad
+        N = press(d, d_rate, subject, flaws, x, rates, first)
+        if N > 0.0:
+            add_press(side, N, o, run.on)
