@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from brace_drake.withheld.calibration import fit_calibration, log_odds
+from tools.calibrate_probability import fit_calibration, log_odds
 
 
 def answers(offset, slope, count, seed=0):

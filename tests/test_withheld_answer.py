@@ -10,9 +10,14 @@ import numpy as np
 import yaml
 
 from brace_drake.recording import CheckCampaign, LoadCampaign
-from brace_drake.withheld.answer import COMMITMENT, AnswerError, answer_cases
+from brace_drake.withheld.answer import answer_cases
 from brace_drake.withheld.make import make_cases
-from brace_drake.withheld.seals import SEALS, check_seal
+from brace_drake.withheld.seals import (
+    COMMITMENT,
+    SEALS,
+    AnswerError,
+    check_seal,
+)
 from tests.commands import run_command
 
 VERDICT = {"gap": False, "effects": [], "outside_library": False}
@@ -125,7 +130,7 @@ class TestAnswer(unittest.TestCase):
     def test_a_process_is_handed_the_recordings_only(self):
         found = self.answer()
         self.assertEqual(self.handed, [["campaign.yaml", "push.csv"]] * 2)
-        self.assertEqual(found["cases"]["case001"]["closed"], 0.5)
+        self.assertEqual(found["case001"]["closed"], 0.5)
         self.assertTrue((self.answers / "COMMITMENT").exists())
 
     def test_a_case_is_not_diagnosed_twice(self):
@@ -134,7 +139,7 @@ class TestAnswer(unittest.TestCase):
         self.assertEqual(self.handed, [])
 
     def test_a_failure_is_an_answer_too_and_is_tried_again(self):
-        found = self.answer(fails=True)["cases"]["case000"]
+        found = self.answer(fails=True)["case000"]
         self.assertIsNone(found["verdict"])
         self.assertIn("no good", found["error"])
         self.answer()

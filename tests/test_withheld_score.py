@@ -9,20 +9,21 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.withheld.answer import AnswerError, commit, label
 from brace_drake.withheld.cases import KINDS, build_case, draw_kinds
 from brace_drake.withheld.faults import FAULTS
-from brace_drake.withheld.score import load_judged, score
-from brace_drake.withheld.score_table import draw_reliability, format_score
+from brace_drake.withheld.judged import label
+from brace_drake.withheld.score import load_judged, score, share_of
+from brace_drake.withheld.score_text import draw_reliability, format_score
 from brace_drake.withheld.seals import (
     SEALS,
     VAULT_FORMAT,
+    AnswerError,
     SealError,
     check_seal,
+    commit,
     new_salt,
     seal,
 )
-from brace_drake.withheld.shares import wilson_interval
 from tests.commands import run_command
 
 
@@ -124,10 +125,11 @@ class TestShares(unittest.TestCase):
             (81, 263, 0.2553, 0.3662),
             (15, 148, 0.0624, 0.1605),
         ):
-            found = wilson_interval(hits, count)
+            answers = [True] * hits + [False] * (count - hits)
+            found = share_of(answers)["interval"]
             self.assertAlmostEqual(found[0], low, places=4)
             self.assertAlmostEqual(found[1], high, places=4)
-        self.assertEqual(wilson_interval(0, 0), (0.0, 1.0))
+        self.assertEqual(share_of([])["interval"], [0.0, 1.0])
 
 
 class TestCases(unittest.TestCase):
@@ -177,8 +179,7 @@ class WithFiles(unittest.TestCase):
             json.dumps({"format": VAULT_FORMAT, "cases": truths})
         )
         (self.folder / SEALS).write_text(yaml.safe_dump({"seals": seals}))
-        document = {"format": "brace-answers/1", "cases": given}
-        commit(self.folder, self.answers, document)
+        commit(self.folder, self.answers, given)
 
     def judged(self):
         return load_judged(self.folder, self.vault, self.answers)

@@ -115,75 +115,54 @@ def _delay(rng, s):
     return {"legs.delay": round(s)}
 
 
+def _in_block(block: str, *rows) -> tuple[Fault, ...]:
+    return tuple(Fault(name, block, *rest) for name, *rest in rows)
+
+
 FAULTS = (
-    Fault(
-        "coulomb_friction",
+    *_in_block(
         "actuation",
-        (0.015, 0.08, 0.6),
-        _plain("legs.coulomb"),
+        ("coulomb_friction", (0.015, 0.08, 0.6), _plain("legs.coulomb")),
+        ("stribeck_friction", (0.015, 0.08, 0.6), _stribeck),
+        ("viscous_leg", (7.0, 30.0, 100.0), _plain("legs.viscous")),
+        ("backlash", (6e-5, 2e-4, 6e-4), _plain("legs.play")),
+        ("force_deadzone", (0.008, 0.05, 0.3), _plain("legs.deadzone")),
+        ("command_delay", (3.0, 6.0, 10.0), _delay),
+        ("weak_leg", (0.006, 0.03, 0.2), _one_leg("legs.gain", 1.0, [-1.0])),
+        ("force_gain", (0.004, 0.02, 0.12), _all_legs),
+        ("saturation", (0.985, 0.95, 0.85), _plain("legs.limit")),
     ),
-    Fault("stribeck_friction", "actuation", (0.015, 0.08, 0.6), _stribeck),
-    Fault(
-        "viscous_leg", "actuation", (7.0, 30.0, 100.0), _plain("legs.viscous")
-    ),
-    Fault("backlash", "actuation", (6e-5, 2e-4, 6e-4), _plain("legs.play")),
-    Fault(
-        "force_deadzone",
-        "actuation",
-        (0.008, 0.05, 0.3),
-        _plain("legs.deadzone"),
-    ),
-    Fault("command_delay", "actuation", (3.0, 6.0, 10.0), _delay),
-    Fault(
-        "weak_leg",
-        "actuation",
-        (0.006, 0.03, 0.2),
-        _one_leg("legs.gain", 1.0, [-1.0]),
-    ),
-    Fault("force_gain", "actuation", (0.004, 0.02, 0.12), _all_legs),
-    Fault("saturation", "actuation", (0.985, 0.95, 0.85), _plain("legs.limit")),
-    Fault("anchor_error", "mechanism", (5e-5, 3e-4, 2e-3), _anchors),
-    Fault("ring_mass", "mechanism", (0.004, 0.02, 0.15), _plain("ring.mass")),
-    Fault(
-        "leg_compliance",
+    *_in_block(
         "mechanism",
-        (3e-5, 8e-5, 1.6e-4),
-        _plain("legs.compliance"),
+        ("anchor_error", (5e-5, 3e-4, 2e-3), _anchors),
+        ("ring_mass", (0.004, 0.02, 0.15), _plain("ring.mass")),
+        ("leg_compliance", (3e-5, 8e-5, 1.6e-4), _plain("legs.compliance")),
     ),
-    Fault("hardening", "contact", (3e8, 1e9, 3e9), _plain("pads.cubic")),
-    Fault("relaxation", "contact", (600.0, 2000.0, 6000.0), _relaxation),
-    Fault("hysteresis", "contact", (0.4, 1.2, 3.0), _hysteresis),
-    Fault("clearance", "contact", (1e-4, 4e-4, 1.5e-3), _clearance),
-    Fault(
-        "hunt_crossley",
+    *_in_block(
         "contact",
-        (80.0, 160.0, 320.0),
-        _plain("pads.crossley"),
+        ("hardening", (3e8, 1e9, 3e9), _plain("pads.cubic")),
+        ("relaxation", (600.0, 2000.0, 6000.0), _relaxation),
+        ("hysteresis", (0.4, 1.2, 3.0), _hysteresis),
+        ("clearance", (1e-4, 4e-4, 1.5e-3), _clearance),
+        ("hunt_crossley", (80.0, 160.0, 320.0), _plain("pads.crossley")),
     ),
-    Fault("breathing", "torso", (1e-4, 3e-4, 8e-4), _breathing),
-    Fault("reflex", "torso", (150.0, 400.0, 800.0), _reflex),
-    Fault("posture_drift", "torso", (1e-4, 5e-4, 2e-3), _posture_drift),
-    Fault(
-        "force_bias", "sensing", (0.02, 0.1, 0.45), _either_sign("sensors.bias")
+    *_in_block(
+        "torso",
+        ("breathing", (1e-4, 3e-4, 8e-4), _breathing),
+        ("reflex", (150.0, 400.0, 800.0), _reflex),
+        ("posture_drift", (1e-4, 5e-4, 2e-3), _posture_drift),
     ),
-    Fault(
-        "force_scale",
+    *_in_block(
         "sensing",
-        (0.006, 0.03, 0.12),
-        _either_sign("sensors.scale"),
-    ),
-    Fault(
-        "force_drift",
-        "sensing",
-        (0.003, 0.015, 0.08),
-        _either_sign("sensors.drift"),
-    ),
-    Fault("force_lag", "sensing", (0.008, 0.025, 0.07), _plain("sensors.lag")),
-    Fault(
-        "encoder_offset",
-        "sensing",
-        (1.2e-4, 4e-4, 1.2e-3),
-        _one_leg("sensors.lengths", 0.0, [-1.0, 1.0]),
+        ("force_bias", (0.02, 0.1, 0.45), _either_sign("sensors.bias")),
+        ("force_scale", (0.006, 0.03, 0.12), _either_sign("sensors.scale")),
+        ("force_drift", (0.003, 0.015, 0.08), _either_sign("sensors.drift")),
+        ("force_lag", (0.008, 0.025, 0.07), _plain("sensors.lag")),
+        (
+            "encoder_offset",
+            (1.2e-4, 4e-4, 1.2e-3),
+            _one_leg("sensors.lengths", 0.0, [-1.0, 1.0]),
+        ),
     ),
 )
 
@@ -215,6 +194,9 @@ def _tilt(rng, s):
     return {"ring.tilt": [s * np.cos(angle), s * np.sin(angle)]}
 
 
+_drag = _plain("legs.drag")
+_crosstalk = _either_sign("sensors.crosstalk")
+
 # Nothing of a diagnosis' library: there is a gap, and none of these names.
 OUTSIDE = (
     Fault("x_cable_pull", "mechanism", (20.0, 120.0, 450.0), _cable),
@@ -222,14 +204,7 @@ OUTSIDE = (
     Fault("tremor", "torso", (0.1, 0.4, 2.0), _tremor),
     Fault("lost_commands", "actuation", (0.5, 2.0, 6.0), _lost),
     Fault("screw_cogging", "actuation", (0.015, 0.08, 0.5), _cogging),
-    Fault(
-        "quadratic_drag", "actuation", (1e3, 4e3, 1.2e4), _plain("legs.drag")
-    ),
-    Fault(
-        "force_crosstalk",
-        "sensing",
-        (0.01, 0.04, 0.15),
-        _either_sign("sensors.crosstalk"),
-    ),
+    Fault("quadratic_drag", "actuation", (1e3, 4e3, 1.2e4), _drag),
+    Fault("force_crosstalk", "sensing", (0.01, 0.04, 0.15), _crosstalk),
     Fault("soft_stop", "mechanism", (60.0, 400.0, 3000.0), _stop),
 )

@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 import itertools
-import json
-import math
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-import yaml
+from scipy.stats import binomtest
 
-from brace_drake.withheld.answer import (
+from brace_drake.withheld.faults import SEVERITIES
+from brace_drake.withheld.judged import Judged
+from brace_drake.withheld.seals import (
     ANSWERS,
     ANSWERS_FORMAT,
-    COMMITMENT,
-    AnswerError,
-    digest_of,
-    read_seals,
-)
-from brace_drake.withheld.faults import SEVERITIES
-from brace_drake.withheld.seals import (
-    SEALS,
     VAULT_FORMAT,
     SealError,
+    check_commitment,
     check_seal,
+    read_cases,
+    read_seals,
 )
-from brace_drake.withheld.shares import Share, share_of
-from brace_drake.withheld.verdicts import Judged
 
 SCORE_FORMAT = "brace-score/1"
 _BINS = (0.0, 0.5, 0.7, 0.85, 0.95, 1.0)
 # A probability nearer to 0 or 1 than this is held to be no surer.
-_SUREST = 1e-3
+SUREST = 1e-3
 
 
 def load_judged(folder: Path, vault: Path, answers: Path) -> list[Judged]:
@@ -43,9 +37,9 @@ def load_judged(folder: Path, vault: Path, answers: Path) -> list[Judged]:
         AnswerError: A file is missing or of another format.
     """
     seals = read_seals(folder)
-    truths = _read_json(Path(vault), VAULT_FORMAT)["cases"]
-    given = _read_json(Path(answers) / ANSWERS, ANSWERS_FORMAT)["cases"]
-    _check_commitment(Path(folder), Path(answers))
+    truths = read_cases(vault, VAULT_FORMAT)
+    given = read_cases(answers / ANSWERS, ANSWERS_FORMAT)
+    check_commitment(folder, answers)
     for other, what in ((truths, "vault"), (given, "answers")):
         if set(other) != set(seals):
             raise SealError(f"{what}: not the cases of {folder}")
@@ -65,50 +59,18 @@ def score(judged: list[Judged], least: float) -> dict:
         judged: The cases.
         least: Floors above which a gap counts as detectable.
     """
-    single = [j for j in judged if j.kind == "single"]
-    clear = [j for j in single if j.is_detectable(least)]
-    pair = [j for j in judged if j.kind == "pair"]
-    none = [j for j in judged if j.kind == "none"]
-    outside = [j for j in judged if j.kind == "outside"]
-    wrong = [j for j in judged if j.kind != "none"]
-    accused = [j for j in judged if j.given == "outside"]
-    shares = {
-        "answered right": share_of([j.right for j in judged]),
-        "no answer": share_of([j.verdict is None for j in judged]),
-        "false alarms": share_of([j.given != "none" for j in none]),
-        "singles: first answer": share_of([j.right for j in single]),
-        "detectable singles: first answer": share_of([j.right for j in clear]),
-        "detectable singles: coverage": share_of([j.covered for j in clear]),
-        "pairs: both named": share_of([j.right for j in pair]),
-        "pairs, each detectable: both named": share_of(
-            [j.right for j in pair if j.is_each_detectable(least)]
-        ),
-        "pairs: at least one named": share_of(
-            [bool(j.named & set(j.truth["effects"])) for j in pair]
-        ),
-        "outside: recall": share_of([j.right for j in outside]),
-        "outside: precision": share_of([j.kind == "outside" for j in accused]),
-        "library effects called outside": share_of(
-            [j.given == "outside" for j in single + pair]
-        ),
-        "blocks: exactly those at fault": share_of(
-            [j.blocks_right for j in wrong]
-        ),
-        "detectable gaps: blocks at fault": share_of(
-            [j.accuses_rightly for j in wrong if j.is_detectable(least)]
-        ),
-    }
-    for severity in SEVERITIES:
-        these = [j.right for j in single if j.severity == severity]
-        shares[f"singles, {severity}: first answer"] = share_of(these)
+    clear = [j for j in judged if j.kind == "single" and j.is_detectable(least)]
     return {
         "format": SCORE_FORMAT,
         "cases": len(judged),
         "detectable_floors": least,
-        "shares": {name: s.document() for name, s in shares.items()},
-        "answers_per_case": _mean([len(j.answers) for j in clear if j.answers]),
-        "gap_closed_median": _median(
-            [j.closed for j in judged if j.right and j.closed is not None]
+        "shares": shares(judged, least),
+        "answers_per_case": _of(
+            np.mean, [len(j.answers) for j in clear if j.answers]
+        ),
+        "gap_closed_median": _of(
+            np.median,
+            [j.closed for j in judged if j.right and j.closed is not None],
         ),
         **probability_scores(judged),
         "confusion": confusion(judged),
@@ -116,13 +78,68 @@ def score(judged: list[Judged], least: float) -> dict:
     }
 
 
+def shares(judged: list[Judged], least: float) -> dict[str, dict]:
+    """Shares of the cases of each kind, by name; see `share_of`."""
+
+    def of(*kinds: str) -> list[Judged]:
+        return [j for j in judged if j.kind in kinds]
+
+    single, pair, outside = of("single"), of("pair"), of("outside")
+    wrong = of("single", "pair", "outside")
+    clear = [j for j in single if j.is_detectable(least)]
+    found = {
+        "answered right": [j.right for j in judged],
+        "no answer": [j.verdict is None for j in judged],
+        "false alarms": [j.given != "none" for j in of("none")],
+        "singles: first answer": [j.right for j in single],
+        "detectable singles: first answer": [j.right for j in clear],
+        "detectable singles: coverage": [j.covered for j in clear],
+        "pairs: both named": [j.right for j in pair],
+        "pairs, each detectable: both named": [
+            j.right for j in pair if j.is_each_detectable(least)
+        ],
+        "pairs: at least one named": [
+            bool(j.named & set(j.truth["effects"])) for j in pair
+        ],
+        "outside: recall": [j.right for j in outside],
+        "outside: precision": [j.right for j in judged if j.given == "outside"],
+        "library effects called outside": [
+            j.given == "outside" for j in single + pair
+        ],
+        "blocks: exactly those at fault": [j.blocks_right for j in wrong],
+        "detectable gaps: blocks at fault": [
+            j.accuses_rightly for j in wrong if j.is_detectable(least)
+        ],
+    }
+    for severity in SEVERITIES:
+        found[f"singles, {severity}: first answer"] = [
+            j.right for j in single if j.severity == severity
+        ]
+    return {name: share_of(hits) for name, hits in found.items()}
+
+
+def share_of(hits: Iterable[bool]) -> dict:
+    """How many of how many, and Wilson's 95 % interval of their share."""
+    hits = [bool(hit) for hit in hits]
+    interval = [0.0, 1.0]
+    if hits:
+        test = binomtest(sum(hits), len(hits))
+        interval = [float(end) for end in test.proportion_ci(method="wilson")]
+    return {
+        "hits": sum(hits),
+        "count": len(hits),
+        "share": sum(hits) / len(hits) if hits else None,
+        "interval": interval,
+    }
+
+
 def probability_scores(judged: list[Judged]) -> dict:
     """Log score and Brier score (less is better), and the reliability."""
     told = [j for j in judged if j.probability is not None]
-    p = np.array([j.probability for j in told], dtype=float)
-    right = np.array([j.right for j in told], dtype=float)
     if not told:
         return {"log_score": None, "brier_score": None, "reliability": []}
+    p = np.array([j.probability for j in told], dtype=float)
+    right = np.array([j.right for j in told], dtype=float)
     log, brier = proper_scores(p, right)
     return {
         "log_score": log,
@@ -133,7 +150,7 @@ def probability_scores(judged: list[Judged]) -> dict:
 
 def proper_scores(p: np.ndarray, right: np.ndarray) -> tuple[float, float]:
     """Log score and Brier score of probabilities, less is better."""
-    sure = np.clip(p, _SUREST, 1.0 - _SUREST)
+    sure = np.clip(p, SUREST, 1.0 - SUREST)
     log = -np.where(right > 0, np.log(sure), np.log1p(-sure))
     return float(log.mean()), float(np.mean((p - right) ** 2))
 
@@ -143,17 +160,9 @@ def reliability(p: np.ndarray, right: np.ndarray) -> list[dict]:
     rows = []
     for low, high in itertools.pairwise(_BINS):
         inside = (p >= low) & ((p < high) | (high == _BINS[-1]))
-        if not inside.any():
-            continue
-        share = Share(int(right[inside].sum()), int(inside.sum()))
-        rows.append(
-            {
-                "from": low,
-                "to": high,
-                "told": float(p[inside].mean()),
-                **share.document(),
-            }
-        )
+        if inside.any():
+            told = {"from": low, "to": high, "told": float(p[inside].mean())}
+            rows.append(told | share_of(right[inside]))
     return rows
 
 
@@ -170,12 +179,11 @@ def confusion(judged: list[Judged]) -> dict[str, dict[str, dict[str, int]]]:
 
 
 def _row(j: Judged) -> dict:
-    faults = j.truth["floors"]["faults"]
     return {
         "case": j.name,
         "kind": j.kind,
         "severity": j.severity,
-        "floors": faults["refitted"] if faults else None,
+        "floors": j.floors,
         "truth": j.expected if j.kind != "outside" else j.truth["outside"][0],
         "answer": j.given,
         "possible": j.answers[1:],
@@ -184,37 +192,5 @@ def _row(j: Judged) -> dict:
     }
 
 
-def _mean(values: list[float]) -> float | None:
-    return math.fsum(values) / len(values) if values else None
-
-
-def _median(values: list[float]) -> float | None:
-    return float(np.median(values)) if values else None
-
-
-def _check_commitment(folder: Path, answers: Path) -> None:
-    path = answers / COMMITMENT
-    try:
-        promised = yaml.safe_load(path.read_text())
-        expected = promised["answers_sha256"], promised["seals_sha256"]
-    except OSError as error:
-        raise AnswerError(f"{path}: {error.strerror}") from error
-    except (yaml.YAMLError, KeyError, TypeError) as error:
-        raise AnswerError(f"{path}: no commitment") from error
-    if digest_of(answers / ANSWERS) != expected[0]:
-        raise SealError(f"{answers / ANSWERS}: changed since the commitment")
-    if digest_of(folder / SEALS) != expected[1]:
-        raise SealError(f"{folder / SEALS}: changed since the commitment")
-
-
-def _read_json(path: Path, wanted: str) -> dict:
-    try:
-        document = json.loads(path.read_text())
-        found = document["format"]
-    except OSError as error:
-        raise AnswerError(f"{path}: {error.strerror}") from error
-    except (ValueError, KeyError, TypeError) as error:
-        raise AnswerError(f"{path}: not a {wanted} document") from error
-    if found != wanted:
-        raise AnswerError(f"{path}: format {found!r}, expected {wanted!r}")
-    return document
+def _of(statistic, values: list[float]) -> float | None:
+    return float(statistic(values)) if values else None

@@ -1,7 +1,9 @@
-"""Seals: what is promised now can be checked later, and not read before.
+"""Seals and commitments: promised now, checked later, not read before.
 
 A seal is the SHA-256 of a secret salt followed by the document as canonical
-JSON. The salt keeps anyone from trying the few possible answers.
+JSON; the salt keeps anyone from trying the few possible answers. Seals promise
+the truth of cases before they are answered, a commitment the answers before
+the truth is opened.
 """
 
 from __future__ import annotations
@@ -9,22 +11,24 @@ from __future__ import annotations
 import hashlib
 import json
 import secrets
+from datetime import UTC, datetime
+from pathlib import Path
+
+import yaml
 
 from brace_drake.core.errors import BraceError
+from brace_drake.core.output import WriteJson, WriteText
 
-SEALS = "SEALS.yaml"
-VAULT_FORMAT = "brace-vault/1"
+SEALS, ANSWERS, COMMITMENT = "SEALS.yaml", "answers.json", "COMMITMENT"
+VAULT_FORMAT, ANSWERS_FORMAT = "brace-vault/1", "brace-answers/1"
 
 
 class SealError(BraceError, ValueError):
     """A sealed document is not what was promised."""
 
 
-def canonical(document: object) -> str:
-    """The one JSON text of a document: sorted keys, no spare blanks."""
-    return json.dumps(
-        document, sort_keys=True, separators=(",", ":"), allow_nan=False
-    )
+class AnswerError(BraceError, ValueError):
+    """Cases or answers are missing or unreadable."""
 
 
 def new_salt() -> str:
@@ -34,8 +38,10 @@ def new_salt() -> str:
 
 def seal(document: object, salt: str) -> str:
     """The seal of a document."""
-    text = salt + canonical(document)
-    return hashlib.sha256(text.encode()).hexdigest()
+    text = json.dumps(
+        document, sort_keys=True, separators=(",", ":"), allow_nan=False
+    )
+    return hashlib.sha256((salt + text).encode()).hexdigest()
 
 
 def check_seal(name: str, document: object, salt: str, promised: str) -> None:
@@ -46,3 +52,95 @@ def check_seal(name: str, document: object, salt: str, promised: str) -> None:
     """
     if seal(document, salt) != promised:
         raise SealError(f"{name}: not the document that was sealed")
+
+
+def read_seals(folder: Path) -> dict[str, str]:
+    """Seal of each case.
+
+    Raises:
+        AnswerError: The folder holds no readable SEALS.yaml.
+    """
+    path = Path(folder) / SEALS
+    try:
+        seals = yaml.safe_load(_read(path))["seals"]
+        return {str(name): str(value) for name, value in seals.items()}
+    except (yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
+        raise AnswerError(f"{path}: holds no seals") from error
+
+
+def read_cases(path: Path, wanted: str) -> dict:
+    """What a vault or answers of a format hold of each case.
+
+    Raises:
+        AnswerError: The file is missing or of another format.
+    """
+    try:
+        document = json.loads(_read(path))
+        found, cases = document["format"], document["cases"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise AnswerError(f"{path}: not a {wanted} document") from error
+    if found != wanted:
+        raise AnswerError(f"{path}: format {found!r}, expected {wanted!r}")
+    return cases
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file's bytes.
+
+    Raises:
+        AnswerError: It cannot be read.
+    """
+    return hashlib.sha256(_read(path)).hexdigest()
+
+
+def commit(folder: Path, answers: Path, cases: dict) -> None:
+    """Writes the answers and a hash that binds them to the seals.
+
+    Hashes of answers that these replace, as a case that had failed was tried
+    again, stay in the file.
+
+    Args:
+        folder: Of the cases and their seals.
+        answers: Folder to write to.
+        cases: Answer by case.
+    """
+    path = answers / COMMITMENT
+    before = yaml.safe_load(path.read_text()) if path.exists() else None
+    WriteJson(answers / ANSWERS, {"format": ANSWERS_FORMAT, "cases": cases})
+    lines: dict[str, object] = {
+        "answers_sha256": digest_of(answers / ANSWERS),
+        "seals_sha256": digest_of(folder / SEALS),
+        "committed_at": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    if before is not None:
+        if before["answers_sha256"] == lines["answers_sha256"]:
+            return
+        earlier = before.pop("earlier", [])
+        lines["earlier"] = [*earlier, before]
+    WriteText(path, yaml.safe_dump(lines, sort_keys=False))
+
+
+def check_commitment(folder: Path, answers: Path) -> None:
+    """Compares answers and seals with what was committed to.
+
+    Raises:
+        SealError: One was changed since.
+        AnswerError: There is no commitment.
+    """
+    path = answers / COMMITMENT
+    try:
+        promised = yaml.safe_load(_read(path))
+        expected = promised["answers_sha256"], promised["seals_sha256"]
+    except (yaml.YAMLError, KeyError, TypeError) as error:
+        raise AnswerError(f"{path}: no commitment") from error
+    kept = answers / ANSWERS, folder / SEALS
+    for file, digest in zip(kept, expected, strict=True):
+        if digest_of(file) != digest:
+            raise SealError(f"{file}: changed since the commitment")
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise AnswerError(f"{path}: {error.strerror}") from error

@@ -167,7 +167,8 @@ def RunMake(args: argparse.Namespace) -> int:
 
 def RunAnswer(args: argparse.Namespace) -> int:
     """Diagnoses the cases; prints each answer as it comes."""
-    from brace_drake.withheld.answer import COMMITMENT, answer_cases
+    from brace_drake.withheld.answer import answer_cases
+    from brace_drake.withheld.seals import COMMITMENT
 
     def tell(name: str, answer: str) -> None:
         print(f"{name}: {answer}", flush=True)
@@ -175,7 +176,7 @@ def RunAnswer(args: argparse.Namespace) -> int:
     answers = answer_cases(
         Path(args.cases), Path(args.out), args.jobs, progress=tell
     )
-    failed = [c for c in answers["cases"].values() if c["error"]]
+    failed = [case for case in answers.values() if case["error"]]
     for case in failed[:1]:
         print(f"{len(failed)} not answered, the first: {case['error']}")
     print(f"commitment: {Path(args.out) / COMMITMENT}")
@@ -185,7 +186,7 @@ def RunAnswer(args: argparse.Namespace) -> int:
 def RunScore(args: argparse.Namespace) -> int:
     """Prints the scores, and writes them where asked."""
     from brace_drake.withheld.score import load_judged, score
-    from brace_drake.withheld.score_table import draw_reliability, format_score
+    from brace_drake.withheld.score_text import draw_reliability, format_score
 
     sets = (args.cases, args.vault, args.answers)
     if len({len(paths) for paths in sets}) > 1:

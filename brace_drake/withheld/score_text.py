@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import io
 
-from brace_drake.withheld.shares import Share
-
 
 def format_score(score: dict) -> str:
     """The figures of merit, the confusion by severity, and every case."""
     lines = [f"{score['cases']} cases", ""]
     for name, share in score["shares"].items():
-        lines.append(f"{name:36}{Share(share['hits'], share['count'])}")
+        lines.append(f"{name:36}{_share(share)}")
     for name, key, scale in (
         ("answers called possible, mean", "answers_per_case", 1.0),
         ("gap closed where right, median, %", "gap_closed_median", 100.0),
@@ -23,8 +21,7 @@ def format_score(score: dict) -> str:
         lines.append(f"{name:36}{text:>9}")
     lines += ["", "probability told, share that was right"]
     for row in score["reliability"]:
-        share = Share(row["hits"], row["count"])
-        lines.append(f"  {row['told']:.2f}  {share}")
+        lines.append(f"  {row['told']:.2f}  {_share(row)}")
     for severity, rows in score["confusion"].items():
         lines += ["", f"severity {severity}: truth -> answers"]
         for truth, answers in rows.items():
@@ -33,6 +30,17 @@ def format_score(score: dict) -> str:
     lines += ["", f"{'case':9}{'floors':>7}  truth -> answer (probability)"]
     lines += [_line(row) for row in score["each"]]
     return "\n".join(lines) + "\n"
+
+
+def _share(share: dict) -> str:
+    if not share["count"]:
+        return "no such case"
+    low, high = share["interval"]
+    return (
+        f"{share['hits']:3d} of {share['count']:3d}"
+        f"  {100 * share['share']:5.1f} %"
+        f"  (95 %: {100 * low:.1f} to {100 * high:.1f})"
+    )
 
 
 def _line(row: dict) -> str:
@@ -62,10 +70,12 @@ def draw_reliability(score: dict) -> str:
         axes.annotate(
             f" {row['count']}", (row["told"], row["share"]), fontsize=8
         )
-    axes.set_xlabel("probability told")
-    axes.set_ylabel("share that was right, 95 % interval")
-    axes.set_xlim(0.0, 1.05)
-    axes.set_ylim(0.0, 1.05)
+    axes.set(
+        xlabel="probability told",
+        ylabel="share that was right, 95 % interval",
+        xlim=(0.0, 1.05),
+        ylim=(0.0, 1.05),
+    )
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from brace_drake.withheld.answer import label
+
+def label(verdict: dict | None) -> str:
+    """A verdict in a word: none, outside, effects joined by +, or failed."""
+    if verdict is None:
+        return "failed"
+    if not verdict["gap"]:
+        return "none"
+    if verdict["outside_library"] or not verdict["effects"]:
+        return "outside"
+    return "+".join(sorted(verdict["effects"]))
 
 
 @dataclass(frozen=True)
@@ -71,6 +80,11 @@ class Judged:
         return self.expected in self.answers
 
     @property
+    def accused(self) -> set[str]:
+        """Blocks where the verdict says that the gap lies."""
+        return set(self.verdict["blocks"]) if self.verdict else set()
+
+    @property
     def blocks_right(self) -> bool:
         """Whether exactly the right blocks are accused."""
         return self.accused == set(self.truth["blocks"])
@@ -81,19 +95,19 @@ class Judged:
         return bool(self.accused) and self.accused <= set(self.truth["blocks"])
 
     @property
-    def accused(self) -> set[str]:
-        """Blocks where the verdict says that the gap lies."""
-        return set(self.verdict["blocks"]) if self.verdict else set()
-
-    @property
     def probability(self) -> float | None:
         """How sure the diagnosis is."""
         return self.verdict["probability"] if self.verdict else None
 
-    def is_detectable(self, least: float) -> bool:
-        """Whether the gap stands out by so many floors, subject refitted."""
+    @property
+    def floors(self) -> float | None:
+        """How many noise floors the gap has once the subject is refitted."""
         faults = self.truth["floors"]["faults"]
-        return faults is not None and faults["refitted"] >= least
+        return faults["refitted"] if faults else None
+
+    def is_detectable(self, least: float) -> bool:
+        """Whether the gap stands out by so many floors."""
+        return self.floors is not None and self.floors >= least
 
     def is_each_detectable(self, least: float) -> bool:
         """Whether each of two effects stands out so far beside the other;
