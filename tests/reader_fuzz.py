@@ -346,7 +346,7 @@ def _read_limits(folder: Path) -> object:
 
 
 def _read_reference(folder: Path) -> object:
-    from brace_drake.devices.motions.reference_file import LoadReference
+    from brace_drake.devices.motions.reference import LoadReference
 
     return LoadReference(folder / "paper_push.csv")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.resources import scenario_path
-from brace_drake.devices.motions.brace_reference import MakeBraceReference
+from brace_drake.devices.motions.reference import MakeBraceReference
 from brace_drake.experiments import compare
 from brace_drake.experiments.measures import Tracking, measure_tracking
 from brace_drake.model.simulate_brace import BraceLog

@@ -17,7 +17,7 @@ import yaml
 
 from brace_drake.devices.motions.library import MakeMotion, SafeMotion
 from brace_drake.devices.motions.parts import ramp
-from brace_drake.devices.motions.reference_file import format_reference
+from brace_drake.devices.motions.reference import format_reference
 from brace_drake.effects.registry import find_effect
 from brace_drake.learning.policy import SavePolicy
 from brace_drake.link.protocol.words import Cause, DeviceState

@@ -31,7 +31,7 @@ from brace_drake.devices.motions.library import (
     MakeMotion,
 )
 from brace_drake.devices.motions.limits import exceeded_limit, largest_pad_force
-from brace_drake.devices.motions.reference_file import LoadReference
+from brace_drake.devices.motions.reference import LoadReference
 from brace_drake.devices.subject import bench_subject
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator

@@ -22,7 +22,7 @@ from brace_drake.laws.hooks import NO_LAW
 from tests.commands import run_command
 
 try:
-    from brace_drake.core.parallel.parcels import Parcel, run_parcel
+    from brace_drake.core.parallel.cluster import Parcel, run_parcel
 except ImportError:
     Parcel = None
 try:

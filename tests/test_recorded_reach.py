@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.devices.leg_bench.twin import LegBenchTwin
-from brace_drake.devices.motions.imposed import leg_motions, pad_motions
+from brace_drake.devices.motions.limits import leg_motions, pad_motions
 from brace_drake.devices.motions.recorded_reach import (
     Reach,
     largest_speed,

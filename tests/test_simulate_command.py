@@ -11,7 +11,7 @@ from brace_drake.core.errors import CampaignError
 from brace_drake.core.resources import scenario_path
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.library import MOTIONS, MakeMotion
-from brace_drake.devices.motions.reference_file import (
+from brace_drake.devices.motions.reference import (
     LoadReference,
     LoadReferences,
     common_rate,

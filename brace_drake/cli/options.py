@@ -182,7 +182,7 @@ def names_file(text: str) -> bool:
 def load_motion(text: str, rings: tuple[int, ...] = (2,)):
     """The reference of --motion, as a run that is not recorded yet."""
     from brace_drake.devices.motions.library import MakeMotion
-    from brace_drake.devices.motions.reference_file import LoadReference
+    from brace_drake.devices.motions.reference import LoadReference
 
     if names_file(text):
         return LoadReference(text, rings)

@@ -21,8 +21,8 @@ from brace_drake.design.separation import (
     choose_best,
     separate_pairs,
 )
-from brace_drake.devices.motions.motion_set import MotionSet, PlannedMotion
-from brace_drake.devices.motions.reference_file import format_reference
+from brace_drake.devices.motions.library import MotionSet, PlannedMotion
+from brace_drake.devices.motions.reference import format_reference
 from brace_drake.diagnose import Diagnosis
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun

@@ -19,10 +19,17 @@ from brace_drake.devices.leg_bench.block_tests import (
     leg_signals,
 )
 from brace_drake.devices.leg_bench.twin import LegBenchTwin
-from brace_drake.devices.motions.imposed import leg_motions, pad_motions
-from brace_drake.devices.motions.library import MOTIONS, RATE_HZ, MakeMotion
-from brace_drake.devices.motions.limits import exceeded_limit
-from brace_drake.devices.motions.motion_set import MotionSet
+from brace_drake.devices.motions.library import (
+    MOTIONS,
+    RATE_HZ,
+    MakeMotion,
+    MotionSet,
+)
+from brace_drake.devices.motions.limits import (
+    exceeded_limit,
+    leg_motions,
+    pad_motions,
+)
 from brace_drake.devices.pad_bench.block_tests import (
     pad_quantities,
     pad_rungs,

@@ -10,8 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brace_drake.core.resources import scenario_path
-from brace_drake.devices.motions.reference import reference_columns
-from brace_drake.devices.motions.reference_file import LoadReference
+from brace_drake.devices.motions.reference import (
+    LoadReference,
+    reference_columns,
+)
 from brace_drake.experiments.measures import Tracking, measure_tracking
 from brace_drake.model.simulate_brace import BraceLog, OnProgress, SimulateBrace
 from brace_drake.recording.recording import Run

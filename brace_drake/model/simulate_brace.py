@@ -11,8 +11,10 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput
 
 from brace_drake.core.errors import BraceError
-from brace_drake.devices.motions.brace_reference import MakeBraceReference
-from brace_drake.devices.motions.reference import reference_columns
+from brace_drake.devices.motions.reference import (
+    MakeBraceReference,
+    reference_columns,
+)
 from brace_drake.laws import stages
 from brace_drake.link.device.limits import Limits
 from brace_drake.model.brace_plant import AddGeometry

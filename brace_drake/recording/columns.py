@@ -137,6 +137,8 @@ BRACE = "brace"
 LEG_BENCH = "leg bench"
 PAD_BENCH = "pad bench"
 BRACE_STAGES = (1, 2, 3)
+# Ring i sits above stage i; the bench has the middle one.
+BENCH_RINGS = (2,)
 
 _LEG_BENCH = (
     _TIME,
@@ -151,7 +153,7 @@ _PAD_BENCH = (
     Channel("force_N", -1e3, 1e3),
 )
 DEVICES = {
-    BENCH: Device(_stages(range(1, 7), [2])),
+    BENCH: Device(_stages(range(1, 7), BENCH_RINGS)),
     BRACE: Device(_stages(range(1, 19), BRACE_STAGES), stages=BRACE_STAGES),
     LEG_BENCH: Device(
         {channel.name: channel for channel in _LEG_BENCH},

@@ -11,7 +11,7 @@ import yaml
 
 from brace_drake.core.errors import OutputError
 from brace_drake.core.output import HoldFolder, MakeFolder, WriteJson, WriteText
-from brace_drake.core.parallel.workers import Workers
+from brace_drake.core.parallel import Workers
 from brace_drake.recording import Campaign, Run, WriteCampaign
 from brace_drake.withheld.cases import Case, build_case, draw_faults, draw_kinds
 from brace_drake.withheld.floors import measure

@@ -70,7 +70,7 @@ def Run(args: argparse.Namespace) -> int:
     scenario = load_scenario_option(args.scenario)
     from brace_drake.design.plan import plan_campaign
     from brace_drake.devices.bench.twin import BenchTwin
-    from brace_drake.devices.motions.reference_file import common_rate
+    from brace_drake.devices.motions.reference import common_rate
     from brace_drake.effects.registry import find_effect
     from brace_drake.scenario.bench import DEVICE, BenchScenario
 
@@ -100,7 +100,7 @@ def Run(args: argparse.Namespace) -> int:
 
 def _runs(args: argparse.Namespace):
     from brace_drake.devices.motions.library import STANDARD, MakeMotion
-    from brace_drake.devices.motions.reference_file import LoadReferences
+    from brace_drake.devices.motions.reference import LoadReferences
 
     if args.references:
         return LoadReferences(args.references)

@@ -126,7 +126,7 @@ def load_device_motion(
     """
     from brace_drake.devices.motions.library import MakeMotion
     from brace_drake.devices.motions.limits import check_reach
-    from brace_drake.devices.motions.reference_file import LoadReference
+    from brace_drake.devices.motions.reference import LoadReference
     from brace_drake.link.operation.motion import (
         RING,
         motion_of_rings,

@@ -2,13 +2,14 @@
 
 Slow ones show dry friction, play and creep; fast ones inertia, damping and
 delays; holds show what moves by itself; free runs show everything but contact
-and torso. The numbers keep |y| below `motion_limits.EXCURSION`.
+and torso. The numbers keep |y| below `limits.EXCURSION`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -20,13 +21,58 @@ from brace_drake.devices.motions.parts import (
     ramp,
     steps,
 )
-from brace_drake.devices.motions.reference import COLUMNS
-from brace_drake.recording.recording import Run
+from brace_drake.devices.motions.reference import reference_columns
+from brace_drake.recording import Run
+from brace_drake.recording.columns import BENCH_RINGS
 
 RATE_HZ = 200.0
 # Of multisines, Hz.
 _RATES = np.array([0.15, 0.35, 0.6, 0.95, 1.45, 2.1])
 _FAST = np.array([0.5, 1.1, 1.9, 2.7, 3.7, 4.9])
+
+
+class PlannedMotion(Protocol):
+    """A motion to run.
+
+    Attributes:
+        name: Identifier.
+        meaning: What moves and how, in a few words.
+        contact: As in recordings of its kind.
+        run: The motion as a run that has not been recorded yet.
+        columns: Channels of the run that are imposed.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def meaning(self) -> str: ...
+
+    @property
+    def contact(self) -> bool: ...
+
+    @property
+    def run(self) -> Run: ...
+
+    @property
+    def columns(self) -> tuple[str, ...]: ...
+
+
+@dataclass(frozen=True)
+class MotionSet:
+    """Motions for a device.
+
+    Attributes:
+        rate: Of their samples, Hz.
+        motions: To choose from.
+        exceeded: From (twin, motion, subject values, the twin's recording of
+            it (N, C)) to which limit it passes, in words; None where it keeps
+            them all.
+    """
+
+    rate: float
+    motions: Sequence[PlannedMotion]
+    exceeded: Callable
 
 
 @dataclass(frozen=True)
@@ -39,8 +85,9 @@ class SafeMotion:
         contact: Whether the torso is there.
         kind: push, stairs, reversal, multisine or quiet_hold.
         time: Sample times from 0 (N,), s.
-        samples: y, m; y', m/s; y'', m/s^2 (N, 3); of a device of several
-            rings (N, 3, S).
+        samples: y, m; y', m/s; y'', m/s^2 (N, 3); of several rings
+            (N, 3, S).
+        rings: Numbers of the rings that the samples are of.
     """
 
     name: str
@@ -49,39 +96,47 @@ class SafeMotion:
     kind: str
     time: np.ndarray
     samples: np.ndarray
+    rings: tuple[int, ...] = BENCH_RINGS
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Channels of the reference."""
-        return COLUMNS
+        return reference_columns(*self.rings)
 
     @property
     def run(self) -> Run:
         """The reference as a run that has not been recorded yet."""
-        columns = dict(zip(COLUMNS, self.samples.T, strict=True))
+        # A ring's three columns stand side by side.
+        samples = self.samples.reshape(len(self.time), 3, -1)
+        rows = samples.transpose(2, 1, 0).reshape(-1, len(self.time))
+        columns = dict(zip(self.columns, rows, strict=True))
         channels = {"time_s": self.time, **columns}
         file = f"{self.name}.csv"
         return Run(file, self.contact, self.kind, None, "fit", channels)
 
 
-def _hold(t):
-    return np.zeros((len(t), 3))
+# Kinds of motions: their name, and y, y', y'' of the time.
+_Kind = tuple[str, Callable[[np.ndarray], np.ndarray]]
 
 
-def _push(height, rise):
-    return lambda t: ramp(t, 0.5, rise, height)
+def _hold() -> _Kind:
+    return "quiet_hold", lambda t: np.zeros((len(t), 3))
 
 
-def _stairs(heights, hold, rise=0.5):
+def _push(height: float, rise: float) -> _Kind:
+    return "push", lambda t: ramp(t, 0.5, rise, height)
+
+
+def _stairs(heights: Sequence[float], hold: float) -> _Kind:
     millimetres = 1e-3 * np.array(heights)
-    return lambda t: steps(t, millimetres, hold, rise)
+    return "stairs", lambda t: steps(t, millimetres, hold, 0.5)
 
 
-def _reversal(mean, amplitude, rate):
-    return lambda t: growing_sine(t, mean, amplitude, rate, 1.5)
+def _reversal(mean: float, amplitude: float, rate: float) -> _Kind:
+    return "reversal", lambda t: growing_sine(t, mean, amplitude, rate, 1.5)
 
 
-def _multisine(mean, size, rates):
+def _multisine(mean: float, size: float, rates: np.ndarray) -> _Kind:
     """Sines of falling amplitude about a mean; at most `size` from it."""
 
     def motion(t):
@@ -89,127 +144,96 @@ def _multisine(mean, size, rates):
         wave = multisine(t, size, rates)
         return ramp(t, 0.0, 1.5, mean) + product(grow, wave)
 
-    return motion
+    return "multisine", motion
 
 
-# Name: meaning, contact, kind, duration in s, y of t.
-_LIBRARY: dict[str, tuple[str, bool, str, float, Callable]] = {
-    "quiet_hold": ("still, 12 s", True, "quiet_hold", 12, _hold),
-    "quiet_hold_long": ("still, 60 s", True, "quiet_hold", 60, _hold),
-    "push": ("10 mm in 6 s, held", True, "push", 12, _push(-0.010, 6.0)),
-    "push_fast": ("9 mm in 0.6 s, held", True, "push", 12, _push(-0.009, 0.6)),
-    "push_deep": ("12 mm in 3 s, held", True, "push", 12, _push(-0.0119, 3.0)),
+# Name: meaning, duration in s, kind. Names of motions without the torso begin
+# with "free".
+_LIBRARY: dict[str, tuple[str, float, _Kind]] = {
+    "quiet_hold": ("still, 12 s", 12, _hold()),
+    "quiet_hold_long": ("still, 60 s", 60, _hold()),
+    "push": ("10 mm in 6 s, held", 12, _push(-0.010, 6.0)),
+    "push_fast": ("9 mm in 0.6 s, held", 12, _push(-0.009, 0.6)),
+    "push_deep": ("12 mm in 3 s, held", 12, _push(-0.0119, 3.0)),
     "push_other_side": (
         "10 mm to the other side in 4 s, held",
-        True,
-        "push",
         12,
         _push(0.010, 4.0),
     ),
-    "push_hold_long": ("9 mm in 1 s, held", True, "push", 60, _push(-9e-3, 1)),
+    "push_hold_long": ("9 mm in 1 s, held", 60, _push(-0.009, 1.0)),
     "stairs": (
         "six depths to 9 mm, 1.4 s each",
-        True,
-        "stairs",
         12,
         _stairs([-2, -5, -9, -6, -2, -7], 1.4),
     ),
     "stairs_both_sides": (
         "eight heights within 10 mm to both sides, 0.9 s each",
-        True,
-        "stairs",
         12,
         _stairs([-3, -7, -10, -4, 4, 10, 6, 0], 0.9),
     ),
     "stairs_long": (
         "three depths to 11 mm, 10 s each",
-        True,
-        "stairs",
         33,
         _stairs([-4, -8, -11], 10.0),
     ),
     "reversal": (
         "up to 4 mm about a depth of 4 mm at 0.25 Hz",
-        True,
-        "reversal",
         12,
         _reversal(-0.004, 0.004, 0.25),
     ),
     "reversal_small": (
         "up to 1 mm about a depth of 5 mm at 0.4 Hz",
-        True,
-        "reversal",
         12,
         _reversal(-0.005, 0.001, 0.4),
     ),
     "reversal_through_zero": (
         "up to 8 mm to both sides at 0.3 Hz",
-        True,
-        "reversal",
         12,
         _reversal(0.0, 0.008, 0.3),
     ),
     "reversal_fast": (
         "up to 3 mm about a depth of 6 mm at 1.5 Hz",
-        True,
-        "reversal",
         12,
         _reversal(-0.006, 0.003, 1.5),
     ),
     "multisine": (
         "0.15 to 2.1 Hz about a depth of 5 mm",
-        True,
-        "multisine",
         12,
         _multisine(-0.005, 0.005, _RATES),
     ),
     "multisine_fast": (
         "0.5 to 4.9 Hz about a depth of 6 mm",
-        True,
-        "multisine",
         12,
         _multisine(-0.006, 0.003, _FAST),
     ),
-    "free_hold": ("without torso, still", False, "quiet_hold", 12, _hold),
+    "free_hold": ("without torso, still", 12, _hold()),
     "free_reversal": (
         "without torso, up to 6 mm at 0.25 Hz",
-        False,
-        "reversal",
         12,
         _reversal(0.0, 0.006, 0.25),
     ),
     "free_reversal_slow": (
         "without torso, up to 4 mm at 0.1 Hz",
-        False,
-        "reversal",
         24,
         _reversal(0.0, 0.004, 0.1),
     ),
     "free_reversal_small": (
         "without torso, up to 1 mm at 0.4 Hz",
-        False,
-        "reversal",
         12,
         _reversal(0.0, 0.001, 0.4),
     ),
     "free_reversal_fast": (
         "without torso, up to 4 mm at 1.5 Hz",
-        False,
-        "reversal",
         12,
         _reversal(0.0, 0.004, 1.5),
     ),
     "free_multisine": (
         "without torso, 0.15 to 2.1 Hz",
-        False,
-        "multisine",
         12,
         _multisine(0.0, 0.008, _RATES),
     ),
     "free_multisine_fast": (
         "without torso, 0.5 to 4.9 Hz",
-        False,
-        "multisine",
         12,
         _multisine(0.0, 0.004, _FAST),
     ),
@@ -240,6 +264,7 @@ def MakeMotion(name: str) -> SafeMotion:
         raise CampaignError(
             f"no motion {name!r}{hint}{there} are {', '.join(MOTIONS)}"
         )
-    meaning, contact, kind, duration, calc = _LIBRARY[name]
+    meaning, duration, (kind, calc) = _LIBRARY[name]
+    contact = not name.startswith("free")
     time = np.arange(round(duration * RATE_HZ)) / RATE_HZ
     return SafeMotion(name, meaning, contact, kind, time, calc(time))

@@ -43,11 +43,13 @@ def place_motion(
             f"motion {motion.name}: no ring {ring}; moving rings of the device:"
             f" {words}"
         )
-    if len(rings) == 1:
+    if tuple(rings) == motion.rings:
         return motion
+    if len(rings) == 1:
+        return replace(motion, rings=tuple(rings))
     samples = np.zeros((len(motion.time), 3, len(rings)))
     samples[:, :, list(rings).index(ring)] = motion.samples
-    return replace(motion, samples=samples)
+    return replace(motion, samples=samples, rings=tuple(rings))
 
 
 def motion_of_rings(
@@ -69,7 +71,15 @@ def motion_of_rings(
     if len(rings) == 1:
         samples = np.ascontiguousarray(samples[:, :, 0])
     time = run.time_s - run.time_s[0]
-    return SafeMotion(run.name, meaning, run.contact, run.motion, time, samples)
+    return SafeMotion(
+        run.name,
+        meaning,
+        run.contact,
+        run.motion,
+        time,
+        samples,
+        tuple(rings),
+    )
 
 
 def desired_at_ticks(motion: SafeMotion, rate: float) -> np.ndarray:
@@ -77,12 +87,4 @@ def desired_at_ticks(motion: SafeMotion, rate: float) -> np.ndarray:
 
     (ticks, 3) of one ring, (ticks, 3, S) of several.
     """
-    if motion.samples.ndim == 2:
-        return reference_at_ticks(motion.time, motion.samples, rate)
-    rings = [
-        reference_at_ticks(
-            motion.time, np.ascontiguousarray(motion.samples[:, :, i]), rate
-        )
-        for i in range(motion.samples.shape[2])
-    ]
-    return np.ascontiguousarray(np.stack(rings, axis=2))
+    return reference_at_ticks(motion.time, motion.samples, rate)
