@@ -14,33 +14,13 @@ OUT := out/demo
 unexport PYTHONDONTWRITEBYTECODE
 PINNED := -c constraints.txt --build-constraint constraints.txt
 
-PARTS := test_m-q test_d-k test_l test_t-z test_a-c test_r test_s
-
-.PHONY: demo test test_link $(PARTS) lint types docs bench wheel clean
+.PHONY: demo test lint types docs bench wheel clean
 
 demo: $(STAMP)
 	$(BIN)/brace-drake diagnose $(EXAMPLE) --out $(OUT)
 
-# Two parts at a time, the longest first. Beside them those of the link, which
-# keep real time: they mostly wait, and go before others.
 test: lint
-	$(MAKE) --no-print-directory test_link & link=$$!; \
-	$(MAKE) --no-print-directory -k -j 2 $(PARTS); parts=$$?; \
-	wait $$link && exit $$parts
-
-test_link: FILES := test_link_*.py
-test_a-c: FILES := test_[a-c]*.py
-test_d-k: FILES := test_[d-k]*.py
-test_l: FILES := test_l[!i]*.py
-test_m-q: FILES := test_[m-q]*.py
-test_r: FILES := test_r*.py
-test_s: FILES := test_s*.py
-test_t-z: FILES := test_[t-z]*.py
-$(PARTS): SLOWER := nice -n 10
-
-test_link $(PARTS): $(STAMP)
-	OPENBLAS_NUM_THREADS=1 $(SLOWER) $(BIN)/python -m unittest discover \
-	  -s tests -t . -b -p '$(FILES)'
+	$(BIN)/python tools/run_tests.py
 
 lint: types
 	$(BIN)/ruff check .

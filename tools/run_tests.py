@@ -1,0 +1,186 @@
+"""Runs the suite in few processes, the longest test files first.
+
+    python tools/run_tests.py [tests.test_import ...] [--processes 2]
+
+Without names all of tests/ is run. Processes take one file after the other.
+Files of the link keep real time: they have a process of their own beside the
+others, which give way to it. Prints a line for each file, what failed, and in
+the end how many tests passed and failed; status 1 where one failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import multiprocessing
+import os
+import sys
+import time
+import unittest
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+# How long each file took when it was last run here, s.
+TIMES = ROOT / "out" / "test_times.json"
+REAL_TIME = "tests.test_link_"
+# Where nothing was timed yet: the longest of all.
+LONG = (
+    "diagnose",
+    "transfer",
+    "training",
+    "notebooks",
+    "pad_diagnosis",
+    "compare",
+    "parallel",
+    "evaluate",
+    "withheld_answer",
+    "next_run",
+    "validate",
+    "documentation",
+    "simulate_brace",
+    "repaired_scenario",
+    "brace_station",
+    "learning_policy",
+    "leg_bench_emps",
+    "reader_fuzz",
+    "disk",
+)
+# A process ends after so many files, and with it what they left in memory.
+FILES_PER_PROCESS = 15
+
+
+class Outcome(NamedTuple):
+    """What a file's tests came to."""
+
+    name: str
+    passed: int
+    failed: tuple[str, ...]
+    skipped: int
+    seconds: float
+    report: str
+
+
+class _Result(unittest.TextTestResult):
+    """Counts what has passed."""
+
+    passed = 0
+
+    def addSuccess(self, test):
+        super().addSuccess(test)
+        self.passed += 1
+
+
+def run_file(name: str) -> Outcome:
+    """Runs the tests of a module, with what they print kept back."""
+    start, text = time.monotonic(), io.StringIO()
+    suite = unittest.defaultTestLoader.loadTestsFromName(name)
+    runner = unittest.TextTestRunner(text, buffer=True, resultclass=_Result)
+    result = runner.run(suite)
+    # Parts of a test fail with it, as one.
+    bad = [
+        getattr(test, "test_case", test).id()
+        for test, _ in (*result.failures, *result.errors)
+    ]
+    bad += [test.id() for test in result.unexpectedSuccesses]
+    failed = tuple(dict.fromkeys(bad))
+    passed = result.passed + len(result.expectedFailures)
+    seconds = time.monotonic() - start
+    report = text.getvalue() if failed else ""
+    return Outcome(name, passed, failed, len(result.skipped), seconds, report)
+
+
+def longest_first(names: list[str]) -> list[str]:
+    """Names by how long they took; by a guess where that is not known."""
+    try:
+        times = json.loads(TIMES.read_text())
+    except (OSError, ValueError):
+        times = {}
+    guess = {f"tests.test_{name}": 1e3 - i for i, name in enumerate(LONG)}
+    return sorted(names, key=lambda n: -times.get(n, guess.get(n, 5.0)))
+
+
+def _give_way(niceness: int, path: list[str]) -> None:
+    os.nice(niceness)
+    sys.path[:] = path
+
+
+def _start(names: list[str], processes: int, niceness: int):
+    """A pool and the file of each of its futures."""
+    pool = ProcessPoolExecutor(
+        processes,
+        multiprocessing.get_context("spawn"),
+        _give_way,
+        (niceness, sys.path),
+        max_tasks_per_child=FILES_PER_PROCESS,
+    )
+    return pool, {pool.submit(run_file, name): name for name in names}
+
+
+def _outcome_of(future: Future, name: str) -> Outcome:
+    try:
+        return future.result()
+    except Exception as error:
+        # The process died: that is what this file, or one beside it, did.
+        report = f"{type(error).__name__}: {error}"
+        return Outcome(name, 0, (name,), 0, 0.0, report)
+
+
+def run_all(names: list[str], processes: int) -> list[Outcome]:
+    """Runs all files and prints a line for each."""
+    beside = [name for name in names if name.startswith(REAL_TIME)]
+    others = [name for name in names if name not in beside]
+    pools, futures = [], {}
+    for group, count, niceness in ((beside, 1, 0), (others, processes, 10)):
+        if group:
+            pool, there = _start(longest_first(group), count, niceness)
+            pools.append(pool)
+            futures |= there
+    outcomes = []
+    for future in as_completed(futures):
+        found = _outcome_of(future, futures[future])
+        outcomes.append(found)
+        print(
+            f"{found.seconds:7.1f} s  {found.name}: {found.passed} passed,"
+            f" {len(found.failed)} failed, {found.skipped} skipped",
+            flush=True,
+        )
+        if found.report:
+            print(found.report, flush=True)
+    for pool in pools:
+        pool.shutdown()
+    return outcomes
+
+
+def main() -> int:
+    """Returns 0 where every test passed, else 1."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("names", nargs="*", metavar="tests.test_NAME")
+    parser.add_argument("--processes", type=int, default=2, metavar="N")
+    args = parser.parse_args()
+    # Before any library of linear algebra starts threads of its own.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    sys.path.insert(0, str(ROOT))
+    files = sorted((ROOT / "tests").glob("test_*.py"))
+    names = args.names or [f"tests.{file.stem}" for file in files]
+    start = time.monotonic()
+    outcomes = run_all(names, args.processes)
+    failed = [test for found in outcomes for test in found.failed]
+    passed = sum(found.passed for found in outcomes)
+    skipped = sum(found.skipped for found in outcomes)
+    if not args.names:
+        TIMES.parent.mkdir(exist_ok=True)
+        times = {o.name: round(o.seconds, 1) for o in outcomes}
+        TIMES.write_text(json.dumps(times, indent=1))
+    for test in failed:
+        print(f"failed: {test}")
+    seconds = time.monotonic() - start
+    print(f"{skipped} skipped, in {seconds:.0f} s")
+    print(f"{passed} passed, {len(failed)} failed")
+    return 1 if failed or not passed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
