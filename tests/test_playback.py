@@ -33,7 +33,7 @@ from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.leg_bench import LegBenchScenario
-from brace_drake.torso.files import obj_text
+from brace_drake.torso.meshes import obj_text
 from tests.brace_runs import brace, run_servo
 from tests.commands import run_command
 from tests.meshcat_page import read_commands, read_tracks

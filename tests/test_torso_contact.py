@@ -27,15 +27,17 @@ from brace_drake.torso.contact import (
     AddTorsoContact,
     MakeTorsoGeometry,
     check_volume,
-    distance_at_rest,
+    map_linear_contact,
 )
-from brace_drake.torso.contact_numbers import map_linear_contact
-from brace_drake.torso.files import obj_text
 from brace_drake.torso.fitted import fit_torso
 from brace_drake.torso.folder import LoadTorso, WriteTorso
-from brace_drake.torso.measures import Curve, TorsoMeasures
-from brace_drake.torso.parametric import make_parametric_loft
-from brace_drake.torso.press import MakeRingsAndTorso, press_pads, read_forces
+from brace_drake.torso.measures import (
+    Curve,
+    TorsoMeasures,
+    make_parametric_loft,
+)
+from brace_drake.torso.meshes import obj_text
+from brace_drake.torso.pads import distance_at_rest
 from tests.torso_blocks import (
     CONTACT,
     RINGS,
@@ -46,6 +48,7 @@ from tests.torso_blocks import (
     press_brace,
     shift,
 )
+from tools.torso_contact import MakeRingsAndTorso, press_pads, read_forces
 
 
 class TestFoundation(unittest.TestCase):

@@ -11,11 +11,10 @@ from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.check import CheckScenario
-from brace_drake.torso.contact_numbers import map_linear_contact
+from brace_drake.torso.contact import map_linear_contact
+from brace_drake.torso.faces import make_point_pad
 from brace_drake.torso.fitted import fit_torso
 from brace_drake.torso.pads import Pad
-from brace_drake.torso.points import make_point_pad
-from brace_drake.torso.press import press_pads
 from tests.torso_blocks import (
     CONTACT,
     RINGS,
@@ -26,6 +25,7 @@ from tests.torso_blocks import (
     press_brace,
     shift,
 )
+from tools.torso_contact import press_pads
 
 
 class TestPoints(unittest.TestCase):

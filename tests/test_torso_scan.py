@@ -10,15 +10,16 @@ import trimesh
 from brace_drake.core.errors import TorsoError
 from brace_drake.core.resources import scenario_path
 from brace_drake.scenario.load import LoadScenario
-from brace_drake.torso.files import LoadSurface
 from brace_drake.torso.fitted import calc_inertia, loft_surface
 from brace_drake.torso.folder import LoadTorso, central_inertia
-from brace_drake.torso.loft import half_widths, loft_radius
-from brace_drake.torso.measures import Curve, LoadMeasures, TorsoMeasures
-from brace_drake.torso.parametric import (
+from brace_drake.torso.loft import half_widths, loft_radius, measure_trunk_bend
+from brace_drake.torso.measures import (
+    Curve,
+    LoadMeasures,
+    TorsoMeasures,
     make_parametric_loft,
-    measure_trunk_bend,
 )
+from brace_drake.torso.meshes import LoadSurface
 from brace_drake.torso.scan import LoadScan, ScanFrame
 from brace_drake.torso.sections import cut_plane, cut_sections
 from tests.commands import run_command

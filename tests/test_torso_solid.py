@@ -9,7 +9,7 @@ import numpy as np
 from brace_drake.core.errors import TorsoError
 from brace_drake.core.resources import scenario_path
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.torso.depth import deepest
+from brace_drake.torso.faces import make_pads
 from brace_drake.torso.fitted import calc_inertia, fit_torso, loft_surface
 from brace_drake.torso.grid import make_grid
 from brace_drake.torso.loft import (
@@ -17,16 +17,19 @@ from brace_drake.torso.loft import (
     half_widths,
     loft_points,
     loft_radius,
-    side_point,
-)
-from brace_drake.torso.measures import Curve, LoadMeasures, TorsoMeasures
-from brace_drake.torso.pads import make_pads, place_pads
-from brace_drake.torso.parametric import (
-    make_parametric_loft,
     measure_cobb,
     measure_trunk_bend,
+    side_point,
 )
+from brace_drake.torso.measures import (
+    Curve,
+    LoadMeasures,
+    TorsoMeasures,
+    make_parametric_loft,
+)
+from brace_drake.torso.pads import place_pads
 from brace_drake.torso.solid import (
+    deepest,
     fill_outlines,
     signed_volumes,
     split_wedges,

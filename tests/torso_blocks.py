@@ -6,15 +6,20 @@ from pydrake.systems.analysis import Simulator
 
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.torso.contact import MakeTorsoGeometry
-from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact
-from brace_drake.torso.depth import deepest
+from brace_drake.torso.contact import (
+    MakeTorsoGeometry,
+    TorsoContact,
+    map_linear_contact,
+)
 from brace_drake.torso.fitted import FittedTorso, calc_inertia
-from brace_drake.torso.measures import Curve, TorsoMeasures
+from brace_drake.torso.measures import (
+    Curve,
+    TorsoMeasures,
+    make_parametric_loft,
+)
 from brace_drake.torso.pads import Pad, PadPlace
-from brace_drake.torso.parametric import make_parametric_loft
-from brace_drake.torso.press import press_pads
-from brace_drake.torso.solid import fill_outlines
+from brace_drake.torso.solid import deepest, fill_outlines
+from tools.torso_contact import press_pads
 
 RINGS = (-0.09, 0.0, 0.06)
 SIZE = (0.06, 0.08)

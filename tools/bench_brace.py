@@ -18,8 +18,7 @@ from brace_drake.scenario.bench import Contact
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
 from brace_drake.torso.contact import MakeTorsoGeometry
 from brace_drake.torso.fitted import PAD_RESOLUTION, fit_torso
-from brace_drake.torso.measures import LoadMeasures
-from brace_drake.torso.parametric import make_parametric_loft
+from brace_drake.torso.measures import LoadMeasures, make_parametric_loft
 from brace_drake.torso.personalize import RING_HEIGHTS
 from tests.brace_runs import brace, way_to
 

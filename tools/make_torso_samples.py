@@ -16,11 +16,10 @@ import trimesh
 from scipy.spatial import Delaunay
 
 from brace_drake.core.resources import scenario_path
-from brace_drake.torso.files import obj_text
 from brace_drake.torso.fitted import loft_surface
 from brace_drake.torso.loft import loft_centre, loft_points
-from brace_drake.torso.measures import LoadMeasures
-from brace_drake.torso.parametric import make_parametric_loft
+from brace_drake.torso.measures import LoadMeasures, make_parametric_loft
+from brace_drake.torso.meshes import obj_text
 from brace_drake.torso.solid import surface_volume
 
 FOLDER = Path(__file__).resolve().parents[1] / "tests" / "data" / "torso"

@@ -14,23 +14,37 @@ approximations with the default points. The picture shows both.
 import argparse
 import os
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.plant import DiscreteContactApproximation
+from pydrake.multibody.plant import (
+    AddMultibodyPlantSceneGraph,
+    DiscreteContactApproximation,
+    MultibodyPlant,
+)
+from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from brace_drake.core.resources import scenario_path
 from brace_drake.scenario.bench import Contact
-from brace_drake.torso.contact import map_linear_contact
-from brace_drake.torso.fitted import PAD_RESOLUTION, RESOLUTION, fit_torso
-from brace_drake.torso.measures import LoadMeasures
-from brace_drake.torso.parametric import make_parametric_loft
+from brace_drake.torso.contact import (
+    AddTorsoContact,
+    TorsoContact,
+    map_linear_contact,
+)
+from brace_drake.torso.fitted import (
+    PAD_RESOLUTION,
+    RESOLUTION,
+    FittedTorso,
+    fit_torso,
+)
+from brace_drake.torso.measures import LoadMeasures, make_parametric_loft
 from brace_drake.torso.personalize import RING_HEIGHTS
-from brace_drake.torso.press import MakeRingsAndTorso, press_pads
 
 MOTIONS = {
     "rest": RigidTransform(),
@@ -59,6 +73,93 @@ APPROXIMATIONS = {
 }
 STEP, STEPS, REPEATS = 1e-3, 4, 15
 _TICKS_US = 300, 500, 1000, 2000, 5000
+
+
+# A press that contact does not move, kg, within a step of 10 us: then the
+# force is that at the given pose.
+_IMMOVABLE = 1e6
+PRESS_STEP = 1e-5
+_BALL = UnitInertia.SolidSphere(0.1)
+
+
+def MakeRingsAndTorso(
+    torso: FittedTorso,
+    contact: TorsoContact,
+    time_step: float,
+    ring_mass: float = _IMMOVABLE,
+    torso_mass: float = _IMMOVABLE,
+) -> tuple[Diagram, MultibodyPlant, dict]:
+    """A plant of free rings around a free torso, without gravity.
+
+    Returns:
+        Diagram, plant and geometries by name. Bodies are "torso" (frame T, at
+        W) and "ring1", "ring2", ...
+    """
+    builder = DiagramBuilder()
+    plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step)
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])
+    body = plant.AddRigidBody("torso", _inertia(torso_mass))
+    rings = {}
+    for i, height in enumerate(torso.ring_heights, start=1):
+        rings[i] = plant.AddRigidBody(f"ring{i}", _inertia(ring_mass))
+        plant.SetDefaultFloatingBaseBodyPose(
+            rings[i], RigidTransform([0.0, 0.0, height])
+        )
+    geometries = AddTorsoContact(
+        plant, scene_graph, body, rings, torso, contact
+    )
+    plant.SetUseSampledOutputPorts(False)
+    plant.Finalize()
+    return builder.Build(), plant, geometries
+
+
+def _inertia(mass: float) -> SpatialInertia:
+    return SpatialInertia(mass, [0.0, 0.0, 0.0], _BALL)
+
+
+def press_pads(
+    torso: FittedTorso,
+    contact: TorsoContact,
+    motions: Sequence[RigidTransform],
+) -> np.ndarray:
+    """Forces of the pads on the torso with every ring moved from its rest.
+
+    Args:
+        motions: Pose of each ring in its frame at rest, the same for all.
+
+    Returns:
+        In T, in the order of `torso.pads` (motions, pads, 3), N.
+    """
+    diagram, plant, geometries = MakeRingsAndTorso(torso, contact, PRESS_STEP)
+    context = diagram.CreateDefaultContext()
+    own = plant.GetMyMutableContextFromRoot(context)
+    names = {geometry: name for name, geometry in geometries.items()}
+    order = [pad.place.name for pad in torso.pads]
+    forces = np.zeros((len(motions), len(order), 3))
+    for force, motion in zip(forces, motions, strict=True):
+        for i, height in enumerate(torso.ring_heights, start=1):
+            rest = RigidTransform([0.0, 0.0, height])
+            ring = plant.GetBodyByName(f"ring{i}")
+            plant.SetFloatingBaseBodyPoseInWorldFrame(own, ring, rest @ motion)
+        for name, F_T in read_forces(plant, own, names).items():
+            force[order.index(name)] = F_T
+    return forces
+
+
+def read_forces(plant: MultibodyPlant, context, names: dict) -> dict:
+    """Force of each touching pad on the torso, in W, by the pad's name, N."""
+    results = plant.get_contact_results_output_port().Eval(context)
+    forces = {}
+    for i in range(results.num_hydroelastic_contacts()):
+        info = results.hydroelastic_contact_info(i)
+        surface = info.contact_surface()
+        # Drake gives the force on the body of its geometry M.
+        f_M = info.F_Ac_W().translational()
+        name_M, name_N = names[surface.id_M()], names[surface.id_N()]
+        forces[name_N if name_M == "torso" else name_M] = (
+            f_M if name_M == "torso" else -f_M
+        )
+    return forces
 
 
 def make(loft, resolution, pad_resolution, points):

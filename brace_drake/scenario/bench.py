@@ -83,7 +83,7 @@ class Contact:
     preload: float = 0.001  # m, compression of each pad at rest
     pad_size: np.ndarray = _vector(0.060, 0.020, 0.080)  # m
     # On a torso's mesh, hydroelastic: points of a pad, across and up, that
-    # stand for its face, see brace_drake.torso.points; 0, 0: the whole face.
+    # stand for its face, see brace_drake.torso.faces; 0, 0: the whole face.
     pad_points: list[int] = field(default_factory=lambda: [2, 4])
     # These give the stiffness and damping above at the preload.
     hydroelastic_modulus: float = 26666.666666666668  # Pa, k H / A

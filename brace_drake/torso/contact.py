@@ -13,7 +13,7 @@ A_n the effective area of a pad (brace_drake.torso.pads), here its mean.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pydrake.common import MemoryFile
@@ -33,21 +33,73 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     ContactModel,
     CoulombFriction,
+    DiscreteContactApproximation,
     MultibodyPlant,
 )
 from pydrake.multibody.tree import RigidBody
 
 from brace_drake.core.errors import TorsoError
+from brace_drake.scenario.bench import Contact
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact
-from brace_drake.torso.files import obj_text, vtk_text
+from brace_drake.torso.faces import SHARE, make_point_pad
 from brace_drake.torso.fitted import FittedTorso
-from brace_drake.torso.pads import Pad
-from brace_drake.torso.points import SHARE, make_point_pad
+from brace_drake.torso.meshes import obj_text, vtk_text
+from brace_drake.torso.pads import Pad, distance_at_rest
 from brace_drake.torso.solid import Solid, surface_volume
 
 # Drake's mesh may differ from ours by what the text of its file rounds.
 _VOLUME = 1e-6
+
+
+@dataclass(frozen=True)
+class TorsoContact:
+    """Numbers of the contact.
+
+    Attributes:
+        foundation_modulus: κ, pressure over depth, N/m^3.
+        dissipation: D of Hunt and Crossley, s/m; `lagged` and `similar`.
+        friction: Coulomb's coefficient, at rest and sliding.
+        stiction_tolerance: Sliding speed from which friction is full, m/s;
+            `lagged` and `similar`.
+        relaxation_time: c / k, s; `sap`.
+        preload: Depth of each pad at rest, m.
+        reach: Pads farther than this from the torso at rest do not meet it, m.
+        points: Of a pad, across and up, see `points`; 0, 0: its whole face.
+        approximation: Of Drake's discrete contact.
+    """
+
+    foundation_modulus: float
+    dissipation: float = 0.0
+    friction: float = 0.0
+    stiction_tolerance: float = 0.005
+    relaxation_time: float = 0.0
+    preload: float = 0.0
+    reach: float = 0.05
+    points: tuple[int, int] = (0, 0)
+    approximation: DiscreteContactApproximation = (
+        DiscreteContactApproximation.kLagged
+    )
+
+
+def map_linear_contact(contact: Contact, effective_area: float) -> TorsoContact:
+    """Numbers that give a scenario's linear stiffness and damping.
+
+    The damping is that of the linear law at the preload, where there is one.
+
+    Args:
+        contact: Of the scenario.
+        effective_area: A_n, the mean of the pads, m^2.
+    """
+    relaxation = contact.damping / contact.stiffness
+    return TorsoContact(
+        foundation_modulus=contact.stiffness / effective_area,
+        dissipation=relaxation / contact.preload if contact.preload else 0.0,
+        friction=contact.friction,
+        stiction_tolerance=contact.friction_regularization,
+        relaxation_time=relaxation,
+        preload=contact.preload,
+        points=tuple(int(n) for n in contact.pad_points),
+    )
 
 
 def AddTorsoContact(
@@ -231,20 +283,6 @@ def AddRigidPad(
         f"{pad.place.name}_pad",
         properties,
     )
-
-
-def distance_at_rest(pad: Pad, solid: Solid, preload: float) -> float:
-    """From the middle of a pad to the nearest node of the surface, at least 0.
-
-    Less the largest edge of the surface it is a bound from below: enough to
-    tell pads that cannot touch.
-    """
-    middle = pad.vertices.mean(axis=0) - preload * pad.place.normal
-    corners = solid.vertices[solid.triangles]
-    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
-    nearest = np.linalg.norm(corners.reshape(-1, 3) - middle, axis=1).min()
-    size = np.linalg.norm(pad.vertices - middle, axis=1).max()
-    return float(max(0.0, nearest - edge - size))
 
 
 def _mesh(text: str, extension: str, name: str) -> Mesh:

@@ -10,13 +10,14 @@ from pydrake.geometry import SurfaceTriangle, TriangleSurfaceMesh
 from pydrake.multibody.tree import CalcSpatialInertia, SpatialInertia
 
 from brace_drake.core.errors import TorsoError
-from brace_drake.torso.depth import deepest
+from brace_drake.torso.faces import make_pads
 from brace_drake.torso.grid import make_grid
 from brace_drake.torso.loft import Loft
-from brace_drake.torso.pads import Pad, make_pads, place_pads
+from brace_drake.torso.pads import Pad, place_pads
 from brace_drake.torso.solid import (
     Solid,
     boundary_triangles,
+    deepest,
     fill_outlines,
     surface_volume,
 )

@@ -9,11 +9,11 @@ import yaml
 
 from brace_drake.core.errors import TorsoError
 from brace_drake.core.output import WriteText
-from brace_drake.torso.contact_numbers import TorsoContact
-from brace_drake.torso.depth import deepest
-from brace_drake.torso.files import LoadSolid, LoadSurface, obj_text, vtk_text
+from brace_drake.torso.contact import TorsoContact
 from brace_drake.torso.fitted import FittedTorso, calc_inertia
+from brace_drake.torso.meshes import LoadSolid, LoadSurface, obj_text, vtk_text
 from brace_drake.torso.pads import Pad, PadPlace
+from brace_drake.torso.solid import deepest
 
 SOLID, SURFACE = "torso.vtk", "torso.obj"
 MODEL, PADS = "torso.sdf", "pads.yaml"

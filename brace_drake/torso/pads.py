@@ -1,9 +1,7 @@
-"""Pads that fit a torso: where they sit and the faces that they press with.
+"""Pads that fit a torso: where they sit, and how stiff they are.
 
 A pad sits where its ring's plane and mid-line (x = 0) meet the torso's side. It
 is as wide as its size along its own horizontal direction and as tall along z.
-Its face is the patch of the torso's surface behind that window, as a brace is
-shaped on a scan: with no preload it touches everywhere and presses nowhere.
 
 Pushed in by d along its horizontal normal n, a face sinks by d n·m where its
 own normal is m, so it meets the pressure κ d n·m and the force along n is
@@ -23,11 +21,6 @@ import numpy as np
 from brace_drake.core.errors import TorsoError
 from brace_drake.torso.loft import Loft, side_point
 from brace_drake.torso.solid import Solid
-
-# Polygons below this are what rounding leaves of neighbours, m^2.
-_SLIVER = 1e-8
-# A node this little beyond a pad's edge, m, is on it.
-_ON_EDGE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -49,6 +42,11 @@ class PadPlace:
     normal: np.ndarray
     across: np.ndarray
     size: tuple[float, float]
+
+    @property
+    def axes(self) -> np.ndarray:
+        """Rows across, up and along the normal (3, 3)."""
+        return np.array([self.across, [0.0, 0.0, 1.0], self.normal])
 
     @property
     def name(self) -> str:
@@ -134,70 +132,15 @@ def _place(loft, ring, height, side, size) -> PadPlace:
     return PadPlace(ring, side, point, normal, across, tuple(size))
 
 
-def make_pads(solid: Solid, places: Sequence[PadPlace]) -> list[Pad]:
-    """Cuts the pads' faces out of the surface of a solid.
+def distance_at_rest(pad: Pad, solid: Solid, preload: float) -> float:
+    """From the middle of a pad to the nearest node of the surface, at least 0.
 
-    Raises:
-        TorsoError: A pad's window is not all over the torso's side.
+    Less the largest edge of the surface it is a bound from below: enough to
+    tell pads that cannot touch.
     """
-    return [_make_pad(solid, place) for place in places]
-
-
-def _make_pad(solid: Solid, place: PadPlace) -> Pad:
+    middle = pad.vertices.mean(axis=0) - preload * pad.place.normal
     corners = solid.vertices[solid.triangles]
-    normals = np.cross(
-        corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    )
-    local = corners - place.p_TP
-    u, v, w = (local @ axis for axis in (place.across, [0, 0, 1], place.normal))
-    half = 0.5 * np.array(place.size)
-    # What lies on the other side of the torso faces the other way.
-    near = (normals @ place.normal > 0) & (np.abs(w).max(1) < 0.1)
-    near &= (np.abs(u).min(1) < 0.1) & (v.max(1) > -half[1])
-    near &= v.min(1) < half[1]
-    points, triangles = [], []
-    for i in np.flatnonzero(near):
-        polygon = np.column_stack([u[i], v[i], w[i]])
-        for axis in (0, 1):
-            for sign in (1.0, -1.0):
-                polygon = _clip(polygon, axis, sign, half[axis])
-        for k in range(1, len(polygon) - 1):
-            fan = polygon[[0, k, k + 1]]
-            normal = np.cross(fan[1] - fan[0], fan[2] - fan[0])
-            if 0.5 * np.linalg.norm(normal) > _SLIVER:
-                # Turned over: the pad faces the torso.
-                order = np.array([0, 2, 1]) + len(points)
-                triangles.append(order)
-                points.extend(fan)
-    if not triangles:
-        raise TorsoError(f"pad {place.name} does not meet the torso")
-    axes = np.array([place.across, [0, 0, 1], place.normal])
-    pad = _merge(place, np.array(points), np.array(triangles), axes)
-    window = float(np.sum(pad.area_vectors @ place.normal))
-    if abs(window - np.prod(place.size)) > 0.01 * np.prod(place.size):
-        raise TorsoError(
-            f"pad {place.name} lies on {1e4 * window:.1f} cm^2 of the torso's"
-            f" side; allowed: its whole window, {1e4 * np.prod(place.size):.1f}"
-        )
-    return pad
-
-
-def _clip(polygon: np.ndarray, axis: int, sign: float, bound: float):
-    """A polygon's part with sign x[axis] <= bound (Sutherland, Hodgman)."""
-    kept, bound = [], bound + _ON_EDGE
-    for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        da, db = sign * a[axis] - bound, sign * b[axis] - bound
-        if da <= 0.0:
-            kept.append(a)
-        if da * db < 0.0:
-            kept.append(a + (b - a) * (da / (da - db)))
-    return np.array(kept).reshape(-1, 3)
-
-
-def _merge(place, points, triangles, axes) -> Pad:
-    """The face in T, with coinciding points made one."""
-    _, index, inverse = np.unique(
-        np.round(points, 8), axis=0, return_index=True, return_inverse=True
-    )
-    triangles = inverse.reshape(-1)[triangles]
-    return Pad(place, points[index] @ axes + place.p_TP, triangles)
+    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+    nearest = np.linalg.norm(corners.reshape(-1, 3) - middle, axis=1).min()
+    size = np.linalg.norm(pad.vertices - middle, axis=1).max()
+    return float(max(0.0, nearest - edge - size))

@@ -14,7 +14,7 @@ from brace_drake.core.output import MakeFolder, WriteBytes
 from brace_drake.scenario.bench import BenchScenario, Contact
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import SaveScenario
-from brace_drake.torso.contact_numbers import TorsoContact, map_linear_contact
+from brace_drake.torso.contact import TorsoContact, map_linear_contact
 from brace_drake.torso.fitted import (
     DENSITY,
     PAD_RESOLUTION,
@@ -25,8 +25,7 @@ from brace_drake.torso.fitted import (
 )
 from brace_drake.torso.folder import WriteTorso, central_inertia
 from brace_drake.torso.loft import Loft
-from brace_drake.torso.measures import LoadMeasures
-from brace_drake.torso.parametric import make_parametric_loft
+from brace_drake.torso.measures import LoadMeasures, make_parametric_loft
 from brace_drake.torso.picture import draw_torso
 from brace_drake.torso.scan import LoadScan, ScanFrame
 from brace_drake.torso.sections import cut_sections

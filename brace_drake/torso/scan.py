@@ -14,7 +14,6 @@ import numpy as np
 import trimesh
 
 from brace_drake.core.errors import TorsoError
-from brace_drake.torso.solid import surface_volume
 
 FORMATS = (".obj", ".ply", ".stl")
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
@@ -86,11 +85,10 @@ def LoadScan(
     rotation = frame.rotation()
     mesh = _read(path)
     moved = np.asarray(mesh.vertices) - np.asarray(frame.origin, dtype=float)
-    vertices = UNITS[frame.unit] * moved @ rotation.T
-    triangles = np.asarray(mesh.faces)
-    check_size(vertices, frame.unit, str(path))
-    check_closed(vertices, triangles, str(path))
-    return vertices, triangles
+    mesh.vertices = UNITS[frame.unit] * moved @ rotation.T
+    check_size(mesh.vertices, frame.unit, str(path))
+    check_closed(mesh, str(path))
+    return np.asarray(mesh.vertices), np.asarray(mesh.faces)
 
 
 def _read(path: Path) -> trimesh.Trimesh:
@@ -165,42 +163,35 @@ def _hint(extents: np.ndarray, unit: str) -> str:
     return ""
 
 
-def check_closed(
-    vertices: np.ndarray, triangles: np.ndarray, source: str
-) -> None:
+def check_closed(mesh: trimesh.Trimesh, source: str) -> None:
     """Refuses surfaces that do not bound one body.
 
     Raises:
         TorsoError: It names what is wrong and how much of it.
     """
-    edges = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
-    _, counts = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
-    open_edges, shared = int(np.sum(counts == 1)), int(np.sum(counts > 2))
-    if open_edges:
+    _, uses = np.unique(mesh.edges_sorted, axis=0, return_counts=True)
+    _, directed = np.unique(mesh.edges, axis=0, return_counts=True)
+    for wrong, what in (
+        (
+            uses == 1,
+            "the surface is open, {} edges belong to one triangle only;"
+            " allowed: 0, so close its holes first",
+        ),
+        (uses > 2, "{} edges belong to more than two triangles; allowed: 0"),
+        (
+            directed > 1,
+            "{} pairs of neighbouring triangles face opposite ways; allowed: 0",
+        ),
+    ):
+        if wrong.any():
+            raise TorsoError(f"{source}: {what.format(int(wrong.sum()))}")
+    if mesh.body_count > 1:
         raise TorsoError(
-            f"{source}: the surface is open, {open_edges} edges belong to one"
-            " triangle only; allowed: 0, so close its holes first"
+            f"{source}: {mesh.body_count} separate bodies; allowed: 1"
         )
-    if shared:
-        raise TorsoError(
-            f"{source}: {shared} edges belong to more than two triangles;"
-            " allowed: 0"
-        )
-    _, directed = np.unique(edges, axis=0, return_counts=True)
-    if np.any(directed > 1):
-        raise TorsoError(
-            f"{source}: {int(np.sum(directed > 1))} pairs of neighbouring"
-            " triangles face opposite ways; allowed: 0"
-        )
-    bodies = trimesh.graph.connected_component_labels(
-        edges, node_count=len(vertices)
-    )
-    count = len(np.unique(bodies[np.unique(triangles)]))
-    if count > 1:
-        raise TorsoError(f"{source}: {count} separate bodies; allowed: 1")
-    volume = surface_volume(vertices, triangles)
-    if volume <= 0.0:
+    if mesh.volume <= 0.0:
         raise TorsoError(
             f"{source}: the surface is inside out, its volume is"
-            f" {volume:.4g} m^3; allowed: positive, so turn its triangles over"
+            f" {mesh.volume:.4g} m^3; allowed: positive, so turn its triangles"
+            " over"
         )

@@ -10,7 +10,8 @@ neighbours fit.
 
 Drake's pressure is linear in each tetrahedron, from 0 on the surface to
 E depth / H at an inner node (H: the deepest one). The shell makes it E d / H
-close below the surface, whatever the shape of the core.
+close below the surface, whatever the shape of the core. A layer of foundation
+modulus κ = p / d, N/m^3, therefore needs E = κ H.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import trimesh
+from scipy.spatial import cKDTree
 
 from brace_drake.core.errors import TorsoError
 
@@ -214,3 +217,22 @@ def surface_volume(vertices: np.ndarray, triangles: np.ndarray) -> float:
     """Volume inside a closed surface, positive where it faces outward, m^3."""
     a, b, c = (vertices[triangles[:, i]] for i in range(3))
     return float(np.einsum("ij,ij->", np.cross(a, b), c) / 6.0)
+
+
+def deepest(solid: Solid) -> float:
+    """Distance of the deepest inner node from the surface, m."""
+    triangles = solid.vertices[solid.triangles]
+    on_surface = np.unique(solid.triangles)
+    inner = np.setdiff1d(np.arange(len(solid.vertices)), on_surface)
+    # The nearest node of the surface bounds the distance from above.
+    tree = cKDTree(solid.vertices[on_surface])
+    bounds, _ = tree.query(solid.vertices[inner])
+    best = 0.0
+    for i in np.argsort(-bounds):
+        if bounds[i] <= best:
+            break
+        point = np.broadcast_to(solid.vertices[inner[i]], (len(triangles), 3))
+        nearest = trimesh.triangles.closest_point(triangles, point)
+        distance = np.linalg.norm(nearest - point, axis=1).min()
+        best = max(best, float(distance))
+    return best

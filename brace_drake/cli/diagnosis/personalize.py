@@ -121,8 +121,7 @@ def _load_scenarios(path: str | None) -> dict:
 
 def describe(personal) -> list[str]:
     """What was measured, a line each."""
-    from brace_drake.torso.loft import half_widths
-    from brace_drake.torso.parametric import measure_trunk_bend
+    from brace_drake.torso.loft import half_widths, measure_trunk_bend
 
     torso, loft = personal.torso, personal.loft
     x, y, z = torso.inertia.get_com()

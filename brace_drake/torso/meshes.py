@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 from brace_drake.core.errors import TorsoError
 from brace_drake.torso.solid import Solid, make_solid
@@ -66,18 +67,11 @@ def LoadSurface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     Raises:
         TorsoError: It is not such a file.
     """
-    path, vertices, triangles = Path(path), [], []
     try:
-        for line in path.read_text(encoding="utf-8").splitlines():
-            kind, *words = line.split()
-            if kind == "v":
-                vertices.append([float(w) for w in words])
-            elif kind == "f":
-                triangles.append([int(w) - 1 for w in words])
-        return np.array(vertices).reshape(-1, 3), np.array(
-            triangles, dtype=int
-        ).reshape(-1, 3)
-    except (OSError, ValueError) as error:
+        mesh = trimesh.load_mesh(path, process=False, maintain_order=True)
+        return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    # What trimesh raises on a broken file is not foreseen.
+    except Exception as error:
         raise TorsoError(f"{path}: no surface in OBJ: {error}") from error
 
 
