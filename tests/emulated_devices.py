@@ -8,11 +8,11 @@ import numpy as np
 
 from brace_drake.devices.motions.library import SafeMotion
 from brace_drake.devices.motions.parts import ramp
-from brace_drake.link.device.limits import DEFAULT
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.describe import describe_device
 from brace_drake.link.emulator.device import EmulatedDevice
 from brace_drake.link.operation.recorder import Recorder
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.words import DeviceState
 from brace_drake.scenario.bench import BenchScenario
 

@@ -5,7 +5,7 @@ The bench; with another scenario, plant and limits any other device.
 
 import numpy as np
 
-from brace_drake.link.device.limits import DEFAULT, SHARED, shared_values
+from brace_drake.link.device.firmware import Firmware
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.describe import describe_device
 from brace_drake.link.emulator.device import measure_plant
@@ -13,7 +13,7 @@ from brace_drake.link.emulator.line import Line, LineFaults
 from brace_drake.link.operation.control import HostControl
 from brace_drake.link.operation.session import Session
 from brace_drake.link.protocol.codec import Decoder, make_codec
-from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.limits import DEFAULT, shared_values
 from brace_drake.link.protocol.sequence import SequenceWatch
 from brace_drake.link.protocol.words import Mode
 from brace_drake.scenario.bench import BenchScenario
@@ -78,9 +78,7 @@ class Lockstep:
     def agree(self, limits=DEFAULT):
         """Hello is taken as said; agrees on limits after one tick."""
         self.run(2)
-        values = shared_values(limits, self._stages)
-        named = {s.name: v for s, v in zip(SHARED, values, strict=True)}
-        self.Send("LIMITS", named)
+        self.Send("LIMITS", shared_values(limits, self._stages))
         self.run(1)
         echo = next(p for p in self.heard if p.name == "LIMITS_ECHO")
         self.session = echo.values.session

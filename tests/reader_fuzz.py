@@ -361,7 +361,7 @@ def _write_plan(folder: Path) -> None:
 
 
 def _read_plan(folder: Path) -> object:
-    from brace_drake.link.operation.campaign_plan import LoadPlan
+    from brace_drake.link.operation.campaign import LoadPlan
 
     return LoadPlan(folder / "plan.yaml")
 

@@ -31,8 +31,8 @@ from brace_drake.core.output import (
 )
 from brace_drake.core.resources import policy_path
 from brace_drake.link.operation.journal import Journal
-from brace_drake.link.operation.record import columns_of
 from brace_drake.link.operation.recorder import Recorder
+from brace_drake.link.operation.rows import columns_of
 from brace_drake.link.protocol.words import Cause
 from brace_drake.recording import CheckCampaign, LoadCampaign, WriteCampaign
 from brace_drake.report import WriteReport
@@ -164,7 +164,7 @@ class TestFullDisk(Folder):
 class TestFullDiskOfARecording(Folder):
     def setUp(self):
         super().setUp()
-        self.columns = columns_of(DEVICE)
+        self.columns = columns_of((2,))
         self.journal = Journal(self.folder, DEVICE, 200.0, "x", {})
         self.run_file = self.new_run()
         self.path = self.folder / "push.csv"
@@ -454,7 +454,7 @@ class TestClock(Folder):
         with (
             mock.patch("time.time", lambda: float(next(seconds))),
             mock.patch(
-                "brace_drake.link.operation.record.datetime", _Backwards
+                "brace_drake.link.operation.recorder.datetime", _Backwards
             ),
             emulated(limits=PATIENT) as device,
             Recorder(

@@ -4,9 +4,8 @@ import unittest
 
 import numpy as np
 
-from brace_drake.link.device.limits import DEFAULT
-from brace_drake.link.operation.control import HostControl
-from brace_drake.link.operation.host_station import MakeHostStation
+from brace_drake.link.operation.control import HostControl, MakeHostStation
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.model.systems.device_station import DeviceStation

@@ -14,7 +14,7 @@ LAYERS = (
     ("effects",),
     ("scenario",),
     ("link.protocol",),
-    ("link.device",),
+    ("link.device", "link.host"),
     ("devices",),
     ("model", "torso"),
     ("identification",),

@@ -11,8 +11,8 @@ from brace_drake.devices.bench.rollout import CHANNELS
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.library import MakeMotion
 from brace_drake.effects.registry import find_effect
-from brace_drake.link.device.limits import DEFAULT
 from brace_drake.link.emulator.bench_plant import BenchPlant
+from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.emulator.make import MakePlant
 from brace_drake.link.operation.beside import TwinBeside
 from brace_drake.link.operation.contact_estimate import (
@@ -23,7 +23,8 @@ from brace_drake.link.operation.motion import desired_at_ticks, place_motion
 from brace_drake.link.operation.overlay import DEVICE, TWIN, Overlay
 from brace_drake.link.operation.page import Page
 from brace_drake.link.operation.rows import Row
-from brace_drake.link.operation.station import MakeControl, moving_rings
+from brace_drake.link.operation.station import MakeControl
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.playback.look import make_look
 from brace_drake.scenario.brace import BraceScenario
 from tests.link_bench import SCENARIO

@@ -21,8 +21,6 @@ from brace_drake.kinematics import static_leg_forces
 from brace_drake.laws.loop.force_left import calc_forces_left
 from brace_drake.laws.stages import place_rings
 from brace_drake.link.device.guards import check_force, check_stroke
-from brace_drake.link.device.limits import DEFAULT, SHARED, refuse_wider
-from brace_drake.link.device.limits import shared_values as values_of
 from brace_drake.link.device.limits_file import LoadLimits
 from brace_drake.link.device.stuck import check_stuck, count_travel
 from brace_drake.link.emulator.bench_plant import BenchPlant
@@ -33,6 +31,8 @@ from brace_drake.link.operation.motion import (
     place_motion,
 )
 from brace_drake.link.operation.station import MakeControl
+from brace_drake.link.protocol.limits import DEFAULT, SHARED, refuse_wider
+from brace_drake.link.protocol.limits import shared_values as values_of
 from brace_drake.link.protocol.words import Cause, DeviceState, Reason
 from brace_drake.model.simulate_brace import SimulateBrace
 from brace_drake.scenario.bench import BenchScenario
@@ -270,7 +270,8 @@ class TestMotions(unittest.TestCase):
         self.assertEqual(desired.shape, (11996, 3, 3))
         middle = desired_at_ticks(place_motion(motion, RINGS), 1000.0)
         np.testing.assert_array_equal(middle[:, :, 1], desired[:, :, 2])
-        self.assertIs(place_motion(motion, (2,)), motion)
+        alone = place_motion(motion, (2,)).samples
+        np.testing.assert_array_equal(alone[:, :, 0], motion.samples)
         with self.assertRaisesRegex(CampaignError, "no ring 1; .* 2, 3"):
             place_motion(motion, (2, 3), 1)
 

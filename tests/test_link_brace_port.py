@@ -14,7 +14,7 @@ from brace_drake.devices.motions.library import SafeMotion
 from brace_drake.devices.motions.parts import ramp
 from brace_drake.link.device.limits_file import LoadLimits
 from brace_drake.link.emulator.brace_plant import BracePlant
-from brace_drake.link.operation.columns import columns_of
+from brace_drake.link.operation.rows import columns_of
 from brace_drake.link.protocol.words import DeviceState
 from brace_drake.model.simulate_brace import RecordBrace, SimulateBrace
 from brace_drake.recording import CheckCampaign, LoadCampaign
@@ -112,7 +112,7 @@ class TestPort(unittest.TestCase):
         out = self.folder / "campaign"
         reference = push(-0.003, ring=3)
         with emulated_brace(self.scenario) as device:
-            with mock.patch("brace_drake.link.operation.record.SETTLE", 0.5):
+            with mock.patch("brace_drake.link.operation.recorder.SETTLE", 0.5):
                 status, said, errors = run_command(
                     "record", "--scenario", self.file, "--motion",
                     self.write_reference(reference), "--countdown", 0,
@@ -130,7 +130,7 @@ class TestPort(unittest.TestCase):
         with open(out / campaign.runs[0].file) as text:
             head = text.readline().strip().split(",")
         self.assertEqual(set(head), names)
-        self.assertEqual(tuple(head), columns_of("brace"))
+        self.assertEqual(tuple(head), columns_of((1, 2, 3)))
         np.testing.assert_allclose(
             recorded["ring3_y_desired_m"],
             simulated["ring3_y_desired_m"],

@@ -140,7 +140,7 @@ class TestPlans(Folder):
 
         with (
             mock.patch("sys.stdin", io.StringIO("\n\n\n")),
-            mock.patch("brace_drake.link.operation.guide.MakeMotion", short),
+            mock.patch("brace_drake.link.operation.campaign.MakeMotion", short),
         ):
             return run_command(*words)
 
@@ -205,7 +205,7 @@ class TestPlans(Folder):
     def test_results_lie_beside_a_folder_that_ends_in_a_slash(self):
         with (
             mock.patch("brace_drake.cli.machine.campaign.OpenRecorder"),
-            mock.patch("brace_drake.link.operation.guide.RecordRuns"),
+            mock.patch("brace_drake.link.operation.campaign.RecordRuns"),
         ):
             for folder in ("monday", "monday/"):
                 options = ("--port", "/dev/null", "--out", folder)

@@ -17,7 +17,7 @@ from brace_drake.core.errors import (
     StoppedError,
 )
 from brace_drake.devices.motions.library import MakeMotion
-from brace_drake.link.operation.campaign_plan import (
+from brace_drake.link.operation.campaign import (
     STANDARD_PLAN,
     LoadPlan,
     remaining_runs,
@@ -25,12 +25,11 @@ from brace_drake.link.operation.campaign_plan import (
 from brace_drake.link.operation.control import HostControl
 from brace_drake.link.operation.deploy import (
     RunController,
-    Timing,
     check_dry_run,
-    measure_timing,
+    format_log,
 )
-from brace_drake.link.operation.spread import Spread
 from brace_drake.link.operation.station import OpenDevice
+from brace_drake.link.operation.tally import Spread, Timing, measure_timing
 from brace_drake.link.protocol.words import Cause, DeviceState
 from tests.commands import run_command
 from tests.emulated_devices import (
@@ -164,13 +163,14 @@ class TestDeploy(unittest.TestCase):
         with emulated() as device:
             path = device.terminal.path
             with OpenDevice(path, SCENARIO, PATIENT) as link:
-                session, log = RunController(
+                kept = []
+                session = RunController(
                     link, HostControl(SCENARIO), PATIENT, np.zeros((300, 3)),
-                    False,
+                    False, keep=lambda _, rows, __: kept.extend(rows),
                 )  # fmt: skip
-            rows = log.splitlines()
+            rows = format_log(kept, (2,)).splitlines()
             self.assertEqual(len(rows), 301)
-            timing = measure_timing(session)
+            timing = measure_timing(session.tally)
             # A second to settle, then each of the 300.
             self.assertGreaterEqual(timing.ticks, 1300)
             self.assertEqual(len(timing.latency_us), 3)

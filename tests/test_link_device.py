@@ -11,11 +11,11 @@ from brace_drake.core.errors import LimitsError
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.library import MakeMotion
 from brace_drake.laws.loop import bench_tick
-from brace_drake.link.device.limits import DEFAULT, shared_values
+from brace_drake.link.device.firmware import Firmware
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.operation.control import HostControl
 from brace_drake.link.operation.session import Session
-from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.limits import DEFAULT, shared_values
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, Reason
 from brace_drake.scenario.bench_numbers import pack_bench
 from tests.link_bench import SCENARIO, Lockstep, begin, start

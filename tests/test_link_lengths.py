@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 
 from brace_drake.kinematics import make_geometry
-from brace_drake.link.device.limits import DEFAULT
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, StateFlag
 from tests.link_bench import SCENARIO, Lockstep
 

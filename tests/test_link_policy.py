@@ -23,11 +23,11 @@ from brace_drake.learning.episode import PreparedTask
 from brace_drake.learning.policy import SavePolicy
 from brace_drake.learning.subjects import NOMINAL
 from brace_drake.learning.task import full_task
-from brace_drake.link.device.limits import DEFAULT
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.brace_plant import BracePlant
 from brace_drake.link.operation.motion import desired_at_ticks
 from brace_drake.link.operation.station import OpenDevice
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.model.systems.stiffness_limiter import StiffnessLimiter
 from brace_drake.scenario.bench import BenchScenario
 from tests.commands import run_command

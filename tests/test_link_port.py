@@ -15,14 +15,13 @@ from unittest import mock
 import numpy as np
 
 from brace_drake.core.errors import LimitsError, LinkError, StoppedError
-from brace_drake.link.device.clock import ClockSync
-from brace_drake.link.device.limits import DEFAULT
-from brace_drake.link.device.link import Link
-from brace_drake.link.operation.columns import columns_of
+from brace_drake.link.device.firmware import Firmware
+from brace_drake.link.host.link import Link
+from brace_drake.link.host.ports import OpenPort
 from brace_drake.link.operation.journal import Journal
 from brace_drake.link.operation.recorder import Recorder
-from brace_drake.link.protocol.firmware import Firmware
-from brace_drake.link.protocol.ports import OpenPort
+from brace_drake.link.operation.rows import columns_of
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.sequence import SequenceWatch
 from brace_drake.link.protocol.words import Cause, DeviceState
 from brace_drake.recording import CheckCampaign, LoadCampaign
@@ -226,8 +225,8 @@ class TestRecording(unittest.TestCase):
 _WRITER = """
 import sys
 from brace_drake.link.operation.journal import Journal
-from brace_drake.link.operation.columns import columns_of
-columns = columns_of("bench stage 2")
+from brace_drake.link.operation.rows import columns_of
+columns = columns_of((2,))
 run = Journal(sys.argv[1], "bench stage 2", 200.0, "x", {}).NewRun(
     "push", columns, True, "push", "fit")
 print("ready", flush=True)
@@ -270,7 +269,7 @@ class TestKill(unittest.TestCase):
     def test_rows_never_cross_a_page(self):
         with tempfile.TemporaryDirectory() as folder:
             journal = Journal(folder, "bench stage 2", 200.0, "x", {})
-            columns = columns_of("bench stage 2")
+            columns = columns_of((2,))
             run = journal.NewRun("push", columns, True, "push", "fit")
             for i in range(40):
                 run.Append([0.005 * i, *[-123.4] * (len(columns) - 1)])
@@ -329,27 +328,6 @@ class TestCounting(unittest.TestCase):
         # After a real gap the first message behind it is missing too.
         self.assertEqual(taken, [0, 0, None, 0, None, 0, None, 496, 0])
         self.assertEqual((watch.lost, watch.late), (496, 0))
-
-    def test_an_echo_of_no_heartbeat_does_not_move_the_clock(self):
-        clock = ClockSync()
-        for i in range(5):
-            clock.add(1.0 * i, 7.0 + i, i + 1e-3)
-        before = clock.host_time(10.0)
-        clock.add(-1.8e13, 4e12, 5.0)
-        self.assertEqual(clock.host_time(10.0), before)
-
-    def test_the_clock_is_found_behind_uneven_delays(self):
-        draw, clock = np.random.default_rng(2), ClockSync()
-        offset, drift = -1234.5, 3e-5
-        for t in np.arange(0.0, 60.0, 0.1):
-            there, back = 1e-4 + draw.exponential(2e-3, 2)
-            device = (t + there) * (1.0 + drift) + offset
-            clock.add(t, device, t + there + back)
-        self.assertAlmostEqual(clock.drift, drift, delta=1e-5)
-        for t in (30.0, 59.0):
-            seen = clock.host_time(t * (1.0 + drift) + offset)
-            self.assertAlmostEqual(seen, t, delta=3e-4)
-        self.assertLess(clock.error_bound, 1e-3)
 
 
 class TestTools(unittest.TestCase):

@@ -10,8 +10,6 @@ import zlib
 from binascii import crc_hqx
 from pathlib import Path
 
-from brace_drake.link.device.limits import as_sent
-from brace_drake.link.protocol.c_header import FILE, format_header
 from brace_drake.link.protocol.cobs import stuff, unstuff
 from brace_drake.link.protocol.codec import (
     Decoder,
@@ -20,8 +18,14 @@ from brace_drake.link.protocol.codec import (
     make_codec,
     seal_fits,
 )
-from brace_drake.link.protocol.document import DOCUMENT, fill_tables
+from brace_drake.link.protocol.limits import as_sent
 from brace_drake.link.protocol.messages import MESSAGES, num_items
+from tools.write_protocol import (
+    DOCUMENT,
+    HEADER_FILE,
+    fill_tables,
+    format_header,
+)
 
 _LARGEST = {"u8": 2**8, "u16": 2**16, "u32": 2**32, "u64": 2**64}
 
@@ -224,7 +228,9 @@ class TestWhatIsMadeFromTheDefinition(unittest.TestCase):
             self.assertIn(f"_{name} = {number}, /* {meaning} */", header)
 
     def test_the_committed_header_is_the_one_of_the_definition(self):
-        self.assertEqual(FILE.read_text(encoding="utf-8"), format_header())
+        self.assertEqual(
+            HEADER_FILE.read_text(encoding="utf-8"), format_header()
+        )
 
     def test_no_two_messages_share_a_code(self):
         codes = [m.code for m in MESSAGES]
@@ -264,7 +270,7 @@ class TestHeaderInC(unittest.TestCase):
             source.write_text(_PROGRAM)
             subprocess.run(
                 ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-O1",
-                 f"-DBRACE_STAGES={stages}", f"-I{FILE.parent}",
+                 f"-DBRACE_STAGES={stages}", f"-I{HEADER_FILE.parent}",
                  str(source), "-o", str(program)],
                 check=True,
             )  # fmt: skip
@@ -304,8 +310,11 @@ class TestLightness(unittest.TestCase):
     def test_the_link_imports_neither_drake_nor_torch_nor_numba_nor_numpy(
         self,
     ):
-        folder = FILE.parent
-        names = [p.stem for p in folder.glob("*.py") if p.stem != "__init__"]
+        names = [
+            f"{room}.{path.stem}".removesuffix(".__init__")
+            for room in ("protocol", "device", "host")
+            for path in (HEADER_FILE.parents[1] / room).glob("*.py")
+        ]
         code = "import sys\n" + "\n".join(
             f"import brace_drake.link.{name}" for name in names
         )

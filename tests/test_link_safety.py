@@ -13,15 +13,7 @@ from pydrake.systems.primitives import ConstantVectorSource
 from brace_drake.core.errors import LimitsError
 from brace_drake.link.device import safety
 from brace_drake.link.device.guards import Trip, check_shared, pad_force
-from brace_drake.link.device.limits import (
-    DEFAULT,
-    LIMITS,
-    SHARED,
-    check_limits,
-    refuse_wider,
-    shared_values,
-)
-from brace_drake.link.device.limits_file import LoadLimits
+from brace_drake.link.device.limits_file import LoadLimits, check_limits
 from brace_drake.link.device.release import (
     cut_stiffness,
     limit_command,
@@ -33,6 +25,13 @@ from brace_drake.link.device.safety_memory import (
     SafetyMode,
     Setup,
     start_memory,
+)
+from brace_drake.link.protocol.limits import (
+    DEFAULT,
+    LIMITS,
+    SHARED,
+    refuse_wider,
+    shared_values,
 )
 from brace_drake.link.protocol.words import Cause
 from brace_drake.model.systems.safety_supervisor import SafetySupervisor

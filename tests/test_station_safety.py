@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.cli.options import load_motion
-from brace_drake.link.device.limits import BY_STAGE, DEFAULT
 from brace_drake.link.device.safety_memory import SafetyMode
+from brace_drake.link.protocol.limits import BY_STAGE, DEFAULT
 from brace_drake.link.protocol.words import Cause
 from brace_drake.model.simulate import RecordBench
 from brace_drake.model.simulate_brace import RecordBrace

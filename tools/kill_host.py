@@ -15,17 +15,17 @@ import sys
 import threading
 import time
 
-from brace_drake.link.device.limits import DEFAULT
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.describe import describe_device
 from brace_drake.link.emulator.device import EmulatedDevice
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.words import Cause, DeviceState
 from brace_drake.scenario.bench import BenchScenario
 
 _HOST = """
 import sys, time
-from brace_drake.link.device.limits import DEFAULT
-from brace_drake.link.device.link import Link
+from brace_drake.link.protocol.limits import DEFAULT
+from brace_drake.link.host.link import Link
 from brace_drake.link.protocol.words import Cause, DeviceState
 link = Link(sys.argv[1])
 link.Connect(10.0)

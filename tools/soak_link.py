@@ -26,16 +26,15 @@ import numpy as np
 
 from brace_drake.cli.machine.link_options import load_link_scenario
 from brace_drake.devices.motions.library import MakeMotion
-from brace_drake.link.device.limits import DEFAULT, Limits
 from brace_drake.link.device.limits_file import LoadLimits
+from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.operation.motion import desired_at_ticks, place_motion
 from brace_drake.link.operation.session import Session
 from brace_drake.link.operation.station import (
     MakeControl,
     OpenDevice,
-    moving_rings,
 )
-from brace_drake.link.operation.watch import WatchSession
+from brace_drake.link.protocol.limits import DEFAULT, Limits
 
 # What the memory of a process may grow by over the second half, MB.
 _MOST_GROWTH = 2.0
@@ -122,7 +121,6 @@ def soak(
     seconds, is_over = args.seconds, False
     with OpenDevice(port, scenario, limits) as link:
         session = Session(link, MakeControl(scenario, limits), limits)
-        session.Start(make_reference(seconds, moving_rings(scenario)))
         expected, missing, looked, told = 0, 0, 0.0, time.monotonic()
         memory = {"host": [], "device": []}
         begun = time.monotonic()
@@ -151,7 +149,8 @@ def soak(
             is_over = time.monotonic() - begun > args.at_most
             return is_over
 
-        WatchSession(session, take, ends, pause=0.05)
+        reference = make_reference(seconds, moving_rings(scenario))
+        session.Follow(reference, take, ends)
         took = time.monotonic() - begun
         tally, counts = session.tally, link.counts
         growth = {name: growth_mb(m) for name, m in memory.items()}
@@ -171,11 +170,9 @@ def soak(
             at = [scale * value for value in spread.percentiles()]
             text = ", ".join(f"{value:.0f}" for value in at)
             print(f"{name:16} {text} (50, 99, 99.9 %)")
-        print(f"round trip, us   {1e6 * link.clock.round_trip:.0f} at best")
+        print(f"round trip, us   {1e6 * link.round_trip:.0f} at best")
         grew = max(growth.values()) > _MOST_GROWTH
         stopped = session.trip is not None and not is_over
-        if session.trip is None:
-            session.Finish()
     device.stdin.write("stop\n")
     device.stdin.close()
     print("device:", device.stdout.read().strip())

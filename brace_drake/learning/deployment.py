@@ -13,8 +13,8 @@ from brace_drake.devices.motions.limits import check_reach
 from brace_drake.laws.cubic import calc_cubic
 from brace_drake.learning.policy import Policy
 from brace_drake.learning.task import LearningTask, load_task_scenario
-from brace_drake.link.device.limits import Limits
 from brace_drake.link.operation.control import HostControl
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.control_numbers import spread
 

@@ -17,7 +17,7 @@ from pydrake.trajectories import Trajectory
 
 from brace_drake.core.errors import ScenarioError
 from brace_drake.effects.stack import Use, stack_laws
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_plant import AddGeometry, plant_resolves_contact
 from brace_drake.model.station_parts import (
     AddBrace,

@@ -19,7 +19,7 @@ from brace_drake.devices.motions.reference import (
     MakeReference,
     reference_of_run,
 )
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_station import BraceStation
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.recording.recording import Run

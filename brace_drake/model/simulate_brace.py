@@ -16,7 +16,7 @@ from brace_drake.devices.motions.reference import (
     reference_columns,
 )
 from brace_drake.laws import stages
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_plant import AddGeometry
 from brace_drake.model.brace_station import BraceStation, MakeBraceStation
 from brace_drake.model.simulate import (

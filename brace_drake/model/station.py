@@ -13,7 +13,7 @@ from pydrake.trajectories import Trajectory
 from brace_drake.core.errors import EffectError
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.laws.plug_in import PlugIn
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_plant import plant_resolves_contact
 from brace_drake.model.brace_station import (
     BraceStation,

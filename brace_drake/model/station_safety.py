@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder, OutputPort, System
 from pydrake.systems.primitives import Demultiplexer
 
 from brace_drake.kinematics import holding_leg_forces
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.systems.leg_force_balance import LegForceBalance
 from brace_drake.model.systems.safety_supervisor import SafetySupervisor
 from brace_drake.scenario.control_numbers import BraceRings

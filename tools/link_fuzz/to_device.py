@@ -2,10 +2,10 @@
 
 import struct
 
-from brace_drake.link.device.device_ticks import Identity, Measured
-from brace_drake.link.device.limits import DEFAULT, SHARED, shared_values
+from brace_drake.link.device.firmware import Firmware
+from brace_drake.link.device.ticks import Identity, Measured
 from brace_drake.link.protocol.codec import Decoder
-from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.limits import DEFAULT, shared_values
 from brace_drake.link.protocol.words import DeviceState
 from link_fuzz.damage import KINDS, Fuzz
 
@@ -35,9 +35,7 @@ class ToDevice(Fuzz):
         device = self.device
         device.tick(_REST, self.now)
         if device.state in (DeviceState.HELLO, DeviceState.STOPPED):
-            values = shared_values(DEFAULT)
-            named = {s.name: v for s, v in zip(SHARED, values, strict=True)}
-            self.pass_on(self.encode("LIMITS", named))
+            self.pass_on(self.encode("LIMITS", shared_values(DEFAULT)))
         if device.state == DeviceState.STOPPED:
             cause = int(device.trip.cause)
             self.pass_on(self.encode("CLEAR", {"cause": cause}))

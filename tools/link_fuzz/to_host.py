@@ -7,15 +7,15 @@ from unittest import mock
 
 import numpy as np
 
-from brace_drake.link.device.device_ticks import Measured
-from brace_drake.link.device.limits import DEFAULT
-from brace_drake.link.device.link import Link
+from brace_drake.link.device.firmware import Firmware
+from brace_drake.link.device.ticks import Measured
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.describe import describe_device
+from brace_drake.link.host.link import Link
 from brace_drake.link.operation.control import HostControl
 from brace_drake.link.operation.session import Session
 from brace_drake.link.protocol.codec import Decoder
-from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.words import Cause, DeviceState
 from brace_drake.scenario.bench import BenchScenario
 from link_fuzz.damage import KINDS, Fuzz
@@ -86,7 +86,7 @@ class ToHost(Fuzz):
         self.is_forged = False
         self.wire = Wire(self.judge)
         with mock.patch(
-            "brace_drake.link.device.link.OpenPort", return_value=self.wire
+            "brace_drake.link.host.link.OpenPort", return_value=self.wire
         ):
             self.link = self.wire.link = Link("fuzzed")
         self.wire.give(self.tick())

@@ -91,6 +91,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Follows the motion once with the twin beside it."""
+    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.beside import TwinBeside
     from brace_drake.link.operation.console import CountDown, ReadKeys
     from brace_drake.link.operation.motion import RING, desired_at_ticks
@@ -100,9 +101,7 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.link.operation.station import (
         MakeControl,
         OpenDevice,
-        moving_rings,
     )
-    from brace_drake.link.operation.watch import WatchSession
 
     scenario, limits = load_device_options(args)
     rings = moving_rings(scenario)
@@ -124,13 +123,11 @@ def Run(args: argparse.Namespace) -> int:
         session = Session(link, MakeControl(scenario, limits), limits)
         show = _Show(beside, page, session, overlay, args.stop_at_alarm)
         CountDown(args.countdown, motion.name, keys)
-        session.Start(desired)
-        WatchSession(session, show.Take, keys.pressed)
+        session.Follow(desired, show.Take, keys.pressed)
         if session.trip is not None:
             alarm = ", ".join(show.told) if args.stop_at_alarm else ""
             cause = f"alarm in {alarm}" if alarm else str(session.trip)
             raise StoppedError(f"{motion.name}: stopped: {cause}")
-        session.Finish()
     k, c = beside.contact.values
     print(f"contact: {k:.0f} N/m, {c:.0f} N s/m")
     name, ratio = show.largest

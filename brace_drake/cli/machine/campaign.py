@@ -48,11 +48,11 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Records what is still missing of a plan."""
-    from brace_drake.link.operation.campaign_plan import (
+    from brace_drake.link.operation.campaign import (
         LoadPlan,
+        RecordRuns,
         remaining_runs,
     )
-    from brace_drake.link.operation.guide import RecordRuns
 
     plan = LoadPlan(args.plan)
     with OpenRecorder(args) as recorder:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 
 from brace_drake.cli.machine.link_options import (
@@ -75,15 +76,16 @@ def Run(args: argparse.Namespace) -> int:
     """Dry run, then the motion; prints and writes the timing."""
     import numpy as np
 
+    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.console import CountDown, ReadKeys
     from brace_drake.link.operation.deploy import (
         RunController,
         RunLog,
         check_dry_run,
-        measure_timing,
     )
     from brace_drake.link.operation.motion import desired_at_ticks
-    from brace_drake.link.operation.station import OpenDevice, moving_rings
+    from brace_drake.link.operation.station import OpenDevice
+    from brace_drake.link.operation.tally import measure_timing
 
     load = _load_controller if args.policy is None else _load_policy
     motion, scenario, limits, control = load(args)
@@ -91,12 +93,11 @@ def Run(args: argparse.Namespace) -> int:
     log = RunLog(HoldFolder(Path(args.out)), rings) if args.out else None
 
     def run(name, desired, is_dry):
-        keep = {"keep": log.keep(name)} if log else {}
-        session, _ = RunController(
-            link, control, limits, desired, is_dry, keys.pressed, **keep,
-            rings=rings,
-        )  # fmt: skip
-        timing = measure_timing(session)
+        keep = {"keep": partial(log.Write, name)} if log else {}
+        session = RunController(
+            link, control, limits, desired, is_dry, keys.pressed, **keep
+        )
+        timing = measure_timing(session.tally)
         print(f"{name.replace('_', ' ')}: {timing}", flush=True)
         return timing
 
@@ -118,7 +119,8 @@ def Run(args: argparse.Namespace) -> int:
 
 def _load_controller(args: argparse.Namespace):
     """Motion, scenario, limits and control of --controller."""
-    from brace_drake.link.operation.station import MakeControl, moving_rings
+    from brace_drake.link.emulator.describe import moving_rings
+    from brace_drake.link.operation.station import MakeControl
 
     scenario, limits = load_device_options(args)
     rings = moving_rings(scenario)
@@ -136,7 +138,7 @@ def _load_policy(args: argparse.Namespace):
     )
     from brace_drake.learning.policy import LoadPolicy
     from brace_drake.link.device.limits_file import LoadLimits
-    from brace_drake.link.operation.station import moving_rings
+    from brace_drake.link.emulator.describe import moving_rings
 
     policy = LoadPolicy(args.policy)
     scenario, law = load_policy_scenario(policy, args.scenario), policy.law

@@ -135,9 +135,8 @@ def Run(args: argparse.Namespace) -> int:
 def _make_device(args: argparse.Namespace):
     from brace_drake.cli.machine.link_options import load_link_scenario
     from brace_drake.link.device.limits_file import LoadLimits
-    from brace_drake.link.emulator.describe import describe_device
+    from brace_drake.link.emulator.describe import describe_device, moving_rings
     from brace_drake.link.emulator.device import EmulatedDevice
-    from brace_drake.link.operation.station import moving_rings
     from brace_drake.scenario.bench import BenchScenario
 
     scenario = load_link_scenario(args.scenario)

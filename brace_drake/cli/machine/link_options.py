@@ -153,7 +153,7 @@ def load_device_options(args: argparse.Namespace):
         ScenarioError, LimitsError: A file is not what it should be.
     """
     from brace_drake.link.device.limits_file import LoadLimits
-    from brace_drake.link.operation.station import moving_rings
+    from brace_drake.link.emulator.describe import moving_rings
 
     scenario = load_link_scenario(args.scenario)
     return scenario, LoadLimits(args.limits, moving_rings(scenario))

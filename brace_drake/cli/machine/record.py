@@ -58,8 +58,8 @@ def Run(args: argparse.Namespace) -> int:
     """Records one motion, or all runs of a plan."""
     if args.motion.endswith(_PLANS):
         return _RecordPlan(args)
+    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.console import ReadKeys
-    from brace_drake.link.operation.station import moving_rings
 
     rings = moving_rings(load_link_scenario(args.scenario))
     motion = load_device_motion(args.motion, rings, args.ring)
@@ -71,8 +71,7 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def _RecordPlan(args: argparse.Namespace) -> int:
-    from brace_drake.link.operation.campaign_plan import LoadPlan
-    from brace_drake.link.operation.guide import RecordRuns
+    from brace_drake.link.operation.campaign import LoadPlan, RecordRuns
 
     if args.split is not None:
         raise CampaignError(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from brace_drake.link.device.limits import Limits, of_stage
+from brace_drake.link.protocol.limits import Limits, of_stage
 from brace_drake.link.protocol.words import Cause
 
 # Low pass of leg rates, s: a length's resolution over a tick is no speed.
@@ -42,7 +42,7 @@ class Trip(NamedTuple):
     limit: float = 0.0
 
     def __str__(self) -> str:
-        words = self.cause.name.lower().replace("_", " ")
+        words = self.cause.text
         if self.limit == 0.0:
             return words
         part, factor, unit = _SHOWN.get(self.cause, ("", 1.0, ""))
@@ -55,6 +55,9 @@ class Trip(NamedTuple):
             )
         at = f" ({part} {self.index + 1})" if part else ""
         return f"{words}: {value:.4g} {unit}, allowed {limit:.4g} {unit}{at}"
+
+
+NO_TRIP = Trip(Cause.NONE)
 
 
 def update_speed(
@@ -169,47 +172,26 @@ def check_pose(
         pose: X of each ring: displacement (3), m, rotation vector (3), rad.
         virtual: Virtual pose likewise, or None.
     """
+    whole = Cause.RING_POSE, limits.ring_position, limits.ring_rotation
+    behind = Cause.TRACKING, limits.tracking_position, limits.tracking_rotation
     for ring in range(len(pose) // 6):
         X = pose[6 * ring : 6 * ring + 6]
-        trip = _pose_trip(
-            Cause.RING_POSE,
-            ring,
-            X,
-            limits.ring_position,
-            limits.ring_rotation,
-        )
-        if trip is None and virtual is not None:
+        away = [(whole, X)]
+        if virtual is not None:
             X_v = virtual[6 * ring : 6 * ring + 6]
-            away = [a - b for a, b in zip(X, X_v, strict=True)]
-            trip = _pose_trip(
-                Cause.TRACKING,
-                ring,
-                away,
-                limits.tracking_position,
-                limits.tracking_rotation,
-            )
-        if trip is not None:
-            return trip
-    return None
-
-
-def _pose_trip(cause, ring, X, most, most_turned) -> Trip | None:
-    distance, angle = math.hypot(*X[0:3]), math.hypot(*X[3:6])
-    if not distance <= most:
-        return Trip(cause, ring, distance, most)
-    if not angle <= most_turned:
-        return Trip(cause, ring, angle, most_turned)
+            away += [(behind, [a - b for a, b in zip(X, X_v, strict=True)])]
+        for (cause, distance, angle), x in away:
+            for most, part in ((distance, x[0:3]), (angle, x[3:6])):
+                if not math.hypot(*part) <= most:
+                    return Trip(cause, ring, math.hypot(*part), most)
     return None
 
 
 def largest_disagreement(
     force: Sequence[float], expected: Sequence[float]
-) -> tuple[int, float]:
-    """Ring and distance, N, of the reading furthest from what is expected."""
-    rings = range(len(force) // 3)
-    away = [
-        math.dist(force[3 * i : 3 * i + 3], expected[3 * i : 3 * i + 3])
-        for i in rings
-    ]
-    worst = max(rings, key=away.__getitem__)
-    return worst, away[worst]
+) -> float:
+    """How far the reading of a ring is from what is expected, N."""
+    return max(
+        math.dist(force[i : i + 3], expected[i : i + 3])
+        for i in range(0, len(force), 3)
+    )

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from brace_drake.link.device.guards import LEGS
-from brace_drake.link.device.limits import Limits, of_stage
+from brace_drake.link.protocol.limits import Limits, of_stage
 
 # N/m, N/(m s), N s/m; low pass of the rate, s.
 _K_P, _K_I, _K_D, _TAU = 10e3, 150e3, 50.0, 0.003

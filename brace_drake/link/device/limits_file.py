@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
 from brace_drake.core.errors import LimitsError, reason, suggest
 from brace_drake.core.resources import scenario_path
-from brace_drake.link.device.limits import (
+from brace_drake.link.protocol.limits import (
     BY_STAGE,
     DEFAULT,
-    NAMES,
+    LIMITS,
+    Limit,
     Limits,
-    check_limits,
+    each_value,
+    of_stage,
 )
 
 FILE = "limits.yaml"
@@ -49,8 +52,9 @@ def LoadLimits(
     if not isinstance(content, dict):
         raise LimitsError(f"{path}: must hold names of limits with values")
     for name in content:
-        if name not in NAMES:
-            raise LimitsError(f"{path}: no limit {name}{suggest(name, NAMES)}")
+        if name not in Limits._fields:
+            hint = suggest(name, Limits._fields)
+            raise LimitsError(f"{path}: no limit {name}{hint}")
     for name, values in BY_STAGE.items():
         asked = content.get(name, list(values))
         if isinstance(asked, list):
@@ -69,3 +73,29 @@ def _pick(name: str, values: list, stages: Sequence[int], source: str):
         )
     picked = tuple(values[i - 1] for i in stages)
     return picked if len(picked) > 1 else picked[0]
+
+
+def check_limits(limits: Limits, source: str = "limits") -> None:
+    """Refuses values that cannot be limits.
+
+    Raises:
+        LimitsError: One line: source, name, value, what is allowed.
+    """
+    for limit, values in zip(LIMITS, limits, strict=True):
+        for value in each_value(values) if limit.by_stage else (values,):
+            _check_value(limit, value, source)
+    shortest, longest = limits.leg_shortest, limits.leg_longest
+    for i in range(max(len(each_value(v)) for v in (shortest, longest))):
+        if not of_stage(shortest, i) < of_stage(longest, i):
+            raise LimitsError(
+                f"{source}: leg_shortest is {of_stage(shortest, i):g} m;"
+                f" allowed: less than leg_longest, {of_stage(longest, i):g}"
+            )
+
+
+def _check_value(limit: Limit, value: object, source: str) -> None:
+    place = f"{source}: {limit.name} is {value!r}"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise LimitsError(f"{place}; allowed: a number")
+    if not (math.isfinite(value) and 0.0 < value < 1e9):
+        raise LimitsError(f"{place} {limit.unit}; allowed: greater than 0")

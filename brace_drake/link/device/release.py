@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.protocol.limits import Limits
 
 
 def remaining(t: float, duration: float) -> float:

@@ -14,15 +14,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from brace_drake.link.device import guards
-from brace_drake.link.device.guards import Trip
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.device.guards import NO_TRIP, Trip
 from brace_drake.link.device.release import (
     cut_stiffness,
     limit_command,
     release_command,
 )
 from brace_drake.link.device.safety_memory import (
-    NO_TRIP,
     Memory,
     Reading,
     SafetyMode,
@@ -94,17 +92,19 @@ def advance(
     armed = memory.mode == SafetyMode.ARMED
     trip = None
     if reading is not None:
-        trip = _check_reading(setup, memory, reading) if armed else None
-        memory = _remember(setup, memory, reading)
+        before, memory = memory, _remember(setup, memory, reading)
+        if armed:
+            trip = _check_reading(setup, before, memory, reading)
     if armed:
-        age = now - memory.time
-        stale = setup.limits.stale
+        age, stale = now - memory.time, setup.limits.stale
+        since = memory.disagrees_since
         if trip is None and age > stale:
             trip = Trip(Cause.STALE_DATA, 0, age, stale)
         if trip is None and command is not None and not _is_finite(command):
             trip = Trip(Cause.BAD_COMMAND)
-        if trip is None and memory.disagrees_since >= 0.0:
-            trip = _check_disagreement(setup.limits, memory)
+        lasts, most = memory.time - since, setup.limits.disagreement_time
+        if trip is None and since >= 0.0 and lasts > most:
+            trip = Trip(Cause.DISAGREEMENT, 0, lasts, most)
     if trip is not None:
         memory = stop(memory, trip, now)
     if memory.mode != SafetyMode.ARMED:
@@ -141,40 +141,29 @@ def _is_finite(values: Sequence[float]) -> bool:
 
 
 def _check_reading(
-    setup: Setup, memory: Memory, reading: Reading
+    setup: Setup, before: Memory, memory: Memory, reading: Reading
 ) -> Trip | None:
-    limits = setup.limits
+    """What a reading shows that it must not; `memory` has taken it already."""
+    limits, lost = setup.limits, reading.lost
     if not reading.has_pose:
         return Trip(Cause.NO_POSE)
-    if reading.lost > limits.lost_messages:
-        most = limits.lost_messages
-        return Trip(Cause.LOST_MESSAGES, 0, float(reading.lost), most)
-    length, force = reading.leg_length, reading.force
-    elapsed = reading.time - memory.time
-    trip = guards.check_stroke(limits, length)
-    trip = trip or guards.check_force(limits, force)
-    if trip is None and memory.time >= 0.0 and elapsed > 0.0:
-        ticks = max(1.0, elapsed / setup.period)
+    if lost > limits.lost_messages:
+        return Trip(Cause.LOST_MESSAGES, 0, float(lost), limits.lost_messages)
+    trip = guards.check_stroke(limits, memory.length)
+    trip = trip or guards.check_force(limits, memory.force)
+    elapsed = reading.time - before.time
+    if trip is None and before.time >= 0.0 and elapsed > 0.0:
         trip = guards.check_jump(
-            limits, memory.length, length, memory.force, force, ticks
-        )
-        speed = guards.update_speed(
-            memory.speed, memory.length, length, elapsed
-        )
-        trip = trip or guards.check_speed(limits, speed)
+            limits, before.length, memory.length, before.force, memory.force,
+            max(1.0, elapsed / setup.period),
+        )  # fmt: skip
+        trip = trip or guards.check_speed(limits, memory.speed)
     if trip is None and reading.pose is not None:
         trip = guards.check_pose(limits, reading.pose, reading.virtual)
     return trip or check_stuck(
-        limits.stuck_travel, memory.origin, memory.length, memory.moved, length
-    )
-
-
-def _check_disagreement(limits: Limits, memory: Memory) -> Trip | None:
-    lasts = memory.time - memory.disagrees_since
-    most = limits.disagreement_time
-    if lasts <= most:
-        return None
-    return Trip(Cause.DISAGREEMENT, 0, lasts, most)
+        limits.stuck_travel, before.origin, before.length, before.moved,
+        memory.length,
+    )  # fmt: skip
 
 
 def _remember(setup: Setup, memory: Memory, reading: Reading) -> Memory:
@@ -194,7 +183,7 @@ def _remember(setup: Setup, memory: Memory, reading: Reading) -> Memory:
     )
     since = memory.disagrees_since
     if reading.expected is not None:
-        _, away = guards.largest_disagreement(reading.force, reading.expected)
+        away = guards.largest_disagreement(reading.force, reading.expected)
         if away <= setup.limits.disagreement:
             since = -1.0
         elif since < 0.0:

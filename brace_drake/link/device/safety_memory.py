@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
-from brace_drake.link.device.guards import Trip
-from brace_drake.link.device.limits import Limits
-from brace_drake.link.protocol.words import Cause
+from brace_drake.link.device.guards import NO_TRIP, Trip
+from brace_drake.link.protocol.limits import Limits
 
 
 class SafetyMode(IntEnum):
@@ -89,9 +88,6 @@ class Memory(NamedTuple):
     moved: tuple[bool, ...]
     disagrees_since: float
     stiffness: tuple[float, ...]
-
-
-NO_TRIP = Trip(Cause.NONE)
 
 
 def start_memory(setup: Setup) -> Memory:

@@ -7,13 +7,13 @@ import threading
 import time
 from dataclasses import dataclass
 
-from brace_drake.link.device.device_ticks import Identity, Measured
-from brace_drake.link.device.limits import DEFAULT, Limits
+from brace_drake.link.device.firmware import Firmware
+from brace_drake.link.device.ticks import Identity, Measured
 from brace_drake.link.emulator.line import Line, LineFaults
 from brace_drake.link.emulator.plant import EmulatedPlant
 from brace_drake.link.emulator.terminal import Terminal
 from brace_drake.link.protocol.codec import Decoder, make_codec
-from brace_drake.link.protocol.firmware import Firmware
+from brace_drake.link.protocol.limits import DEFAULT, Limits
 from brace_drake.link.protocol.words import DeviceState
 
 

@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from brace_drake.laws.control.impedance import low_pass_gain_tau
-from brace_drake.link.device.limits import DEFAULT, Limits
+from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.emulator.make import MakePlant
-from brace_drake.link.operation.columns import leg_names
 from brace_drake.link.operation.contact_estimate import ContactEstimate
 from brace_drake.link.operation.motion import RING
-from brace_drake.link.operation.rows import Row
-from brace_drake.link.operation.station import MakeControl, moving_rings
+from brace_drake.link.operation.rows import Row, reading_names
+from brace_drake.link.operation.station import MakeControl
+from brace_drake.link.protocol.limits import DEFAULT, Limits
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 
@@ -63,7 +63,7 @@ class TwinBeside:
         self._control = MakeControl(scenario, limits)
         self._plant = MakePlant(scenario, seed=None)
         self._band = band
-        self.channels = _channels(rings)
+        self.channels = reading_names(rings)
         period = scenario.control.rate**-1
         self._floor = _measure_floor(scenario, limits)
         self._mean = self._floor**2
@@ -172,12 +172,3 @@ def _measure_floor(scenario, limits: Limits) -> np.ndarray:
     # A marker that is not there now has its noise all the same.
     alone = np.hypot(numbers.noise_sigma, steps / math.sqrt(12.0))
     return np.maximum(looped, alone)
-
-
-def _channels(rings: tuple[int, ...]) -> tuple[str, ...]:
-    """Names of what a device reads, in the order of its readings."""
-    return (
-        *(f"{leg}_length_m" for leg in leg_names(rings)),
-        *(f"ring{i}_force_{axis}_N" for i in rings for axis in "xyz"),
-        *(f"torso_{axis}_m" for axis in "xyz"),
-    )

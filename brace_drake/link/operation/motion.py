@@ -30,7 +30,7 @@ def place_motion(
         ring: That moves.
 
     Returns:
-        The motion with samples (N, 3, S), or as it was where S is 1.
+        The motion with samples (N, 3, S).
 
     Raises:
         CampaignError: The device has no such ring.
@@ -43,10 +43,6 @@ def place_motion(
             f"motion {motion.name}: no ring {ring}; moving rings of the device:"
             f" {words}"
         )
-    if tuple(rings) == motion.rings:
-        return motion
-    if len(rings) == 1:
-        return replace(motion, rings=tuple(rings))
     samples = np.zeros((len(motion.time), 3, len(rings)))
     samples[:, :, list(rings).index(ring)] = motion.samples
     return replace(motion, samples=samples, rings=tuple(rings))
@@ -68,8 +64,6 @@ def motion_of_rings(
     samples = np.zeros((len(run.time_s), 3, len(rings)))
     for i, reference in references_of_rings(run, rings, "device"):
         samples[:, :, i] = reference
-    if len(rings) == 1:
-        samples = np.ascontiguousarray(samples[:, :, 0])
     time = run.time_s - run.time_s[0]
     return SafeMotion(
         run.name,
@@ -83,8 +77,6 @@ def motion_of_rings(
 
 
 def desired_at_ticks(motion: SafeMotion, rate: float) -> np.ndarray:
-    """y_d, y_d', y_d'' at each control tick, C order.
-
-    (ticks, 3) of one ring, (ticks, 3, S) of several.
-    """
-    return reference_at_ticks(motion.time, motion.samples, rate)
+    """y_d, y_d', y_d'' of each ring at each control tick (ticks, 3, S)."""
+    samples = motion.samples.reshape((len(motion.time), 3, -1))
+    return reference_at_ticks(motion.time, samples, rate)

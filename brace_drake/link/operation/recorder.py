@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from pathlib import Path
 
 from brace_drake.core.errors import StoppedError
 from brace_drake.devices.motions.library import SafeMotion
 from brace_drake.devices.motions.limits import check_reach
-from brace_drake.link.device.limits import Limits
+from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.operation.console import (
     CountDown,
     Keys,
@@ -15,22 +16,27 @@ from brace_drake.link.operation.console import (
     describe_status,
 )
 from brace_drake.link.operation.journal import Journal, RunFile
-from brace_drake.link.operation.motion import RING, place_motion
-from brace_drake.link.operation.record import (
-    SETTLE,
-    RecordMotion,
-    describe_device,
+from brace_drake.link.operation.motion import (
+    RING,
+    desired_at_ticks,
+    place_motion,
+)
+from brace_drake.link.operation.rows import (
+    Row,
+    campaign_device,
+    columns_of,
+    name_values,
 )
 from brace_drake.link.operation.session import Session
-from brace_drake.link.operation.station import (
-    MakeControl,
-    OpenDevice,
-    moving_rings,
-    recorded_as,
-)
+from brace_drake.link.operation.station import MakeControl, OpenDevice
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.messages import BAUD
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
+
+# A recording begins at rest, as its twin does: torso and pads that were pressed
+# before need so long to come to rest, s.
+SETTLE = 4.0
 
 
 class Recorder:
@@ -71,11 +77,17 @@ class Recorder:
         self._rings = moving_rings(scenario)
         self.link = OpenDevice(port, scenario, limits, baud, clear)
         try:
-            rate = 1.0 / scenario.sensors.log_period
-            device, stages = recorded_as(scenario)
-            described = describe_device(self.link)
+            hello, rate = self.link.hello, 1.0 / scenario.sensors.log_period
+            self._every = round(hello.rate_hz / rate)
+            device, stages = campaign_device(self._rings)
+            recorded = {
+                "model": hello.model,
+                "identity": hello.identity,
+                "firmware": hello.firmware,
+                "rate_hz": float(hello.rate_hz),
+            }
             self.journal = Journal(
-                out, device, rate, subject, described, stages, SETTLE
+                out, device, rate, subject, recorded, stages, SETTLE
             )
         except BaseException:
             self.link.Close()
@@ -96,7 +108,7 @@ class Recorder:
         keys: Keys,
         repeat_of: str | None = None,
     ) -> RunFile:
-        """Counts down, then records.
+        """Counts down, then follows a motion and writes it, as far as it came.
 
         Args:
             motion: What to do, of one ring or placed.
@@ -108,7 +120,8 @@ class Recorder:
 
         Raises:
             LimitsError: The motion reaches further than any may.
-            StoppedError: The operator, the supervisor or the device stopped.
+            StoppedError: The operator, the supervisor or the device stopped;
+                what had been recorded is in the campaign.
         """
         motion = place_motion(motion, self._rings, self._ring)
         check_reach(motion.name, motion.samples[:, 0])
@@ -119,22 +132,64 @@ class Recorder:
         where = "with the torso" if motion.contact else "WITHOUT the torso"
         more = f" ({motion.meaning}), {where},"
         CountDown(countdown, motion.name, keys, more)
+        run = self.journal.NewRun(
+            motion.name, columns_of(self._rings), motion.contact, motion.kind,
+            split, repeat_of or None,
+        )  # fmt: skip
+        try:
+            self._Follow(session, motion, run, keys)
+        finally:
+            self.link.on_state = None
+        if not session.done:
+            Say("stopped, the ring is released", end=True)
+            raise StoppedError(
+                f"{run.entry['file']}: stopped after"
+                f" {run.rows / self.journal.head['rate_hz']:.2f} s:"
+                f" {session.stopped_by}"
+            )
+        Say(describe_status(1.0, session), end=True)
+        return run
 
-        def tell(share, session):
+    def _Follow(
+        self, session: Session, motion: SafeMotion, run: RunFile, keys: Keys
+    ) -> None:
+        """Follows a motion; every so many ticks become a row of the run."""
+        columns, rate = columns_of(self._rings), self.link.hello.rate_hz
+        desired = desired_at_ticks(motion, rate)
+        begun = datetime.now(UTC).isoformat(timespec="seconds")
+
+        def take(rows: list[Row]) -> None:
+            for row in rows:
+                if row.tick % self._every == 0:
+                    values = name_values(row, self._rings)
+                    values["time_s"] = row.tick / rate
+                    # No zero with a sign.
+                    run.Append([values[name] + 0.0 for name in columns])
+            run.Flush()
+            share = run.rows * self._every / len(desired)
             Say(describe_status(share, session))
 
         try:
-            run = RecordMotion(
-                self.link, session, self.journal, motion, split,
-                repeat_of or None, keys.pressed, tell,
-            )  # fmt: skip
-        except StoppedError:
-            Say("stopped, the ring is released", end=True)
-            raise
+            session.Follow(desired, take, keys.pressed, SETTLE)
         finally:
-            self.link.on_state = None
-        Say(describe_status(1.0, session), end=True)
-        return run
+            line = self._DescribeLine(session)
+            run.Close(session.done, {"begun": begun, **line})
+
+    def _DescribeLine(self, session: Session) -> dict:
+        """What campaign.yaml says of the line during a run."""
+        tally, counts = session.tally, self.link.counts
+        said = {
+            "lost_messages": counts.lost,
+            "bad_frames": counts.bad,
+            "bridged_ticks": int(tally.bridged),
+            "unanswered_ticks": int(tally.unanswered),
+        }
+        late = tally.latencies.percentiles(scale=1e6)
+        if late:
+            said["latency_us_50_99_999"] = [round(v) for v in late]
+        if session.trip is not None:
+            said["stopped"] = str(session.trip)
+        return said
 
     def _Original(self, motion: SafeMotion, split: str) -> str | None:
         """The whole recording of a motion that another one repeats."""

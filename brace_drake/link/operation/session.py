@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,16 +12,17 @@ from brace_drake.core.errors import LinkError
 from brace_drake.devices.motions.limits import check_reach
 from brace_drake.link.device import safety
 from brace_drake.link.device.guards import Trip
-from brace_drake.link.device.limits import Limits
-from brace_drake.link.device.link import Link
 from brace_drake.link.device.safety_memory import (
     Reading,
     SafetyMode,
     Setup,
     start_memory,
 )
-from brace_drake.link.operation.rows import Row, Tally
+from brace_drake.link.host.link import Link
+from brace_drake.link.operation.rows import Row
+from brace_drake.link.operation.tally import Tally
 from brace_drake.link.protocol.codec import Packet
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.words import Cause, DeviceState, StateFlag
 
 # More missing ticks than this are not bridged: the supervisor has stopped.
@@ -28,6 +30,8 @@ _MOST_BRIDGED = 100
 # A released ring may have been pushed away. It is brought home in this time, s;
 # until shortly after, it may be far from its virtual pose.
 _HOME, _HOME_MARGIN = 0.8, 0.1
+# Between two looks at what happens, s.
+_PAUSE = 0.02
 
 
 class Session:
@@ -57,12 +61,53 @@ class Session:
         self.done, self.trip, self.tally = False, None, Tally()
         link.on_state = self._OnState
 
+    def Follow(
+        self,
+        desired: np.ndarray,
+        take: Callable[[list[Row]], None],
+        asks_stop: Callable[[], bool] = lambda: False,
+        settle: float = 1.0,
+    ) -> None:
+        """Follows a reference to its end, or until something stops it.
+
+        It watches from another thread than the one that reads, so that a device
+        gone silent, an operator's key and an error of ours all stop.
+
+        Args:
+            desired, settle: As `Start` takes them.
+            take: Called with the ticks since the last call, in order; at the
+                end once more.
+            asks_stop: Whether the operator wants it stopped.
+
+        Raises:
+            LimitsError, LinkError: As `Start` and `Finish`.
+        """
+        self.Start(desired, settle)
+        try:
+            while not self.is_over:
+                time.sleep(_PAUSE)
+                self.CheckAlive()
+                if asks_stop():
+                    self.Stop(Cause.STOP_KEY)
+                take(self._TakeRows())
+        except BaseException:
+            self.Stop(Cause.HOST_ERROR)
+            raise
+        else:
+            # Before the last rows: a full disk must not keep the ring pressed.
+            if self.done:
+                self.Finish()
+        finally:
+            take(self._TakeRows())
+
+    def _TakeRows(self) -> list[Row]:
+        return [self.rows.popleft() for _ in range(len(self.rows))]
+
     def Start(self, desired: np.ndarray, settle: float = 1.0) -> None:
         """Arms, holds the rest pose for a while, then follows.
 
         Args:
-            desired: y_d, y_d', y_d'' at each tick (ticks, 3), of several
-                rings (ticks, 3, S).
+            desired: y_d, y_d', y_d'' at each tick (ticks, 3, S).
             settle: s; in its first part the rings come home.
 
         Raises:
@@ -70,10 +115,9 @@ class Session:
             LinkError: The device refuses to arm.
         """
         check_reach("asked for", desired[:, 0])
-        self._desired = desired
-        self._at = -round(settle / self._setup.period)
+        self._desired, period = desired, self._setup.period
+        self._at = -round(settle / period)
         self._control.Reset()
-        period = self._setup.period
         home = min(_HOME, 0.5 * settle)
         self._control.GoHome(round(home / period))
         self._home_at = self._at + round((home + _HOME_MARGIN) / period)
@@ -112,20 +156,25 @@ class Session:
         if not self._moving or self._last_arrival is None:
             return
         age = time.perf_counter() - self._last_arrival
-        most = self._setup.limits.stale
-        error = self._link.error
+        most, error = self._setup.limits.stale, self._link.error
         if error is not None:
             gone = isinstance(error, LinkError)
-            cause = Cause.DISCONNECTED if gone else Cause.HOST_ERROR
-            self._Trip(Trip(cause))
+            self._Trip(Trip(Cause.DISCONNECTED if gone else Cause.HOST_ERROR))
         elif age > most:
             self._Trip(Trip(Cause.STALE_DATA, 0, age, most))
 
     @property
     def is_over(self) -> bool:
         """Whether nothing more will be recorded."""
-        ended = self._link.error is not None
-        return self.done or self.trip is not None or ended
+        ended = self.trip is not None or self._link.error is not None
+        return self.done or ended
+
+    @property
+    def stopped_by(self) -> str:
+        """What stopped it in words, with those of an error of our own."""
+        error = self._link.error
+        told = error is None or isinstance(error, LinkError)
+        return str(self.trip or error) + ("" if told else f": {error}")
 
     def _Trip(self, trip: Trip) -> None:
         self._memory = safety.stop(self._memory, trip, self._now)
@@ -142,11 +191,15 @@ class Session:
     def _OnState(self, packet: Packet, lost: int) -> None:
         arrived, values = time.perf_counter(), packet.values
         readings = np.array([*values.leg_length, *values.force, *values.marker])
-        missing = self._Missing(values.tick)
+        missing = 0
+        if self._last_tick is not None:
+            missing = max(0, values.tick - self._last_tick - 1)
         # The device's ticks are the supervisor's time: a burst of messages is
         # no jump, and a lost one is a tick all the same.
         self._now = values.tick * self._setup.period
-        self._Watch(arrived)
+        if self._last_arrival is not None:
+            self.tally.periods.Add(arrived - self._last_arrival)
+        self._last_arrival = arrived
         if not self._moving:
             self._last_tick, self._last_readings = values.tick, readings
             self._See(readings, missing, None)
@@ -172,38 +225,24 @@ class Session:
         told = fault.values
         return Trip(Cause(cause), told.index, told.value, told.limit)
 
-    def _Missing(self, tick: int) -> int:
-        if self._last_tick is None:
-            return 0
-        return max(0, tick - self._last_tick - 1)
-
-    def _Watch(self, arrived: float) -> None:
-        if self._last_arrival is not None:
-            self.tally.periods.Add(arrived - self._last_arrival)
-        self._last_arrival = arrived
-
     def _See(self, readings, missing, command) -> None:
-        control = self._control
-        controlled = command is not None
-        now = self._now
+        """Shows the supervisor a tick's readings, and the command for it."""
+        control, legs = self._control, self._legs
         reading = Reading(
-            now,
-            readings[: self._legs].tolist(),
-            readings[self._legs : -3].tolist(),
-            missing,
-            pose=control.pose if controlled else None,
-            virtual=control.virtual if controlled and self._follows else None,
-            expected=control.expected.tolist() if controlled else None,
-            has_pose=control.good,
-        )
+            self._now, readings[:legs].tolist(), readings[legs:-3].tolist(),
+            missing, has_pose=control.good,
+        )  # fmt: skip
+        if command is not None:
+            # Driven, and with the time to come home behind it.
+            follows = not self._dry and self._at > self._home_at
+            reading = reading._replace(
+                pose=control.pose,
+                virtual=control.virtual if follows else None,
+                expected=control.expected.tolist(),
+            )
         self._memory = safety.advance(
-            self._setup, self._memory, now, reading, command
+            self._setup, self._memory, self._now, reading, command
         )
-
-    @property
-    def _follows(self) -> bool:
-        """Whether the ring is driven, and has had the time to come home."""
-        return not self._dry and self._at > self._home_at
 
     def _Bridge(self, readings: np.ndarray, missing: int) -> None:
         """Controls the ticks of lost states on interpolated readings."""
@@ -245,24 +284,16 @@ class Session:
         return self._desired[min(self._at, len(self._desired) - 1)]
 
     def _Keep(self, command, readings, latency, age, bridged) -> None:
-        desired = self._Reference()
+        control = self._control
         self.tally.ticks += 1
         self.tally.bridged += bridged
         if 0 <= self._at < len(self._desired):
-            self.rows.append(
-                Row(
-                    self._at,
-                    command.copy(),
-                    readings,
-                    desired,
-                    self._control.y_virtual,
-                    self._control.y_ring,
-                    latency,
-                    age,
-                    bridged,
-                    self._control.stiffness,
-                )
-            )
+            row = Row(
+                self._at, command.copy(), readings, self._Reference(),
+                control.y_virtual, control.y_ring, latency, age, bridged,
+                control.stiffness,
+            )  # fmt: skip
+            self.rows.append(row)
         self._at += 1
         if self._at >= len(self._desired):
             self.done = True

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
-
 from brace_drake.core.errors import LinkError
-from brace_drake.link.device.limits import Limits
-from brace_drake.link.device.link import Link
+from brace_drake.link.device.guards import LEGS
+from brace_drake.link.emulator.describe import describe_device
+from brace_drake.link.host.link import Link
 from brace_drake.link.operation.control import HostControl
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.messages import BAUD
 from brace_drake.link.protocol.words import Cause, DeviceState, cause_name
-from brace_drake.model.simulate_brace import recorded_device, recorded_stages
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import pack_geometry
 
 # How far an anchor of device and twin may lie apart, m.
 _SAME_PLACE = 5e-5
-_LEGS = 6
 
 
 def OpenDevice(
@@ -76,71 +72,29 @@ def CheckDevice(link: Link, scenario: BenchScenario | BraceScenario) -> None:
     Raises:
         LinkError: One line: what differs, and both values.
     """
-    hello = link.hello
+    hello, mine = link.hello, describe_device(scenario)
     who = f"{link.path}: device {hello.model!r} ({hello.identity})"
-    model, geometry = device_model(scenario), describe_geometry(scenario)
-    legs = _LEGS * len(geometry["rest"])
-    if hello.model != model or _LEGS * hello.stages != legs:
+    if (hello.model, hello.stages) != (mine.model, mine.stages):
         raise LinkError(
-            f"{who} with {_LEGS * hello.stages} legs is not a"
-            f" {model!r} with {legs}"
+            f"{who} with {LEGS * hello.stages} legs is not a"
+            f" {mine.model!r} with {LEGS * mine.stages}"
         )
-    if hello.units != "m N s rad":
-        raise LinkError(f"{who} has units {hello.units!r}, not 'm N s rad'")
-    if abs(hello.rate_hz / scenario.control.rate - 1.0) > 1e-6:
+    if hello.units != mine.units:
+        raise LinkError(f"{who} has units {hello.units!r}, not {mine.units!r}")
+    if abs(hello.rate_hz / mine.rate_hz - 1.0) > 1e-6:
         raise LinkError(
             f"{who} ticks at {hello.rate_hz:g} Hz, the scenario at"
-            f" {scenario.control.rate:g}"
+            f" {mine.rate_hz:g}"
         )
-    for name, mine in geometry.items():
-        there = np.array(getattr(link.geometry, name))
-        away = np.abs(there - mine.ravel())
-        worst = int(np.argmax(away))
-        if not away[worst] <= _SAME_PLACE:
-            raise LinkError(
-                f"{who}: geometry differs: {name}[{worst // 3}]"
-                f".{'xyz'[worst % 3]} is {there[worst]:.5f} m, in the scenario"
-                f" {mine.ravel()[worst]:.5f} m"
-            )
-
-
-def device_model(scenario: BenchScenario | BraceScenario) -> str:
-    """What the device of a scenario is called: stage 2 alone is the bench."""
-    return recorded_as(scenario)[0]
-
-
-def recorded_as(
-    scenario: BenchScenario | BraceScenario,
-) -> tuple[str, tuple[int, ...]]:
-    """Device of a campaign, and the stages that it has to name."""
-    if isinstance(scenario, BraceScenario):
-        return recorded_device(scenario), recorded_stages(scenario)
-    return scenario.device, ()
-
-
-def moving_rings(scenario: BenchScenario | BraceScenario) -> tuple[int, ...]:
-    """Numbers of a device's moving rings, bottom to top."""
-    return tuple(getattr(scenario, "stages", (2,)))
-
-
-def describe_geometry(
-    scenario: BenchScenario | BraceScenario,
-) -> dict[str, np.ndarray]:
-    """Rest (S, 3), lower and upper anchors (6 S, 3) in their rings, m."""
-    if isinstance(scenario, BraceScenario):
-        geometry = pack_geometry(scenario)
-        lower = geometry.lower.copy()
-        lower[0, :, 2] -= scenario.ring_heights[scenario.stages[0] - 1]
-        return {
-            "rest": geometry.rest,
-            "lower": lower.reshape((-1, 3)),
-            "upper": geometry.upper.reshape((-1, 3)),
-        }
-    numbers = pack_bench(scenario)
-    lower = numbers.p_WB_known.copy()
-    lower[:, 2] -= scenario.stage.lower_height
-    rest = numbers.rest[None, :]
-    return {"rest": rest, "lower": lower, "upper": numbers.p_RT_known}
+    for name in ("rest", "lower", "upper"):
+        here, there = getattr(mine, name), getattr(link.geometry, name)
+        for i, (a, b) in enumerate(zip(here, there, strict=True)):
+            # Written so that what is no number differs.
+            if not abs(a - b) <= _SAME_PLACE:
+                raise LinkError(
+                    f"{who}: geometry differs: {name}[{i // 3}]"
+                    f".{'xyz'[i % 3]} is {b:.5f} m, in the scenario {a:.5f} m"
+                )
 
 
 def MakeControl(

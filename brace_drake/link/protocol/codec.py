@@ -254,17 +254,3 @@ class Decoder:
         if self.follows_hello and found.name == "HELLO":
             if 1 <= found.values.stages <= MAX_STAGES:
                 self._codec = make_codec(found.values.stages)
-
-
-def describe_stranger(decoder: Decoder) -> str:
-    """Why a hello was not answered, by what came instead."""
-    if decoder.bytes_read == 0:
-        return "no answer to hello; is the device switched on?"
-    if decoder.bad["version"]:
-        return f"a device of another protocol version; ours is {VERSION}"
-    if decoder.good == 0:
-        return (
-            f"{decoder.bytes_read} bytes and no message among them: not a"
-            " brace, or another baud rate"
-        )
-    return "messages, but no answer to hello"

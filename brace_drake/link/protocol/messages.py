@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from brace_drake.link.device.limits import SHARED
+from brace_drake.link.protocol.limits import SHARED
 
 VERSION = 1
 BAUD = 1_000_000

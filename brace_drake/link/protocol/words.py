@@ -5,138 +5,107 @@ from __future__ import annotations
 from enum import IntEnum, IntFlag
 
 
-class DeviceState(IntEnum):
+class Word(IntEnum):
+    """A number with a name.
+
+    Attributes:
+        meaning: In a few words.
+    """
+
+    meaning: str
+
+    def __new__(cls, number: int, meaning: str):
+        word = int.__new__(cls, number)
+        word._value_, word.meaning = number, meaning
+        return word
+
+    @property
+    def text(self) -> str:
+        """The name in words, such as "leg stroke"."""
+        return self.name.lower().replace("_", " ")
+
+
+class DeviceState(Word):
     """Where the device's state machine is."""
 
-    BOOT = 0
-    HELLO = 1
-    DISARMED = 2
-    ARMED = 3
-    STOPPED = 4
-    FAULT = 5
+    BOOT = 0, "self-test; silent, but for noise; drives released"
+    HELLO = 1, "waits for a host's hello and limits; drives released"
+    DISARMED = 2, "limits agreed, states are sent; drives released"
+    ARMED = 3, "follows commands; the watchdog runs"
+    STOPPED = 4, "latched stop with its cause; drives released"
+    FAULT = 5, "e-stop or drive fault; drives without power"
 
 
-class Cause(IntEnum):
+class Cause(Word):
     """Why a stop was made; it stays until it is cleared."""
 
-    NONE = 0
-    HOST_STOP = 1
-    STOP_KEY = 2
-    WATCHDOG = 3
-    ESTOP = 4
-    DRIVE_FAULT = 5
-    LEG_STROKE = 6
-    LEG_SPEED = 7
-    PAD_FORCE = 8
-    TOTAL_FORCE = 9
-    RING_POSE = 10
-    TRACKING = 11
-    STALE_DATA = 12
-    LOST_MESSAGES = 13
-    JUMP = 14
-    DISAGREEMENT = 15
-    STUCK_LEG = 16
-    BAD_COMMAND = 17
-    NO_POSE = 18
-    DISCONNECTED = 19
-    HOST_ERROR = 20
+    NONE = 0, "none"
+    HOST_STOP = 1, "the host sent a stop"
+    STOP_KEY = 2, "the operator's stop key"
+    WATCHDOG = 3, "no accepted command within the watchdog's period"
+    ESTOP = 4, "the emergency stop is pressed"
+    DRIVE_FAULT = 5, "a drive reports a fault"
+    LEG_STROKE = 6, "a leg is shorter or longer than allowed"
+    LEG_SPEED = 7, "a leg is faster than allowed"
+    PAD_FORCE = 8, "the force of a pad is above its limit"
+    TOTAL_FORCE = 9, "the sum of the rings' forces is above its limit"
+    RING_POSE = 10, "a ring is displaced or turned further than allowed"
+    TRACKING = 11, "a ring is further from its virtual pose than allowed"
+    STALE_DATA = 12, "the newest reading is older than allowed"
+    LOST_MESSAGES = 13, "more messages in a row are lost than allowed"
+    JUMP = 14, "a reading changes from one tick to the next as none can"
+    DISAGREEMENT = 15, "force reading and leg forces disagree for too long"
+    STUCK_LEG = 16, "a leg's reading stands still while others travel"
+    BAD_COMMAND = 17, "a command holds a value that is no finite number"
+    NO_POSE = 18, "no ring pose fits the leg lengths"
+    DISCONNECTED = 19, "the port is gone"
+    HOST_ERROR = 20, "the host's control law failed"
 
 
 class StateFlag(IntFlag):
     """Bits of the `flags` of a state."""
 
-    NONE = 0
-    CLAMPED = 1
-    ESTOP = 2
-    MARKER = 4
-    NO_NEW_COMMAND = 8
-    RELEASING = 16
+    meaning: str
+
+    def __new__(cls, number: int, meaning: str):
+        flag = int.__new__(cls, number)
+        flag._value_, flag.meaning = number, meaning
+        return flag
+
+    CLAMPED = 1, "the command was cut at a limit of force or rate"
+    ESTOP = 2, "the emergency stop is pressed now"
+    MARKER = 4, "`marker` holds a measurement"
+    NO_NEW_COMMAND = 8, "the last tick began without a new command"
+    RELEASING = 16, "the release has not ended yet"
 
 
-class Mode(IntEnum):
+class Mode(Word):
     """What a command's values are."""
 
-    FORCE = 0
-    LENGTH = 1
+    FORCE = 0, "leg forces, N; positive pushes the anchors apart"
+    LENGTH = 1, "leg lengths, m; optional, see `capabilities` of hello"
 
 
-class Reason(IntEnum):
+class Reason(Word):
     """Why a request was refused."""
 
-    ACCEPTED = 0
-    WRONG_STATE = 1
-    WRONG_SESSION = 2
-    ESTOP_PRESSED = 3
-    CAUSE_PRESENT = 4
-    LIMIT_TOO_WIDE = 5
-    BAD_VALUE = 6
-    NOT_SUPPORTED = 7
-
-
-_MEANINGS = (
-    (DeviceState.BOOT, "self-test; silent, but for noise; drives released"),
-    (DeviceState.HELLO, "waits for a host's hello and limits; drives released"),
-    (DeviceState.DISARMED, "limits agreed, states are sent; drives released"),
-    (DeviceState.ARMED, "follows commands; the watchdog runs"),
-    (DeviceState.STOPPED, "latched stop with its cause; drives released"),
-    (DeviceState.FAULT, "e-stop or drive fault; drives without power"),
-    (Cause.NONE, "none"),
-    (Cause.HOST_STOP, "the host sent a stop"),
-    (Cause.STOP_KEY, "the operator's stop key"),
-    (Cause.WATCHDOG, "no accepted command within the watchdog's period"),
-    (Cause.ESTOP, "the emergency stop is pressed"),
-    (Cause.DRIVE_FAULT, "a drive reports a fault"),
-    (Cause.LEG_STROKE, "a leg is shorter or longer than allowed"),
-    (Cause.LEG_SPEED, "a leg is faster than allowed"),
-    (Cause.PAD_FORCE, "the force of a pad is above its limit"),
-    (Cause.TOTAL_FORCE, "the sum of the rings' forces is above its limit"),
-    (Cause.RING_POSE, "a ring is displaced or turned further than allowed"),
-    (Cause.TRACKING, "a ring is further from its virtual pose than allowed"),
-    (Cause.STALE_DATA, "the newest reading is older than allowed"),
-    (Cause.LOST_MESSAGES, "more messages in a row are lost than allowed"),
-    (Cause.JUMP, "a reading changes from one tick to the next as none can"),
-    (Cause.DISAGREEMENT, "force reading and leg forces disagree for too long"),
-    (Cause.STUCK_LEG, "a leg's reading stands still while others travel"),
-    (Cause.BAD_COMMAND, "a command holds a value that is no finite number"),
-    (Cause.NO_POSE, "no ring pose fits the leg lengths"),
-    (Cause.DISCONNECTED, "the port is gone"),
-    (Cause.HOST_ERROR, "the host's control law failed"),
-    (StateFlag.CLAMPED, "the command was cut at a limit of force or rate"),
-    (StateFlag.ESTOP, "the emergency stop is pressed now"),
-    (StateFlag.MARKER, "`marker` holds a measurement"),
-    (StateFlag.NO_NEW_COMMAND, "the last tick began without a new command"),
-    (StateFlag.RELEASING, "the release has not ended yet"),
-    (Mode.FORCE, "leg forces, N; positive pushes the anchors apart"),
-    (Mode.LENGTH, "leg lengths, m; optional, see `capabilities` of hello"),
-    (Reason.ACCEPTED, "the request was carried out"),
-    (Reason.WRONG_STATE, "not in this state"),
-    (Reason.WRONG_SESSION, "sealed for another session"),
-    (Reason.ESTOP_PRESSED, "the emergency stop is pressed"),
-    (Reason.CAUSE_PRESENT, "what made the stop is still there"),
-    (Reason.LIMIT_TOO_WIDE, "a limit is wider than the device's own"),
-    (Reason.BAD_VALUE, "a value is no finite number, or makes no sense"),
-    (Reason.NOT_SUPPORTED, "the device cannot do that"),
-)
-# Words of different kinds are equal where their numbers are: the kind counts.
-MEANINGS = {(type(word), word): meaning for word, meaning in _MEANINGS}
-
-
-def meaning_of(word: IntEnum | IntFlag) -> str:
-    """What a word says, in a few words."""
-    return MEANINGS[type(word), word]
+    ACCEPTED = 0, "the request was carried out"
+    WRONG_STATE = 1, "not in this state"
+    WRONG_SESSION = 2, "sealed for another session"
+    ESTOP_PRESSED = 3, "the emergency stop is pressed"
+    CAUSE_PRESENT = 4, "what made the stop is still there"
+    LIMIT_TOO_WIDE = 5, "a limit is wider than the device's own"
+    BAD_VALUE = 6, "a value is no finite number, or makes no sense"
+    NOT_SUPPORTED = 7, "the device cannot do that"
 
 
 def cause_name(number: int) -> str:
     """A cause in words, such as "leg stroke"; unknown ones by number."""
-    try:
-        return Cause(number).name.lower().replace("_", " ")
-    except ValueError:
-        return f"cause {number}"
+    known = number in set(map(int, Cause))
+    return Cause(number).text if known else f"cause {number}"
 
 
 def reason_text(number: int) -> str:
     """Why a request was refused, in words; unknown reasons by number."""
-    try:
-        return meaning_of(Reason(number))
-    except ValueError:
-        return f"reason {number}"
+    known = number in set(map(int, Reason))
+    return Reason(number).meaning if known else f"reason {number}"

@@ -9,13 +9,13 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from brace_drake.link.device import safety
 from brace_drake.link.device.guards import Trip
-from brace_drake.link.device.limits import Limits
 from brace_drake.link.device.safety_memory import (
     Memory,
     Reading,
     Setup,
     start_memory,
 )
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.words import Cause
 from brace_drake.model.systems.ticks import TICK_LEAD
 
@@ -26,7 +26,7 @@ NUM_STATUS = 6
 class SafetySupervisor(LeafSystem):
     """Passes leg commands within limits, or releases the rings and latches.
 
-    The state machine and its laws are `hardware.safety`, the same that guard a
+    The state machine and its laws are `link.device.safety`, those that guard a
     physical brace. It ticks between the controller's tick and the plant's step,
     so that a command that passes acts from its own tick on.
 

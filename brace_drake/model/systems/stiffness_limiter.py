@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from brace_drake.link.device.limits import Limits
 from brace_drake.link.device.release import cut_stiffness
+from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.systems.ticks import TICK_LEAD
 
 
 class StiffnessLimiter(LeafSystem):
-    """Passes a stiffness within limits: `hardware.release.cut_stiffness`.
+    """Passes a stiffness within limits: `link.device.release.cut_stiffness`.
 
     It ticks right before the controller does, so that what passes acts in the
     controller's own tick. What is no number keeps the last value.

@@ -1,4 +1,4 @@
-"""Opening a serial port, with one line for each way in which it fails."""
+"""A serial port is opened, with one line for each way in which it fails."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import serial
 from serial.tools import list_ports
 
 from brace_drake.core.errors import LinkError
-from brace_drake.link.protocol.messages import BAUD
+from brace_drake.link.protocol.codec import Decoder
+from brace_drake.link.protocol.messages import BAUD, VERSION
 
 _IN_USE = (errno.EBUSY, errno.EAGAIN, errno.EWOULDBLOCK)
 
@@ -54,3 +55,17 @@ def _describe(path: str, error: Exception) -> str:
 def _others() -> str:
     ports = sorted(port.device for port in list_ports.comports())
     return "there are " + ", ".join(ports) if ports else "there is none"
+
+
+def describe_stranger(decoder: Decoder) -> str:
+    """Why a hello was not answered, by what came instead."""
+    if decoder.bytes_read == 0:
+        return "no answer to hello; is the device switched on?"
+    if decoder.bad["version"]:
+        return f"a device of another protocol version; ours is {VERSION}"
+    if decoder.good == 0:
+        return (
+            f"{decoder.bytes_read} bytes and no message among them: not a"
+            " brace, or another baud rate"
+        )
+    return "messages, but no answer to hello"

@@ -1,12 +1,21 @@
-"""Which runs a campaign needs, so that it can be diagnosed."""
+"""Runs of a campaign: which it needs, and one after another on a device."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from brace_drake.core.errors import CampaignError, suggest
+from brace_drake.core.errors import (
+    CampaignError,
+    StoppedError,
+    reason,
+    suggest,
+)
 from brace_drake.devices.motions.library import MOTIONS, MakeMotion
+from brace_drake.link.operation.console import ReadKeys
+from brace_drake.link.operation.recorder import Recorder
 
 FORMAT = "brace-plan/1"
 
@@ -54,8 +63,9 @@ def LoadPlan(path: str | Path | None) -> tuple[PlannedRun, ...]:
     try:
         content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        line = " ".join(str(error).split())
-        raise CampaignError(f"{path}: cannot be read: {line}") from error
+        raise CampaignError(
+            f"{path}: cannot be read: {reason(error)}"
+        ) from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise CampaignError(f"{path}: format must be {FORMAT!r}")
     runs = content.get("runs")
@@ -113,3 +123,55 @@ def remaining_runs(
         else:
             left.append((number, run))
     return left
+
+
+def WaitForOperator(what: str) -> None:
+    """Asks for something and waits for Enter.
+
+    Raises:
+        StoppedError: There is nobody: standard input has ended.
+    """
+    print(f"{what}, then press Enter: ", end="", flush=True)
+    if not sys.stdin.readline():
+        raise StoppedError("not begun: nobody pressed Enter")
+
+
+def RecordRuns(
+    recorder: Recorder,
+    runs: Sequence[tuple[int, PlannedRun]],
+    total: int,
+    countdown: int,
+    ask: Callable[[str], None] = WaitForOperator,
+) -> None:
+    """Records runs; asks for the torso whenever it has to come or go.
+
+    Args:
+        recorder: Open.
+        runs: To be recorded, with their numbers in the plan.
+        total: Runs of the whole plan.
+        countdown: Before each motion, s.
+        ask: Called with what the operator is to do; returns when it is done.
+
+    Raises:
+        StoppedError: The operator, the supervisor or the device stopped; what
+            had been recorded is in the campaign.
+    """
+    contact = None
+    for number, planned in runs:
+        motion = MakeMotion(planned.motion)
+        if motion.contact != contact:
+            contact = motion.contact
+            ask("Put the torso in" if contact else "Take the torso out")
+        print(
+            f"run {number} of {total}: {planned.motion}"
+            f" ({planned.split}), {motion.time[-1]:.0f} s",
+            flush=True,
+        )
+        with ReadKeys() as keys:
+            recorder.Record(
+                motion,
+                planned.split,
+                countdown,
+                keys,
+                None if planned.repeat else "",
+            )

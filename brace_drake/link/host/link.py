@@ -1,7 +1,8 @@
-"""The host's side of the link: hello, limits, clocks, states, commands."""
+"""The host's side of the link: hello, limits, states, commands."""
 
 from __future__ import annotations
 
+import math
 import random
 import threading
 import time
@@ -10,25 +11,20 @@ from collections.abc import Callable, Sequence
 import serial
 
 from brace_drake.core.errors import LimitsError, LinkError
-from brace_drake.link.device.clock import ClockSync
-from brace_drake.link.device.inbox import Inbox
-from brace_drake.link.device.limits import (
+from brace_drake.link.host.inbox import Inbox
+from brace_drake.link.host.ports import OpenPort, describe_stranger
+from brace_drake.link.protocol.codec import Decoder, Packet, make_codec
+from brace_drake.link.protocol.limits import (
     SHARED,
     Limits,
     as_sent,
     each_value,
     format_value,
     refuse_wider,
+    shared_of,
     shared_values,
 )
-from brace_drake.link.protocol.codec import (
-    Decoder,
-    Packet,
-    describe_stranger,
-    make_codec,
-)
 from brace_drake.link.protocol.messages import BAUD, BY_NAME
-from brace_drake.link.protocol.ports import OpenPort
 from brace_drake.link.protocol.sequence import Counts, SequenceWatch
 from brace_drake.link.protocol.words import Cause, Mode, Reason, reason_text
 
@@ -46,13 +42,14 @@ class Link:
         path: The port.
         hello, geometry, device_limits: What the device said of itself.
         session: Number of the session, 0 before `agree`.
-        clock: The device's clock.
+        round_trip: The shortest from a heartbeat to its echo, s; endless
+            before the first.
     """
 
     def __init__(self, path: str, baud: int = BAUD):
         self.path = path
         self.hello = self.geometry = self.device_limits = None
-        self.session, self.clock = 0, ClockSync()
+        self.session, self.round_trip = 0, math.inf
         self.on_state: Callable[[Packet, int], None] | None = None
         self._port = OpenPort(path, baud)
         self._codec = make_codec(1)
@@ -84,7 +81,7 @@ class Link:
                 hello, geometry, limits = (self._inbox[n] for n in names)
                 if hello.values.nonce == nonce:
                     self.hello, self.geometry = hello.values, geometry.values
-                    self.device_limits = tuple(limits.values)
+                    self.device_limits = shared_of(limits.values)
                     self._codec = make_codec(self.hello.stages)
                     self._decoder.follows_hello = False
                     return
@@ -102,23 +99,22 @@ class Link:
             LinkError: No answer.
         """
         stages = self.hello.stages
-        refuse_wider(limits, self.device_limits, stages=stages)
+        refuse_wider(limits, self.device_limits, stages)
         asked = shared_values(limits, stages)
-        named = {s.name: v for s, v in zip(SHARED, asked, strict=True)}
-        echo = self._Ask("LIMITS", named, "LIMITS_ECHO").values
+        echo = self._Ask("LIMITS", asked, "LIMITS_ECHO").values
         if echo.reason != Reason.ACCEPTED:
             name = SHARED[min(echo.index, len(SHARED) - 1)].name
             raise LimitsError(
                 f"{self.path}: the device refuses the limits at {name}:"
                 f" {reason_text(echo.reason)}"
             )
-        held = tuple(getattr(echo, s.name) for s in SHARED)
-        for shared, told, holds in zip(SHARED, asked, held, strict=True):
-            if tuple(map(as_sent, each_value(told))) != each_value(holds):
+        held = shared_of(echo)
+        for name, told in asked.items():
+            if tuple(map(as_sent, each_value(told))) != each_value(held[name]):
                 raise LimitsError(
-                    f"{self.path}: limit {shared.name} was told as"
+                    f"{self.path}: limit {name} was told as"
                     f" {format_value(told)}, the device holds"
-                    f" {format_value(holds)}"
+                    f" {format_value(held[name])}"
                 )
         self.session = echo.session
 
@@ -292,7 +288,8 @@ class Link:
             else:
                 self._inbox.Put(packet)
         elif packet.name == "HEARTBEAT":
-            sent = 1e-6 * packet.values.echo_us
-            self.clock.add(sent, 1e-6 * packet.time_us, 1e-9 * now)
+            trip = 1e-9 * now - 1e-6 * packet.values.echo_us
+            if trip >= 0.0:
+                self.round_trip = min(self.round_trip, trip)
         else:
             self._inbox.Put(packet)

@@ -10,14 +10,14 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from brace_drake.link.device import guards
-from brace_drake.link.device.guards import Trip
+from brace_drake.link.device.guards import NO_TRIP, Trip
 from brace_drake.link.device.length_servo import (
     ServoMemory,
     follow_lengths,
     start_servo,
 )
-from brace_drake.link.device.limits import Limits, shared_values
 from brace_drake.link.device.release import limit_command, release_command
+from brace_drake.link.protocol.limits import Limits, shared_values
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, StateFlag
 
 # Without any accepted message for so long, a session ends, s.
@@ -78,7 +78,7 @@ class DeviceTicks:
         self.own_limits = shared_values(limits, identity.stages)
         self.limits = limits
         self.state = DeviceState.BOOT
-        self.trip = Trip(Cause.NONE)
+        self.trip = NO_TRIP
         self.session = 0
         self.tick_count = self.rejected = self.accepted = 0
         self._draw = random.Random(seed)
@@ -155,7 +155,7 @@ class DeviceTicks:
             self._released, self._start = now, self._command
 
     def _describe(self) -> dict:
-        measured, flags = self._measured, StateFlag.NONE
+        measured, flags = self._measured, StateFlag(0)
         now_released = self.state != DeviceState.ARMED
         for is_set, flag in (
             (self._clamped, StateFlag.CLAMPED),

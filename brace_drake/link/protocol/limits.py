@@ -1,4 +1,4 @@
-"""Limits: one definition for device, host, simulation and file.
+"""The one definition of all limits: of device, host, simulation and file.
 
 Each is a greatest value ("most") or a least one ("least"). The shared ones are
 told to the device, which holds them by itself; the others are the host's. What
@@ -8,7 +8,6 @@ all of them.
 
 from __future__ import annotations
 
-import math
 import struct
 from typing import NamedTuple
 
@@ -76,7 +75,6 @@ LIMITS = (
     ),
 )
 SHARED = tuple(limit for limit in LIMITS if limit.shared)
-NAMES = tuple(limit.name for limit in LIMITS)
 
 # Where stages differ, the defaults of the brace's stages 1 to 3; of the bench,
 # which is stage 2, they are those above.
@@ -112,61 +110,31 @@ def each_value(value: Value) -> tuple[float, ...]:
     return value if isinstance(value, tuple) else (value,)
 
 
-def shared_values(limits: Limits, stages: int = 1) -> tuple[Value, ...]:
-    """What a device of so many stages is told, in the order of SHARED.
+def shared_values(limits: Limits, stages: int = 1) -> dict[str, Value]:
+    """What a device of so many stages is told, by name, in the order of SHARED.
 
     What is by stage is a tuple with a value of each.
     """
-    return tuple(
-        tuple(of_stage(getattr(limits, s.name), i) for i in range(stages))
-        if s.by_stage
-        else getattr(limits, s.name)
-        for s in SHARED
-    )
+    told = {limit.name: getattr(limits, limit.name) for limit in SHARED}
+    for limit in SHARED:
+        if limit.by_stage:
+            value = told[limit.name]
+            told[limit.name] = tuple(of_stage(value, i) for i in range(stages))
+    return told
 
 
-def check_limits(limits: Limits, source: str = "limits") -> None:
-    """Refuses values that cannot be limits.
-
-    Raises:
-        LimitsError: One line: source, name, value, what is allowed.
-    """
-    for limit, values in zip(LIMITS, limits, strict=True):
-        several = isinstance(values, tuple) and limit.by_stage
-        for value in values if several else (values,):
-            _check_value(limit, value, source)
-    shortest, longest = limits.leg_shortest, limits.leg_longest
-    for i in range(max(len(each_value(v)) for v in (shortest, longest))):
-        if not of_stage(shortest, i) < of_stage(longest, i):
-            raise LimitsError(
-                f"{source}: leg_shortest is {of_stage(shortest, i):g} m;"
-                f" allowed: less than leg_longest, {of_stage(longest, i):g}"
-            )
-
-
-def _check_value(limit: Limit, value: object, source: str) -> None:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise LimitsError(
-            f"{source}: {limit.name} is {value!r}; allowed: a number"
-        )
-    if not (math.isfinite(value) and 0.0 < value < 1e9):
-        raise LimitsError(
-            f"{source}: {limit.name} is {value!r} {limit.unit}; allowed:"
-            " greater than 0"
-        )
+def shared_of(message: tuple) -> dict[str, Value]:
+    """The shared limits in a message's values, by name."""
+    return {limit.name: getattr(message, limit.name) for limit in SHARED}
 
 
 def first_wider(
-    asked: tuple[Value, ...], allowed: tuple[Value, ...]
+    asked: dict[str, Value], allowed: dict[str, Value]
 ) -> int | None:
-    """Index of the first shared limit that is wider than allowed, or None.
-
-    Args:
-        asked, allowed: In the order of SHARED.
-    """
+    """Index in SHARED of the first limit wider than allowed, or None."""
     for i, limit in enumerate(SHARED):
-        pairs = zip(each_value(asked[i]), each_value(allowed[i]), strict=True)
-        if any(_is_wider(limit, a, b) for a, b in pairs):
+        values = each_value(asked[limit.name]), each_value(allowed[limit.name])
+        if any(_is_wider(limit, a, b) for a, b in zip(*values, strict=True)):
             return i
     return None
 
@@ -180,17 +148,13 @@ def _is_wider(limit: Limit, asked: float, allowed: float) -> bool:
 
 
 def refuse_wider(
-    limits: Limits,
-    allowed: tuple[Value, ...],
-    who: str = "the device",
-    stages: int = 1,
+    limits: Limits, allowed: dict[str, Value], stages: int = 1
 ) -> None:
     """Refuses limits wider than a device's.
 
     Args:
         limits: Asked for.
-        allowed: In the order of SHARED, as `shared_values` gives them.
-        who: Whose they are.
+        allowed: As `shared_values` gives them.
         stages: That the device has.
 
     Raises:
@@ -201,10 +165,10 @@ def refuse_wider(
     if i is None:
         return
     limit = SHARED[i]
-    word = "at most" if limit.side == "most" else "at least"
     raise LimitsError(
-        f"limit {limit.name} is {format_value(asked[i])} {limit.unit},"
-        f" wider than {who} allows: {word} {format_value(allowed[i])}"
+        f"limit {limit.name} is {format_value(asked[limit.name])} {limit.unit},"
+        f" wider than the device allows: at {limit.side}"
+        f" {format_value(allowed[limit.name])}"
     )
 
 

@@ -6,18 +6,15 @@ handed messages, readings and the time; it hands back messages and leg forces.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from brace_drake.link.device.device_ticks import Answer, DeviceTicks
-from brace_drake.link.device.guards import Trip
-from brace_drake.link.device.limits import (
-    SHARED,
-    Value,
+from brace_drake.link.device.guards import NO_TRIP, Trip
+from brace_drake.link.device.ticks import Answer, DeviceTicks
+from brace_drake.link.protocol.codec import Packet, seal_fits
+from brace_drake.link.protocol.limits import (
     each_value,
     first_wider,
+    shared_of,
     shared_values,
 )
-from brace_drake.link.protocol.codec import Packet, seal_fits
 from brace_drake.link.protocol.messages import BY_NAME
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, Reason
 
@@ -55,29 +52,25 @@ class Firmware(DeviceTicks):
             "state": self.state,
             "capabilities": int(own.takes_lengths),
         }
-        names = ("model", "identity", "firmware", "units", "stages", "rate_hz")
-        names += ("length_resolution", "force_resolution", "force_range")
-        hello |= {name: getattr(own, name) for name in names}
-        places = {n: getattr(own, n) for n in ("rest", "lower", "upper")}
         answers = [
-            ("HELLO", hello),
-            ("GEOMETRY", places),
-            ("DEVICE_LIMITS", _named(self.own_limits)),
+            ("HELLO", own._asdict() | hello),
+            ("GEOMETRY", own._asdict()),
+            ("DEVICE_LIMITS", self.own_limits),
         ]
         return answers, Reason.ACCEPTED
 
     def _on_limits(self, packet: Packet, now: float):
-        values = tuple(getattr(packet.values, s.name) for s in SHARED)
+        values = shared_of(packet.values)
         reason, index = self._judge_limits(packet, values)
         if reason == Reason.ACCEPTED:
-            self.limits = self.limits._replace(**_named(values))
+            self.limits = self.limits._replace(**values)
             self.session = self._new_session()
             self._heard = now
             if self.state == DeviceState.HELLO:
                 self.state = DeviceState.DISARMED
         session = self.session if reason == Reason.ACCEPTED else 0
         echo = {"reason": reason, "index": index, "session": session}
-        echo |= _named(shared_values(self.limits, self.identity.stages))
+        echo |= shared_values(self.limits, self.identity.stages)
         return [("LIMITS_ECHO", echo)], reason
 
     def _judge_limits(self, packet, values) -> tuple[Reason, int]:
@@ -85,7 +78,7 @@ class Firmware(DeviceTicks):
             return Reason.WRONG_SESSION, 0
         if self.state not in _ACCEPTS_LIMITS:
             return Reason.WRONG_STATE, 0
-        for i, value in enumerate(values):
+        for i, value in enumerate(values.values()):
             if not all(0.0 < v < 1e9 for v in each_value(value)):
                 return Reason.BAD_VALUE, i
         wider = first_wider(values, self.own_limits)
@@ -175,7 +168,7 @@ class Firmware(DeviceTicks):
         elif self._present() is not None:
             reason = Reason.CAUSE_PRESENT
         if reason == Reason.ACCEPTED:
-            self.trip = Trip(Cause.NONE)
+            self.trip = NO_TRIP
             self.state = DeviceState.DISARMED
         return self._answer(packet, reason)
 
@@ -187,7 +180,3 @@ class Firmware(DeviceTicks):
             "state": self.state,
         }
         return [("ANSWER", fields)], reason
-
-
-def _named(values: Sequence[Value]) -> dict[str, Value]:
-    return {s.name: v for s, v in zip(SHARED, values, strict=True)}
