@@ -33,7 +33,7 @@ _HEAD = {
         lambda v: isinstance(v, str) and v in DEVICES,
     ),
     "rate_hz": POSITIVE,
-    "runs": Field("a list of runs", lambda v: isinstance(v, list) and v),
+    "runs": Field("a list of runs", lambda v: isinstance(v, list) and v != []),
     "settled_s": NOT_NEGATIVE,
 }
 _RUN = {
@@ -123,7 +123,7 @@ def _neighbours(there: tuple[int, ...]) -> Field:
         f"neighbours of {', '.join(map(str, there))}, from the lowest up",
         lambda v: (
             isinstance(v, list)
-            and v
+            and v != []
             and all(type(i) is int for i in v)
             and v == [i for i in there if v[0] <= i <= v[-1]]
         ),

@@ -10,13 +10,13 @@ import os
 import platform
 import re
 import shutil
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 from brace_drake.cli.options import AddCommand, AddJson, PrintJson
 from brace_drake.core.resources import cache_path
@@ -30,7 +30,7 @@ Ends with status 2 when something is missing that is needed, and with 0 when
 only optional things are.
 """
 _OK, _OPTIONAL, _MISSING = "ok", "optional", "missing"
-_LEAST_MEMORY, _LEAST_DISK = 4.0, 2.0
+_LEAST_MEMORY, _LEAST_DISK = 4.0, 2.0  # GB that a diagnosis wants.
 # What each extra is for.
 _EXTRAS = {
     "lab": "files of a lab [lab]",
@@ -42,20 +42,13 @@ _EXTRAS = {
     "docs": "building the documentation [docs]",
     "dev": "developers alone [dev]",
 }
-_PYTHONS = (3, 11), (3, 13)
 
 
 class Finding(NamedTuple):
-    """One thing that was looked at.
-
-    Attributes:
-        what: Its name.
-        status: ok, optional (missing, and not needed by most) or missing.
-        text: What was found, and what to do.
-    """
+    """One thing that was looked at, and what to do about it."""
 
     what: str
-    status: str
+    status: str  # ok, missing, or optional: missing, and not needed by most
     text: str
 
 
@@ -86,26 +79,25 @@ def Run(args: argparse.Namespace) -> int:
 
 def examine_machine() -> list[Finding]:
     """All findings, in the order of what a newcomer meets."""
+    package = importlib.metadata.metadata("brace_drake")
     return [
-        Finding("brace_drake", _OK, importlib.metadata.version("brace_drake")),
-        _python(),
+        Finding("brace_drake", _OK, package["Version"]),
+        _python(package["Requires-Python"]),
         *_packages(importlib.metadata.requires("brace_drake") or []),
         _program("dot", "apt-get install graphviz, to draw diagrams"),
         _program("chromium", "to look at reports; any browser does"),
         _serial_ports(sorted(glob.glob("/dev/tty[AU][CS][MB]*"))),
         _law_cache(),
-        _cores(),
+        Finding("cores", _OK, f"{os.cpu_count() or 1}"),
         _memory(),
-        _disk(),
+        _amount("disk", shutil.disk_usage(".").free, _LEAST_DISK),
     ]
 
 
-def _python() -> Finding:
-    version, low, high = sys.version_info[:2], *_PYTHONS
+def _python(allowed: str) -> Finding:
     text = f"{platform.python_version()}, {platform.machine()}"
-    if low <= version <= high:
+    if SpecifierSet(allowed).contains(platform.python_version()):
         return Finding("python", _OK, text)
-    allowed = f"{low[0]}.{low[1]} to {high[0]}.{high[1]}"
     return Finding("python", _MISSING, f"{text}; allowed: {allowed}")
 
 
@@ -181,23 +173,16 @@ def _law_cache() -> Finding:
         return Finding("compiled laws", _MISSING, text)
 
 
-def _cores() -> Finding:
-    return Finding("cores", _OK, f"{os.cpu_count() or 1}")
-
-
 def _memory() -> Finding:
     try:
         size = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (ValueError, OSError, AttributeError):
         return Finding("memory", _OPTIONAL, "not known on this system")
-    return _amount("memory", size / 2**30, _LEAST_MEMORY)
+    return _amount("memory", size, _LEAST_MEMORY)
 
 
-def _disk() -> Finding:
-    return _amount("disk", shutil.disk_usage(".").free / 2**30, _LEAST_DISK)
-
-
-def _amount(what: str, gigabytes: float, least: float) -> Finding:
+def _amount(what: str, size: int, least: float) -> Finding:
+    gigabytes = size / 2**30
     if gigabytes >= least:
         return Finding(what, _OK, f"{gigabytes:.1f} GB")
     text = f"{gigabytes:.1f} GB; a diagnosis wants {least:g}"

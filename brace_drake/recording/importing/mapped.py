@@ -31,7 +31,7 @@ _HEAD = {
         ", ".join(DEVICES), lambda v: isinstance(v, str) and v in DEVICES
     ),
     "columns": Field("a map of channels", lambda v: isinstance(v, dict)),
-    "runs": Field("a list of runs", lambda v: isinstance(v, list) and v),
+    "runs": Field("a list of runs", lambda v: isinstance(v, list) and v != []),
     "options": Field(
         "a map of names", lambda v: isinstance(v, dict), required=False
     ),

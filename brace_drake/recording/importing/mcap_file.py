@@ -8,10 +8,11 @@ value that is not a number is left out of its message.
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import io
 import json
 import math
-import struct
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +20,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import CampaignError, reason
 from brace_drake.core.output import WriteBytes
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
@@ -31,8 +32,6 @@ _CAMPAIGN = "brace_campaign"
 _PROFILE, _ENCODING, _SCHEMA = "", "json", "jsonschema"
 _LOG_TIME = "log_time_s"
 _PAUSE_S = 1.0
-# What damaged bytes raise, beside the library's own.
-_DAMAGED = (OSError, ValueError, EOFError, KeyError, RuntimeError, MemoryError)
 
 
 def WriteMcap(campaign: Campaign, path: str | Path) -> None:
@@ -42,9 +41,8 @@ def WriteMcap(campaign: Campaign, path: str | Path) -> None:
         CampaignError: The package mcap is not installed.
         OutputError: The file cannot be written.
     """
-    writer_of = _Import("writer").Writer
     memory = io.BytesIO()
-    writer = writer_of(memory)
+    writer = _Import("writer").Writer(memory)
     writer.start(_PROFILE, "brace-drake")
     text = yaml.safe_dump(describe(campaign), sort_keys=False)
     writer.add_metadata(_CAMPAIGN, {MANIFEST: text})
@@ -81,7 +79,7 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
         CampaignError: One line: file, and what is wrong with it.
     """
     path = Path(path)
-    with _OpenReader(path) as reader:
+    with _open_reader(path) as reader:
         texts = [
             m.metadata.get(MANIFEST, "")
             for m in reader.iter_metadata()
@@ -96,17 +94,14 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
         if campaign is None or errors:
             raise CampaignError(f"{path}: {errors[0]}")
         tables = _read_topics(reader)
-    runs = tuple(_fill_run(path, run, tables) for run in campaign.runs)
-    return replace(campaign, path=path, runs=runs)
-
-
-def _fill_run(path: Path, run: Run, tables: dict[str, Columns]) -> Run:
-    """A run of the manifest with the channels of its topic."""
-    topic = _topic(run.file)
-    if "time_s" not in tables.get(topic, {}):
-        raise CampaignError(f"{path}: no topic {topic} with time_s")
-    channels = {n: v for n, v in tables[topic].items() if n != _LOG_TIME}
-    return replace(run, channels=channels)
+    runs = []
+    for run in campaign.runs:
+        topic = _topic(run.file)
+        if "time_s" not in tables.get(topic, {}):
+            raise CampaignError(f"{path}: no topic {topic} with time_s")
+        channels = {n: v for n, v in tables[topic].items() if n != _LOG_TIME}
+        runs.append(replace(run, channels=channels))
+    return replace(campaign, path=path, runs=tuple(runs))
 
 
 def LoadMcapTable(path: Path, options: dict) -> Columns:
@@ -122,7 +117,7 @@ def LoadMcapTable(path: Path, options: dict) -> Columns:
     Raises:
         CampaignError: One line: file, and what is wrong with it.
     """
-    with _OpenReader(path) as reader:
+    with _open_reader(path) as reader:
         tables = _read_topics(reader)
     topic = options.get("group")
     if topic is None and len(tables) == 1:
@@ -138,22 +133,20 @@ def LoadMcapTable(path: Path, options: dict) -> Columns:
 def _read_topics(reader) -> dict[str, Columns]:
     rows: dict[str, list[dict[str, float]]] = {}
     for _, channel, message in reader.iter_messages():
-        if channel.message_encoding != _ENCODING:
-            continue
-        topic = rows.setdefault(channel.topic, [])
-        sample = dict(_flatten("", json.loads(message.data)))
-        topic.append({**sample, _LOG_TIME: 1e-9 * message.log_time})
-    return {topic: _stack(samples) for topic, samples in rows.items()}
-
-
-def _stack(samples: list[dict[str, float]]) -> Columns:
-    names = dict.fromkeys(name for sample in samples for name in sample)
-    table = {
-        name: np.array([s.get(name, math.nan) for s in samples])
-        for name in names
-    }
-    table[_LOG_TIME] = table[_LOG_TIME] - table[_LOG_TIME][0]
-    return table
+        if channel.message_encoding == _ENCODING:
+            sample = dict(_flatten("", json.loads(message.data)))
+            sample[_LOG_TIME] = 1e-9 * message.log_time
+            rows.setdefault(channel.topic, []).append(sample)
+    tables = {}
+    for topic, samples in rows.items():
+        names = dict.fromkeys(name for sample in samples for name in sample)
+        table = {
+            name: np.array([s.get(name, math.nan) for s in samples])
+            for name in names
+        }
+        table[_LOG_TIME] = table[_LOG_TIME] - table[_LOG_TIME][0]
+        tables[topic] = table
+    return tables
 
 
 def _flatten(name: str, value) -> Iterator[tuple[str, float]]:
@@ -171,47 +164,24 @@ def _topic(file: str) -> str:
     return "/" + file.removesuffix(".csv")
 
 
-class _OpenReader:
-    """A file's reader; what damaged bytes raise becomes a CampaignError."""
-
-    def __init__(self, path: Path):
-        self._path, self._file = path, None
-        self._make = _Import("reader").make_reader
-        errors = _Import("exceptions").McapError
-        self._damaged = (*_DAMAGED, errors, struct.error, *_compression())
-
-    def __enter__(self):
-        try:
-            self._file = open(self._path, "rb")
-            return self._make(self._file, validate_crcs=True)
-        except self._damaged as error:
-            self.__exit__(None, None, None)
-            raise self._describe(error) from error
-
-    def __exit__(self, kind, error, trace) -> None:
-        if self._file is not None:
-            self._file.close()
-        if kind is not None and issubclass(kind, self._damaged):
-            raise self._describe(error) from error
-
-    def _describe(self, error: Exception) -> CampaignError:
-        line = " ".join(str(error).split()) or type(error).__name__
-        return CampaignError(f"{self._path}: not an MCAP file: {line}")
+@contextlib.contextmanager
+def _open_reader(path: Path) -> Iterator:
+    """A file's reader; whatever damaged bytes raise is one CampaignError."""
+    make_reader = _Import("reader").make_reader
+    try:
+        with open(path, "rb") as file:
+            yield make_reader(file, validate_crcs=True)
+    except CampaignError:
+        raise
+    except Exception as error:
+        why = reason(error) or type(error).__name__
+        raise CampaignError(f"{path}: not an MCAP file: {why}") from error
 
 
 def _Import(part: str):
-    import importlib
-
     try:
         return importlib.import_module(f"mcap.{part}")
     except ImportError as error:
         raise CampaignError(
             "MCAP needs one more package: pip install -e '.[mcap]'"
         ) from error
-
-
-def _compression() -> tuple[type[Exception], ...]:
-    """What the decompressors raise."""
-    import zstandard
-
-    return (zstandard.ZstdError,)

@@ -43,26 +43,26 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
         CampaignError: One line: file, and what is wrong with it.
     """
     path = Path(path)
-    ending = path.suffix.lower()
     readers = {
         ".mat": _LoadMatlab,
         ".tdms": _LoadTdms,
         ".mcap": LoadMcapTable,
         **dict.fromkeys((".csv", ".txt", ".tsv"), _LoadText),
     }
-    if ending not in readers:
-        raise CampaignError(
-            f"{path}: {ending or 'no ending'}; known are {', '.join(readers)}"
-        )
+    reader = readers.get(path.suffix.lower())
+    if reader is None:
+        ending = path.suffix.lower() or "no ending"
+        raise CampaignError(f"{path}: {ending}; known are {', '.join(readers)}")
     if not path.is_file():
         raise CampaignError(f"{path}: no such file")
-    columns = readers[ending](path, options)
+    columns = reader(path, options)
     if not columns:
         raise CampaignError(f"{path}: no column of numbers there")
     return columns
 
 
 def _LoadText(path: Path, options: dict) -> Columns:
+    """Columns that hold a number at all, NaN where they hold something else."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -75,23 +75,23 @@ def _LoadText(path: Path, options: dict) -> Columns:
     default = "\t" if path.suffix == ".tsv" else ","
     delimiter = options.get("delimiter", default)
     try:
-        rows = list(csv.reader(lines, delimiter=delimiter))
+        header, *rows = csv.reader(lines, delimiter=delimiter)
     except (csv.Error, TypeError, ValueError) as error:
         raise CampaignError(f"{path}: not a table: {error}") from error
-    header, decimal = [c.strip() for c in rows[0]], options.get("decimal", ".")
-    values: dict[str, list[float]] = {name: [] for name in header}
-    for number, row in enumerate(rows[1:], 1):
-        if not row:
-            continue
-        if len(row) != len(header):
+    for number, row in enumerate(rows, 1):
+        if row and len(row) != len(header):
             raise CampaignError(
                 f"{path}: row {number} has {len(row)} fields, the header"
                 f" {len(header)}"
             )
-        for name, text in zip(header, row, strict=True):
-            values[name].append(_number(text, decimal))
-    columns = {name: np.array(column) for name, column in values.items()}
-    return {n: v for n, v in columns.items() if not np.isnan(v).all()}
+    decimal = options.get("decimal", ".")
+    values = [[_number(text, decimal) for text in row] for row in rows if row]
+    columns = np.reshape(values, (-1, len(header))).T
+    return {
+        name.strip(): column
+        for name, column in zip(header, columns, strict=True)
+        if not np.isnan(column).all()
+    }
 
 
 def _number(text: str, decimal: str) -> float:
@@ -102,6 +102,7 @@ def _number(text: str, decimal: str) -> float:
 
 
 def _LoadMatlab(path: Path, options: dict) -> Columns:
+    """Vectors, and columns of matrices, which count from 1 as in MATLAB."""
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
@@ -112,8 +113,9 @@ def _LoadMatlab(path: Path, options: dict) -> Columns:
             f"{path}: a MATLAB 7.3 file; save it with -v7"
         ) from error
     except (OSError, ValueError, TypeError, MatReadError) as error:
-        line = " ".join(str(error).split())
-        raise CampaignError(f"{path}: not a MATLAB file: {line}") from error
+        raise CampaignError(
+            f"{path}: not a MATLAB file: {reason(error)}"
+        ) from error
     group = options.get("group")
     if group is not None:
         struct = content.get(group)
@@ -129,13 +131,13 @@ def _LoadMatlab(path: Path, options: dict) -> Columns:
         if array.ndim == 1 and array.size > 1:
             columns[name] = array.astype(float)
         elif array.ndim == 2:
-            # The columns of a matrix count from 1, as in MATLAB.
             for i, column in enumerate(array.T.astype(float), 1):
                 columns[f"{name}({i})"] = column
     return columns
 
 
 def _LoadTdms(path: Path, options: dict) -> Columns:
+    """Channels, and `wf_time` where waveforms say their time themselves."""
     try:
         from nptdms import TdmsFile
     except ImportError as error:
@@ -143,11 +145,11 @@ def _LoadTdms(path: Path, options: dict) -> Columns:
             f"{path}: TDMS needs npTDMS: pip install -e '.[lab]'"
         ) from error
     try:
-        file = TdmsFile.read(path)
+        groups = {group.name: group for group in TdmsFile.read(path).groups()}
     except (OSError, ValueError, KeyError, EOFError) as error:
-        line = " ".join(str(error).split())
-        raise CampaignError(f"{path}: not a TDMS file: {line}") from error
-    groups = {group.name: group for group in file.groups()}
+        raise CampaignError(
+            f"{path}: not a TDMS file: {reason(error)}"
+        ) from error
     wanted = options.get("group")
     if wanted is not None and wanted not in groups:
         raise CampaignError(
@@ -155,19 +157,13 @@ def _LoadTdms(path: Path, options: dict) -> Columns:
         )
     columns: Columns = {}
     for name, group in groups.items():
-        if wanted not in (None, name):
-            continue
-        for channel in group.channels():
+        for channel in group.channels() if wanted in (None, name) else ():
             data = np.asarray(channel[:])
-            if data.dtype.kind in "fiub" and data.size > 1:
-                columns[channel.name] = data.astype(float)
-                _add_time(columns, channel)
+            if data.dtype.kind not in "fiub" or data.size < 2:
+                continue
+            columns[channel.name] = data.astype(float)
+            step = channel.properties.get("wf_increment")
+            if step and "wf_time" not in columns:
+                start = channel.properties.get("wf_start_offset", 0.0)
+                columns["wf_time"] = start + step * np.arange(len(channel))
     return columns
-
-
-def _add_time(columns: Columns, channel) -> None:
-    """The time of a waveform channel, where it says so itself."""
-    step = channel.properties.get("wf_increment")
-    if step and "wf_time" not in columns:
-        start = channel.properties.get("wf_start_offset", 0.0)
-        columns["wf_time"] = start + step * np.arange(len(channel))
