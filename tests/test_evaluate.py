@@ -13,19 +13,20 @@ import numpy as np
 from brace_drake.core.errors import BraceError, PolicyError
 from brace_drake.core.parallel import open_workers
 from brace_drake.core.resources import policy_path
-from brace_drake.experiments import best_constant, evaluate, rollouts
-from brace_drake.experiments.compare import (
-    TABLE_1_RLPIC,
-    LoadPush,
-    compare_controllers,
-)
+from brace_drake.experiments import evaluate, rollouts
+from brace_drake.experiments.compare import LoadPush, compare_controllers
 from brace_drake.experiments.evaluation_words import _on_nominal_need
-from brace_drake.experiments.rollouts import SAMPLES, Arena, Contestant
-from brace_drake.experiments.scores import (
-    median_over,
-    over_seeds,
-    score_rollout,
-    share_of,
+from brace_drake.experiments.rollouts import (
+    SAMPLES,
+    Benchmark,
+    Controller,
+    search_constant,
+)
+from brace_drake.experiments.tables import (
+    TABLE_1_RLPIC,
+    median_interval,
+    share_interval,
+    student_interval,
 )
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.episode import run_episode
@@ -37,61 +38,66 @@ from tests.learning_tasks import random_policy, short_task
 
 
 class TestRollouts(unittest.TestCase):
-    def test_a_policy_does_in_the_arena_what_it_does_in_its_env(self):
+    def test_a_policy_does_in_the_benchmark_what_it_does_in_its_env(self):
         task = short_task(8, reward=improved(), subjects=between_patients())
         policy, subject = random_policy(task), Subject({"preload": 1.2})
         log = run_episode(
             RlpicEnv(task), policy.act, options={"subject": subject}
         )
-        rollout = Arena(task).run(Contestant("rlpic", policy=policy), subject)
+        rollout = Benchmark(task).run(
+            Controller("rlpic", policy=policy), subject
+        )
         at = slice(SAMPLES - 1, None, SAMPLES)
         for name in ("position", "rate", "force", "desired"):
             np.testing.assert_array_equal(
-                getattr(rollout, name)[at], getattr(log.signals, name)
+                getattr(rollout.signals, name)[at], getattr(log.signals, name)
             )
         np.testing.assert_array_equal(rollout.stiffness[at], log.stiffness)
         self.assertAlmostEqual(rollout.total, log.total, places=9)
 
     def test_controllers_do_what_they_do_in_their_diagram(self):
         task = short_task(6)
-        arena, push = Arena(task), LoadPush()
+        benchmark, push = Benchmark(task), LoadPush()
         for tag in ("pic", "npic", "mraic", "vpic"):
             with self.subTest(tag=tag):
                 (there,) = compare_controllers(
-                    arena.scenario, _cut(push, 0.31), (tag,)
+                    benchmark.scenario, _cut(push, 0.31), (tag,)
                 )
-                here = arena.run(Contestant(tag, tag), NOMINAL)
-                period = arena.scenario.sensors.log_period
+                here = benchmark.run(Controller(tag, tag), NOMINAL)
+                period = benchmark.scenario.sensors.log_period
                 every = round(period / (task.sample_time / SAMPLES))
-                mine = here.position[every - 1 :: every, 1]
+                mine = here.signals.position[every - 1 :: every, 1]
                 X = there.log.X[1 : len(mine) + 1, 0, 1]
                 np.testing.assert_allclose(mine[: len(X)], X, atol=2e-7)
 
     def test_a_stiffer_constant_gives_way_as_its_spring_says(self):
-        arena = Arena(short_task(20, displacement=np.array(
+        benchmark = Benchmark(short_task(20, displacement=np.array(
             [0, -0.002, 0, 0, 0, 0.0]), motion_time=0.5))  # fmt: skip
         ends = []
         for K in (3000.0, 30000.0):
-            out = arena.run(Contestant("", "pic", stiffness=K), NOMINAL)
-            virtual = out.force[-1, 1] / K
-            ends.append((out.desired - out.position)[-1, 1])
+            out = benchmark.run(Controller("", "pic", stiffness=K), NOMINAL)
+            virtual = out.signals.force[-1, 1] / K
+            ends.append((out.signals.desired - out.signals.position)[-1, 1])
             self.assertAlmostEqual(abs(ends[-1]), virtual, delta=0.3 * virtual)
         self.assertGreater(abs(ends[0]), 5.0 * abs(ends[1]))
 
     def test_a_push_beyond_a_limit_goes_on_and_is_counted(self):
         task = short_task(6)
         task.limits.speed[1] = 1e-9
-        rollout = Arena(task).run(Contestant("pic"), NOMINAL)
+        rollout = Benchmark(task).run(Controller("pic"), NOMINAL)
         self.assertEqual(len(rollout.time), 6 * SAMPLES)
         self.assertIn("speed", rollout.cause)
-        score = score_rollout(Arena(task), rollout)
+        score = Benchmark(task).score(rollout)
         self.assertTrue(score.broke and score.violates)
         self.assertFalse(score.over_force)
 
 
 class TestFailures(unittest.TestCase):
     def test_a_push_that_breaks_down_is_the_worst_there_can_be(self):
-        arena, whole = Arena(short_task(6)), rollouts.CompiledLoop.advance
+        benchmark, whole = (
+            Benchmark(short_task(6)),
+            rollouts.CompiledLoop.advance,
+        )
         for good in (None, 0, 7):
             with self.subTest(samples=good):
                 calls = []
@@ -113,12 +119,12 @@ class TestFailures(unittest.TestCase):
                     )
                 )
                 with broken:
-                    push = arena.run(Contestant("pic"), NOMINAL)
+                    push = benchmark.run(Controller("pic"), NOMINAL)
                 self.assertRegex(push.cause, "failed: out of (bounds|reach)")
                 self.assertEqual(len(push.time), good or 0)
                 self.assertEqual(push.stiffness.shape[1:], (1,))
                 self.assertEqual(push.total, -np.inf)
-                score = score_rollout(arena, push)
+                score = benchmark.score(push)
                 self.assertTrue(score.broke and score.violates)
                 self.assertEqual(
                     {score.y_rms, score.peak_force, -score.total}, {np.inf}
@@ -126,7 +132,7 @@ class TestFailures(unittest.TestCase):
 
     def test_a_constant_that_breaks_down_wins_no_search(self):
         class Cliff:
-            law = Arena(short_task()).law
+            law = Benchmark(short_task()).law
 
             def run(self, contestant, subject):
                 K = contestant.stiffness
@@ -134,15 +140,15 @@ class TestFailures(unittest.TestCase):
                 return type("R", (), {"total": total})
 
         with open_workers(1) as workers:
-            found = best_constant.search_constant(Cliff(), (NOMINAL,), workers)
+            found = search_constant(Cliff(), (NOMINAL,), workers)
         self.assertLess(found.best, 5000.0)
         self.assertGreater(found.best, 3000.0)
 
     def test_intervals_of_pushes_that_failed_are_no_numbers_made_up(self):
         inf = np.inf
-        self.assertEqual(over_seeds([1.0, inf]).value, inf)
-        self.assertTrue(np.isnan(over_seeds([1.0, inf]).upper))
-        few = median_over([1.0, 2.0, 3.0, 4.0, inf])
+        self.assertEqual(student_interval([1.0, inf]).value, inf)
+        self.assertTrue(np.isnan(student_interval([1.0, inf]).upper))
+        few = median_interval([1.0, 2.0, 3.0, 4.0, inf])
         self.assertEqual(few.value, 3.0)
         self.assertEqual((few.lower, few.upper), (1.0, inf))
 
@@ -154,10 +160,10 @@ class TestWords(unittest.TestCase):
         def score(y, over=False):
             return SimpleNamespace(y_rms=1e-3 * y, violates=over)
 
+        scores = {"constant": [score(0.2)], "rlpic": [score(error, violates)]}
         return _on_nominal_need(
             SimpleNamespace(
-                contestants=(Contestant("constant"), Contestant("rlpic")),
-                nominal_scores=(score(0.2), score(error, violates)),
+                on_nominal=scores.get,
                 nominal_search=SimpleNamespace(best=1000.0, at_upper=False),
                 nominal_sweep={
                     2000.0: score(0.1),
@@ -187,15 +193,15 @@ def _cut(run, end):
     return replace(run, channels={k: v[keep] for k, v in run.channels.items()})
 
 
-PIC = Contestant("pic", "pic")
+PIC = Controller("pic", "pic")
 
 
 class TestPackagedPolicy(unittest.TestCase):
     def test_it_tracks_within_the_papers_table_1_and_below_4_N(self):
         policy = LoadPolicy(policy_path())
-        arena = Arena(policy.task)
-        push = arena.run(Contestant("rlpic", policy=policy), NOMINAL)
-        score = score_rollout(arena, push)
+        benchmark = Benchmark(policy.task)
+        push = benchmark.run(Controller("rlpic", policy=policy), NOMINAL)
+        score = benchmark.score(push)
         for name in ("y_rms", "vy_rms", "x_rms", "z_rms"):
             self.assertLessEqual(
                 getattr(score, name), getattr(TABLE_1_RLPIC, name)
@@ -205,13 +211,13 @@ class TestPackagedPolicy(unittest.TestCase):
 
     def test_it_gives_way_to_a_stiff_wearer_whom_pic_presses_too_hard(self):
         policy = LoadPolicy(policy_path())
-        arena = Arena(policy.task)
+        benchmark = Benchmark(policy.task)
         stiff = replace(
             NOMINAL, factors={**NOMINAL.factors, "posture_stiffness": 1.45}
         )
         scores = [
-            score_rollout(arena, arena.run(who, stiff))
-            for who in (Contestant("rlpic", policy=policy), PIC)
+            benchmark.run_and_score(who, stiff)
+            for who in (Controller("rlpic", policy=policy), PIC)
         ]
         self.assertEqual([s.violates for s in scores], [False, True])
         self.assertLess(scores[0].peak_force, 4.0)
@@ -220,17 +226,17 @@ class TestPackagedPolicy(unittest.TestCase):
 class TestSearch(unittest.TestCase):
     def test_it_finds_the_top_of_a_curve_between_its_grid(self):
         class Curve:
-            law = Arena(short_task()).law
+            law = Benchmark(short_task()).law
 
             def run(self, contestant, subject):
                 off = np.log(contestant.stiffness / subject)
                 return type("R", (), {"total": -float(off**2)})
 
         with open_workers(1) as workers:
-            found = best_constant.search_constant(Curve(), (2900.0,), workers)
+            found = search_constant(Curve(), (2900.0,), workers)
             self.assertAlmostEqual(np.log(found.best / 2900.0), 0, delta=0.04)
             self.assertFalse(found.at_upper)
-            end = best_constant.search_constant(Curve(), (1e9,), workers)
+            end = search_constant(Curve(), (1e9,), workers)
         self.assertTrue(end.at_upper)
         self.assertEqual(end.best, Curve.law.upper)
 
@@ -240,17 +246,17 @@ class TestIntervals(unittest.TestCase):
         rng = np.random.default_rng(2)
         hits = 0
         for _ in range(2000):
-            found = over_seeds(rng.normal(3.0, 2.0, 3))
+            found = student_interval(rng.normal(3.0, 2.0, 3))
             hits += found.lower <= 3.0 <= found.upper
         self.assertAlmostEqual(hits / 2000, 0.95, delta=0.015)
-        self.assertTrue(np.isnan(over_seeds([1.0]).lower))
+        self.assertTrue(np.isnan(student_interval([1.0]).lower))
 
     def test_wilsons_and_the_bootstraps_intervals_cover(self):
         rng, share, median = np.random.default_rng(3), 0, 0
         for i in range(200):
-            found = share_of(rng.random(50) < 0.2)
+            found = share_interval(rng.random(50) < 0.2)
             share += found.lower <= 0.2 <= found.upper
-            found = median_over(rng.normal(size=50), seed=i)
+            found = median_interval(rng.normal(size=50), seed=i)
             median += found.lower <= 0.0 <= found.upper
         self.assertGreater(share / 200, 0.91)
         self.assertGreater(median / 200, 0.89)

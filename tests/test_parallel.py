@@ -208,29 +208,26 @@ class TestCluster(unittest.TestCase):
         self.remote._client.wait_for_workers(2, timeout=120)
 
     def test_rollouts_are_the_same_bit_for_bit_wherever_they_run(self):
-        from brace_drake.experiments.evaluate import (
-            draw_subjects,
-            run_and_score,
-        )
-        from brace_drake.experiments.rollouts import Arena, Contestant
+        from brace_drake.experiments.evaluate import draw_subjects
+        from brace_drake.experiments.rollouts import Benchmark, Controller
         from brace_drake.learning.subjects import between_patients
         from tests.learning_tasks import random_policy, short_task
 
         task = short_task(4)
         players = [
-            Contestant("pic"),
-            Contestant("rlpic", policy=random_policy(task)),
+            Controller("pic"),
+            Controller("rlpic", policy=random_policy(task)),
         ]
-        arena = Arena(task)
+        score = Benchmark(task).run_and_score
         tasks = [
-            (arena, p, s)
+            (p, s)
             for p in players
             for s in draw_subjects(between_patients(), 3, 0)
         ]
         with open_workers(1) as here:
             self.assertEqual(
-                self.remote.map(run_and_score, tasks),
-                here.map(run_and_score, tasks),
+                self.remote.map(score, tasks),
+                here.map(score, tasks),
             )
 
     def test_an_evaluator_of_a_diagnosis_gives_the_same_residuals(self):

@@ -18,18 +18,19 @@ from brace_drake.core.resources import scenario_path
 from brace_drake.devices.bench.rollout import Motion
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.experiments.rollouts import Arena, Contestant
-from brace_drake.experiments.transfer import payoff, payoff_options
-from brace_drake.experiments.transfer.bench_task import MakeBenchTask
-from brace_drake.experiments.transfer.on_simulator import (
-    PhysicalPush,
-    cubic_push,
-    push_bench,
+from brace_drake.experiments.rollouts import Benchmark, Controller
+from brace_drake.experiments.scores import FAILED, Push
+from brace_drake.experiments.tables import format_csv
+from brace_drake.experiments.transfer import experiment
+from brace_drake.experiments.transfer.bench_push import cubic_push, push_bench
+from brace_drake.experiments.transfer.experiment import (
+    MakeBenchTask,
+    TransferOptions,
 )
-from brace_drake.experiments.transfer.payoff_table import (
+from brace_drake.experiments.transfer.table import (
     conclude,
-    format_csv,
     format_markdown,
+    spreads_of,
 )
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.policy import SavePolicy
@@ -66,10 +67,10 @@ class TestBenchTask(unittest.TestCase):
         return twin.simulate(Motion(wanted, True, 5), values)
 
     def compare(self, bench, subject):
-        rollout = Arena(self.task(bench)).run(Contestant("pic"), subject)
+        rollout = Benchmark(self.task(bench)).run(Controller("pic"), subject)
         log = self.replayed(bench)
         np.testing.assert_allclose(
-            -rollout.force[:75, 1], log[1:76, 13], atol=1e-5
+            -rollout.signals.force[:75, 1], log[1:76, 13], atol=1e-5
         )
         return rollout
 
@@ -88,8 +89,12 @@ class TestBenchTask(unittest.TestCase):
         self.assertEqual([c.name for c, _ in drawn], ["relaxation"])
         np.testing.assert_array_equal(drawn[0][1], values)
         with_it = self.compare(bench, Subject({}, (values,)))
-        without = Arena(self.task(self.bench)).run(Contestant("pic"), NOMINAL)
-        self.assertGreater(np.abs(with_it.force - without.force).max(), 0.01)
+        without = Benchmark(self.task(self.bench)).run(
+            Controller("pic"), NOMINAL
+        )
+        self.assertGreater(
+            np.abs(with_it.signals.force - without.signals.force).max(), 0.01
+        )
 
 
 class TestSimulator(unittest.TestCase):
@@ -128,14 +133,17 @@ class TestSimulator(unittest.TestCase):
                 displacement=np.array([0, -4e-4, 0, 0, 0, 0.0]),
             )  # fmt: skip
             policy = random_policy(task)
-            here = Arena(task).run(Contestant("rlpic", policy=policy), NOMINAL)
+            here = Benchmark(task).run(
+                Controller("rlpic", policy=policy), NOMINAL
+            )
         there = push_bench(Wearer(), Flaws(), policy, -4e-4, _TIME, noise=False)
+        error = here.signals.desired - here.signals.position
         # Rows of the simulator are decisions, before what follows on them.
         mine = here.stiffness[9::10, 0]
         self.assertGreater(np.ptp(mine), 500.0)
         np.testing.assert_allclose(there.stiffness[:7], mine[:7], rtol=0.05)
         np.testing.assert_allclose(
-            there.position[1:8, 1], here.position[9:79:10, 1], atol=5e-6
+            there.error[1:8, 0], error[9:79:10, 1], atol=5e-6
         )
 
 
@@ -160,20 +168,19 @@ class TestPayoff(unittest.TestCase):
             use = EffectUse("command_delay", {"delay_s": 0.008})
             (out / "command_delay").mkdir()
             WriteText(
-                out / payoff_options.FILE,
-                yaml_dump_typed(payoff_options.PayoffOptions()),
+                out / experiment.OPTIONS, yaml_dump_typed(TransferOptions())
             )
             SaveScenario(
                 replace(bench, effects=[use]),
-                out / "command_delay" / payoff.FILE,
+                out / "command_delay" / experiment.FILE,
             )
-            short = mock.patch.object(payoff, "push_bench", _push_shortly)
+            short = mock.patch.object(experiment, "push_bench", _push_shortly)
             self.enterContext(short)
-            first = payoff.run_payoff(
-                out, train, workers, ["command_delay"], pushes=1
-            )
-            again = payoff.run_payoff(
-                out, train, workers, [" command_delay", ""], pushes=1
+            first, again = (
+                experiment.run_transfer(
+                    out, train, workers, TransferOptions(), causes, pushes=1
+                )
+                for causes in (["command_delay"], [" command_delay", ""])
             )
             for change, text in (
                 ({"severity": "small"}, "severity: begun with large, asked"),
@@ -181,8 +188,9 @@ class TestPayoff(unittest.TestCase):
                 ({"seed": 4}, "seed: begun with 0, asked for is 4"),
             ):
                 with self.assertRaisesRegex(BraceError, text):
-                    payoff.run_payoff(
-                        out, train, workers, ["command_delay"], **change
+                    other = TransferOptions(**change)
+                    experiment.run_transfer(
+                        out, train, workers, other, ["command_delay"]
                     )
         self.assertEqual(len(trained), 2)
         self.assertEqual([len(t.subjects.effects) for t in trained], [0, 1])
@@ -191,23 +199,23 @@ class TestPayoff(unittest.TestCase):
         )
         self.assertEqual(first, again)
         # The same network on the same machine.
-        self.assertEqual(first[1].y_rms, first[2].y_rms)
-        self.assertNotEqual(first[0].y_rms, first[1].y_rms)
+        self.assertEqual(first[1].score, first[2].score)
+        self.assertNotEqual(first[0].score, first[1].score)
 
     def test_a_run_that_was_stopped_in_its_diagnosis_diagnoses_its_file(self):
-        case, seen = payoff.make_case("force_bias", "large", 0), []
+        case, seen = experiment.make_case("force_bias", "large", 0), []
 
         def stop(campaign, *_):
             seen.append(campaign)
             raise KeyboardInterrupt
 
-        self.enterContext(mock.patch.object(payoff, "diagnose", stop))
+        self.enterContext(mock.patch.object(experiment, "diagnose", stop))
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "force_bias"
             out.mkdir()
             for _ in range(2):
                 with self.assertRaises(KeyboardInterrupt):
-                    payoff.repair_twin(case, out, 0, 1)
+                    experiment.repair_twin(case, out, 0, 1)
             first, again = seen
             # The receipt of a diagnosis is of files that are there.
             self.assertTrue((first.path / "campaign.yaml").exists())
@@ -228,7 +236,7 @@ class TestPayoff(unittest.TestCase):
         self.assertIn("50.0 % less error", conclude(rows)[0])
         self.assertIn("Separable: 95 % interval", conclude(rows)[0])
         self.assertIn("less 50.0 to 50.0 %", conclude(rows)[0])
-        table = list(csv.DictReader(io.StringIO(format_csv(rows))))
+        table = list(csv.DictReader(io.StringIO(format_csv(spreads_of(rows)))))
         self.assertEqual(len(table), 2)
         self.assertEqual(float(table[1]["y_rmse_mm"]), 0.1)
         # Student's 97.5 % point of two degrees of freedom is 4.3027.
@@ -251,21 +259,23 @@ class TestPayoff(unittest.TestCase):
 
     def test_chance_of_the_pushes_is_that_of_the_seed(self):
         def push(subject, flaws, policy, way, duration, seed):
-            y = np.random.default_rng(seed).normal(size=(50, 3))
+            error = np.random.default_rng(seed).normal(size=(50, 3))
             still = np.zeros(50)
-            return PhysicalPush(still, still, still, y, still, still, still)
+            return Push(still, error, still, still, still)
 
         def errors(seed):
             with (
                 open_workers(1) as workers,
-                mock.patch.object(payoff, "push_bench", push),
+                mock.patch.object(experiment, "push_bench", push),
             ):
-                found = payoff.compare_on_machine(
-                    payoff.make_case("relaxation", "large", 0), "relaxation",
-                    {"pic": None, "nominal": None}, 20.0, 3, workers, seed,
+                case = experiment.make_case("relaxation", "large", 0)
+                found = experiment.compare_on_machine(
+                    case, "relaxation",
+                    {"pic": None, "nominal": None},
+                    TransferOptions(seed=seed), 3, workers,
                 )  # fmt: skip
             rows = [
-                [o.y_rms for o in found if o.controller == who]
+                [o.score.y_rms for o in found if o.controller == who]
                 for who in ("pic", "nominal")
             ]
             self.assertEqual(*rows)
@@ -276,7 +286,7 @@ class TestPayoff(unittest.TestCase):
 
     def test_an_unknown_cause_is_named(self):
         with self.assertRaisesRegex(BraceError, "'rust'; allowed: coulomb"):
-            payoff.make_case("rust", "large", 0)
+            experiment.make_case("rust", "large", 0)
 
     def test_nothing_is_trained_or_written_for_a_wrong_word(self):
         def train(folder, task):
@@ -289,11 +299,15 @@ class TestPayoff(unittest.TestCase):
                 ([""], "no cause"),
             ):
                 with self.assertRaisesRegex(BraceError, text):
-                    payoff.run_payoff(out, train, None, causes)
+                    experiment.run_transfer(
+                        out, train, None, TransferOptions(), causes
+                    )
             self.assertFalse(out.exists())
             (Path(folder) / "notes.txt").touch()
             with self.assertRaisesRegex(BraceError, "and no payoff.yaml"):
-                payoff.run_payoff(Path(folder), train, None)
+                experiment.run_transfer(
+                    Path(folder), train, None, TransferOptions()
+                )
 
 
 def _push_shortly(subject, flaws, policy, way, duration, seed):
@@ -302,9 +316,8 @@ def _push_shortly(subject, flaws, policy, way, duration, seed):
 
 
 def _outcome(controller, push, error):
-    return payoff.Outcome(
-        "relaxation", controller, push, error, 1e-3, 1e-5, 9.0, 0.5, 1e4
-    )
+    score = replace(FAILED, y_rms=error, peak_force=9.0, stiffness=1e4)
+    return experiment.Outcome("relaxation", controller, push, score, 0.5)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,8 @@ from brace_drake.devices.motions.reference import (
     LoadReference,
     reference_columns,
 )
-from brace_drake.experiments.measures import Tracking, measure_tracking
+from brace_drake.experiments.scores import Push, Score, score_push
+from brace_drake.experiments.tables import TABLE_1_PIC as PAPER
 from brace_drake.model.simulate_brace import BraceLog, OnProgress, SimulateBrace
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.brace import BraceScenario
@@ -33,33 +34,38 @@ SPRING_SHARE = math.sqrt(13.0 / 35.0)
 
 
 @dataclass(frozen=True)
-class PaperTable:
-    """A row of the paper's Table 1, SI units."""
-
-    y_rms: float
-    vy_rms: float
-    x_rms: float
-    z_rms: float
-    force_rms: float
-
-
-TABLE_1_PIC = PaperTable(
-    0.31054e-3, 0.95586e-3, 0.072539e-3, 0.067516e-3, 0.1526
-)
-TABLE_1_RLPIC = PaperTable(
-    0.15245e-3, 0.22340e-3, 0.054103e-3, 0.049757e-3, 0.0163
-)
-
-
-@dataclass(frozen=True)
 class ControllerRun:
-    """A controller on a reference: who, where, how well, and the log."""
+    """A controller on a reference: who, where, how well, and the log.
+
+    Attributes:
+        tag: Of the controller.
+        setting: Words for the table.
+        score: Of the ring that is pushed; its stiffness is not known.
+        peak_leg: Greatest force of any leg, N.
+        ring: Its index, from below.
+        log: Of the run.
+    """
 
     tag: str
     setting: str
-    tracking: Tracking
+    score: Score
+    peak_leg: float
     ring: int
     log: BraceLog
+
+
+def score_log(log: BraceLog, ring: int) -> Score:
+    """Measures of a ring, by its index from below.
+
+    Poses are the plant's own, forces are as read.
+    """
+    error = log.desired[:, 0, ring, :3] - log.X[:, ring, :3]
+    rate = log.desired[:, 1, ring, 1] - log.v[:, ring, 1]
+    unknown = np.full(len(log.time), np.nan)
+    push = Push(
+        log.time, error[:, [1, 0, 2]], rate, log.force[:, ring, 1], unknown
+    )
+    return score_push(push)
 
 
 def LoadPush() -> Run:
@@ -103,8 +109,9 @@ def compare_controllers(
         tagged = replace(scenario, control=replace(scenario.control, tag=tag))
         with open_bar(run, tag) as on_progress:
             log = SimulateBrace(tagged, run, noise_seed, on_progress)
-        tracking = measure_tracking(log, ring)
-        found.append(ControllerRun(tag, setting, tracking, ring, log))
+        leg = float(np.abs(log.drive_force).max())
+        score = score_log(log, ring)
+        found.append(ControllerRun(tag, setting, score, leg, ring, log))
     return found
 
 
@@ -125,7 +132,7 @@ def RunPaper(
     return found
 
 
-def explain_table_1(pic: Tracking, scenario: BraceScenario) -> list[str]:
+def explain_table_1(pic: Score, scenario: BraceScenario) -> list[str]:
     """Why PIC's row differs from the paper's Table 1, by the numbers.
 
     Args:
@@ -135,14 +142,13 @@ def explain_table_1(pic: Tracking, scenario: BraceScenario) -> list[str]:
     stiffness = float(np.ravel(scenario.control.impedance.stiffness)[1])
     posture = float(scenario.torso.posture_stiffness[1])
     gain = float(np.ravel(scenario.control.inner.kp)[0]) * scenario.ring.mass
-    paper = TABLE_1_PIC
-    force = stiffness * paper.y_rms
+    force = stiffness * PAPER.y_rms
     end = abs(pic.force_end)
     return [
         f"Force and y: an impedance of {stiffness:g} N/m gives way by F / K, so"
-        f" the paper's {1e3 * paper.y_rms:.3f} mm are a force of"
-        f" {force:.2f} N rms, and its {paper.force_rms:.3f} N about the final"
-        f" value are {100 * paper.force_rms / force:.0f} % of that: there the"
+        f" the paper's {1e3 * PAPER.y_rms:.3f} mm are a force of"
+        f" {force:.2f} N rms, and its {PAPER.force_rms:.3f} N about the final"
+        f" value are {100 * PAPER.force_rms / force:.0f} % of that: there the"
         " force is nearly the same from the start of the push to its end. Here"
         f" a posture spring of {posture:g} N/m is pushed along the cubic, and"
         f" for any spring both are sqrt(13/35) = {SPRING_SHARE:.3f} of the end"
@@ -152,13 +158,13 @@ def explain_table_1(pic: Tracking, scenario: BraceScenario) -> list[str]:
         f" {1e3 * pic.y_rms:.3f} mm, the rest is the lag of the inner loop)."
         " No stiffness of the posture meets both entries; a torso that leans on"
         f" the pad with {force:.2f} N throughout would.",
-        f"Velocity: the paper's {1e3 * paper.vy_rms:.3f} mm/s include the jump"
+        f"Velocity: the paper's {1e3 * PAPER.vy_rms:.3f} mm/s include the jump"
         " of 2.8 mm/s with which its run starts (its Figure 9). Here ring and"
         " torso start at rest, the pads just touching:"
         f" {1e3 * pic.vy_rms:.3f} mm/s.",
         f"x and z: with K_P M = {gain:.0f} N/m the paper's"
-        f" {1e3 * paper.x_rms:.3f} and {1e3 * paper.z_rms:.3f} mm are"
-        f" {gain * paper.x_rms:.2f} and {gain * paper.z_rms:.2f} N that its"
+        f" {1e3 * PAPER.x_rms:.3f} and {1e3 * PAPER.z_rms:.3f} mm are"
+        f" {gain * PAPER.x_rms:.2f} and {gain * PAPER.z_rms:.2f} N that its"
         f" controller does not know of; here {1e3 * gain * pic.x_rms:.1f} and"
         f" {1e3 * gain * pic.z_rms:.1f} mN are left, as ring, legs and"
         " controller share their numbers and the pads push along y.",

@@ -2,44 +2,70 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 
 import numpy as np
 
 from brace_drake.core.output import WriteBytes, WriteText
-from brace_drake.experiments.compare import TABLE_1_PIC, ControllerRun
-from brace_drake.experiments.measures import DRIFT_LIMIT_M, FORCE_LIMIT_N
-from brace_drake.experiments.table_columns import PEAK_FORCE, TABLE_1, Column
+from brace_drake.experiments.compare import ControllerRun
+from brace_drake.experiments.scores import DRIFT_LIMIT_M, FORCE_LIMIT_N
+from brace_drake.experiments.tables import (
+    PEAK_FORCE,
+    TABLE_1,
+    TABLE_1_PIC,
+    Column,
+    cells_of,
+    format_csv,
+    format_table,
+    to_png,
+)
 from brace_drake.report.canvas import WIDTH, figure_style, make_figure
 
-COLUMNS = (
+_SCORES = (
     *TABLE_1,
     PEAK_FORCE,
     Column("force_end", "final_force_N", "final F_y, N", 1.0),
     Column("peak_drift", "peak_drift_mm", "peak x, z, mm", 1e3),
-    Column("peak_leg", "peak_leg_force_N", "peak leg, N", 1.0),
 )
+_LEG = Column("peak_leg", "peak_leg_force_N", "peak leg, N", 1.0)
 # Okabe and Ito's, told apart by any reader.
 _COLOURS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00")
 
 
-def format_csv(runs: list[ControllerRun], with_paper: bool) -> str:
-    """The table as CSV; what the paper does not state is empty."""
-    names = [column.name for column in COLUMNS]
-    lines = [",".join(["controller", "setting", *names, "within_limits"])]
-    for label, setting, cells, within in _rows(runs, with_paper, "{:.5g}"):
-        setting = f'"{setting}"' if "," in setting else setting
-        lines.append(",".join([label, setting, *cells, within]))
-    return "\n".join(lines) + "\n"
+def _rows(runs: list[ControllerRun], with_paper: bool) -> list[dict]:
+    """What each run is named and measured; of the paper, what it states."""
+    rows = [
+        {
+            "controller": run.tag,
+            "setting": run.setting,
+            **cells_of(_SCORES, run.score),
+            **cells_of((_LEG,), run),
+            "within_limits": "yes" if run.score.within_limits else "no",
+        }
+        for run in runs
+    ]
+    if with_paper:
+        stated = cells_of(_SCORES, TABLE_1_PIC)
+        setting = "the paper's Table 1"
+        rows.append({"controller": "pic", "setting": setting, **stated})
+    return rows
 
 
 def format_markdown(
     runs: list[ControllerRun], reasons: list[str], with_paper: bool
 ) -> str:
     """The table with what its columns mean, and the reasons below."""
-    titles = ["controller", "setting", *(c.title for c in COLUMNS)]
-    titles.append("within limits")
+    columns = (*_SCORES, _LEG)
+    titles = [column.title for column in columns]
+    cells = [
+        [
+            row["controller"],
+            row["setting"],
+            *(f"{row[c.name]:.4f}" if c.name in row else "" for c in columns),
+            row.get("within_limits", ""),
+        ]
+        for row in _rows(runs, with_paper)
+    ]
     lines = [
         "# Controllers on the same push",
         "",
@@ -48,31 +74,14 @@ def format_markdown(
         f" Limits: {FORCE_LIMIT_N:g} N on y, {1e3 * DRIFT_LIMIT_M:g} mm on x"
         " and z.",
         "",
-        "| " + " | ".join(titles) + " |",
-        "|---|---|" + "---:|" * len(COLUMNS) + "---|",
+        format_table(
+            ["controller", "setting", *titles, "within limits"], cells
+        ),
     ]
-    for label, setting, cells, within in _rows(runs, with_paper, "{:.4f}"):
-        lines.append("| " + " | ".join([label, setting, *cells, within]) + " |")
     if reasons:
         lines += ["", "## PIC beside the paper's Table 1", ""]
         lines += [f"- {reason}" for reason in reasons]
     return "\n".join(lines) + "\n"
-
-
-def _rows(runs: list[ControllerRun], with_paper: bool, form: str):
-    for run in runs:
-        cells = [
-            form.format(c.factor * getattr(run.tracking, c.measure))
-            for c in COLUMNS
-        ]
-        within = "yes" if run.tracking.within_limits else "no"
-        yield run.tag, run.setting, cells, within
-    if with_paper:
-        cells = []
-        for c in COLUMNS:
-            value = getattr(TABLE_1_PIC, c.measure, None)
-            cells.append("" if value is None else form.format(c.factor * value))
-        yield "pic", "the paper's Table 1", cells, ""
 
 
 def draw_comparison(runs: list[ControllerRun]) -> bytes:
@@ -103,8 +112,8 @@ def _draw_bars(axes, runs: list[ControllerRun], colours) -> None:
     tags = [run.tag for run in runs]
     at = np.arange(len(runs))[::-1]
     for panel, j in enumerate((0, 1, 4, 5)):
-        name, _, title, factor = COLUMNS[j]
-        values = [factor * getattr(r.tracking, name) for r in runs]
+        name, _, title, factor = _SCORES[j]
+        values = [factor * getattr(r.score, name) for r in runs]
         bars = axes[f"b{panel}"]
         drawn = bars.barh(at, values, color=colours, height=0.7)
         bars.bar_label(drawn, fmt="%.3g", padding=2, fontsize=7.5)
@@ -112,13 +121,6 @@ def _draw_bars(axes, runs: list[ControllerRun], colours) -> None:
         bars.set_title(title if j == 5 else f"RMSE {title}")
         bars.margins(x=0.25)
         bars.tick_params(left=False)
-
-
-def to_png(figure) -> bytes:
-    """A figure as the bytes of a PNG file."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=160, metadata={"Software": None})
-    return buffer.getvalue()
 
 
 def WriteComparison(
@@ -136,7 +138,8 @@ def WriteComparison(
         reasons: What `explain_table_1` says.
     """
     listed, with_paper = [*runs, *paper_runs], bool(paper_runs)
-    WriteText(folder / "comparison.csv", format_csv(listed, with_paper))
+    table = format_csv(_rows(listed, with_paper), digits=5)
+    WriteText(folder / "comparison.csv", table)
     text = format_markdown(listed, reasons, with_paper)
     WriteText(folder / "comparison.md", text)
     WriteBytes(folder / "comparison.png", draw_comparison(runs))

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.common.yaml import yaml_dump_typed
 
 from brace_drake.core.errors import PolicyError
 from brace_drake.core.parallel import Workers
-from brace_drake.experiments.best_constant import Search, search_constant
-from brace_drake.experiments.rollouts import Arena, Contestant, Rollout
-from brace_drake.experiments.scores import Score, score_rollout
+from brace_drake.experiments.rollouts import (
+    Benchmark,
+    ConstantSearch,
+    Controller,
+    Rollout,
+    TaskScore,
+    search_constant,
+)
 from brace_drake.learning.policy import Policy
 from brace_drake.learning.rewards import improved
 from brace_drake.learning.subjects import (
@@ -32,47 +38,60 @@ _SEARCHED, _UNSEEN = 1, 2
 Say = Callable[[str, float], None]
 
 
+class NominalPush(NamedTuple):
+    """A controller on the nominal subject."""
+
+    controller: Controller
+    rollout: Rollout
+    score: TaskScore
+
+
 @dataclass(frozen=True)
 class Evaluation:
     """Everything that tables, figures and page show.
 
     Attributes:
-        arena: Where all met.
-        policies: Contestants with a policy; those of a name are its seeds.
-        contestants: All of them on the nominal subject.
-        nominal: Rollout of each of these.
-        nominal_scores: The same.
+        benchmark: On which all are compared.
+        policies: Controllers with a policy; those of a name are its seeds.
+        nominal: All controllers on the nominal subject.
         nominal_search: The constant stiffness of the best return on the
             nominal subject.
         nominal_sweep: Scores of constants on it, by stiffness.
         subjects: Never seen by any policy or search.
-        unseen: Scores of each contestant on each of them, by name: a row for
+        unseen: Scores of each controller on each of them, by name: a row for
             each seed.
         search: The constant of the best return on subjects drawn apart from
             these.
         sweep: Scores of constants on the unseen subjects, by stiffness.
     """
 
-    arena: Arena
-    policies: tuple[Contestant, ...]
-    contestants: tuple[Contestant, ...]
-    nominal: tuple[Rollout, ...]
-    nominal_scores: tuple[Score, ...]
-    nominal_search: Search
-    nominal_sweep: dict[float, Score]
+    benchmark: Benchmark
+    policies: tuple[Controller, ...]
+    nominal: tuple[NominalPush, ...]
+    nominal_search: ConstantSearch
+    nominal_sweep: dict[float, TaskScore]
     subjects: tuple[Subject, ...]
-    unseen: dict[str, list[list[Score]]]
-    search: Search
-    sweep: dict[float, list[Score]]
+    unseen: dict[str, list[list[TaskScore]]]
+    search: ConstantSearch
+    sweep: dict[float, list[TaskScore]]
+
+    @property
+    def policy_names(self) -> list[str]:
+        """Each once."""
+        return list(dict.fromkeys(c.name for c in self.policies))
+
+    def on_nominal(self, name: str) -> list[TaskScore]:
+        """Scores of a controller's seeds on the nominal subject."""
+        return [p.score for p in self.nominal if p.controller.name == name]
 
     def collect(self, name: str, field: str) -> np.ndarray:
-        """A measure of a contestant (seeds, subjects)."""
+        """A measure of a controller (seeds, subjects)."""
         rows = self.unseen[name]
         return np.array([[getattr(s, field) for s in row] for row in rows])
 
 
-def gather_policies(policies: Sequence[Policy]) -> tuple[Contestant, ...]:
-    """Policies as contestants: those of one task are seeds of one.
+def gather_policies(policies: Sequence[Policy]) -> tuple[Controller, ...]:
+    """Policies as controllers: those of one task are seeds of one.
 
     Raises:
         PolicyError: They are not of the same motion on the same scenario.
@@ -92,15 +111,15 @@ def gather_policies(policies: Sequence[Policy]) -> tuple[Contestant, ...]:
     for i, policy in enumerate(policies):
         text = yaml_dump_typed(replace(policy.task, scenario=""))
         known.setdefault(text, []).append(i)
-    contestants, names = [], []
+    found, names = [], []
     for members in known.values():
         name = _name_of(policies[members[0]].task, names, len(known))
         names.append(name)
-        contestants += [
-            Contestant(name, "vpic", policy=policies[i], seed=seed)
+        found += [
+            Controller(name, "vpic", policy=policies[i], seed=seed)
             for seed, i in enumerate(members)
         ]
-    return tuple(contestants)
+    return tuple(found)
 
 
 def _compared(task: LearningTask) -> LearningTask:
@@ -134,7 +153,7 @@ def is_single(ranges: SubjectRanges) -> bool:
     return factors and not ranges.effects
 
 
-def make_task(policies: Sequence[Contestant]) -> LearningTask:
+def make_task(policies: Sequence[Controller]) -> LearningTask:
     """The task that all are measured on: motion, limits, and subjects.
 
     The subjects are those of the first policy that was trained on several, or
@@ -161,7 +180,7 @@ def draw_subjects(
 
 
 def evaluate(
-    policies: Sequence[Contestant],
+    policies: Sequence[Controller],
     workers: Workers,
     num_subjects: int = 50,
     num_searched: int = 20,
@@ -182,54 +201,51 @@ def evaluate(
         PolicyError, ScenarioError: The task cannot be run.
     """
     say = say or (lambda what, share: None)
-    arena = Arena(make_task(policies))
-    ranges = arena.task.subjects
+    benchmark = Benchmark(make_task(policies))
+    ranges = benchmark.task.subjects
     say("best constant, nominal", 0.0)
-    own = search_constant(arena, (NOMINAL,), workers)
+    own = search_constant(benchmark, (NOMINAL,), workers)
     others = draw_subjects(ranges, num_searched, seed, _SEARCHED)
     say("best constant, drawn subjects", 0.05)
-    search = search_constant(arena, others, workers)
-    fixed = [Contestant(tag, tag) for tag in TAGS]
-    best = Contestant("constant", "pic", stiffness=own.best)
-    players = (*fixed, best, *policies)
+    search = search_constant(benchmark, others, workers)
+    fixed = [Controller(tag, tag) for tag in TAGS]
+
+    def everybody(best: float) -> list[Controller]:
+        return [*fixed, Controller("constant", stiffness=best), *policies]
+
     say("nominal subject", 0.3)
-    nominal = workers.map(arena.run, [(c, NOMINAL) for c in players])
-    swept = [Contestant("", "pic", stiffness=K) for K in own.tried]
-    own_sweep = workers.map(run_and_score, [(arena, c, NOMINAL) for c in swept])
+    named = everybody(own.best)
+    rollouts = workers.map(benchmark.run, [(c, NOMINAL) for c in named])
+    score = benchmark.run_and_score
+    swept = [(Controller("", stiffness=K), NOMINAL) for K in own.tried]
+    own_sweep = workers.map(score, swept)
+    nominal = tuple(
+        NominalPush(c, rollout, benchmark.score(rollout))
+        for c, rollout in zip(named, rollouts, strict=True)
+    )
     subjects = draw_subjects(ranges, num_subjects, seed)
-    best = Contestant("constant", "pic", stiffness=search.best)
-    sweep = [Contestant(f"{K:g}", "pic", stiffness=K) for K in search.tried]
-    unseen_players = [*fixed, best, *policies, *sweep]
-    tasks = [(arena, c, s) for c in unseen_players for s in subjects]
+    named = everybody(search.best)
+    sweep = [Controller("", stiffness=K) for K in search.tried]
+    tasks = [(c, s) for c in (*named, *sweep) for s in subjects]
 
     def told(done: int) -> None:
         say("unseen subjects", 0.35 + 0.65 * done / len(tasks))
 
-    flat = workers.map(run_and_score, tasks, told)
+    flat = workers.map(score, tasks, told)
     rows = [
         flat[i : i + len(subjects)] for i in range(0, len(flat), len(subjects))
     ]
-    unseen: dict[str, list[list[Score]]] = {}
-    named = len(unseen_players) - len(sweep)
-    for contestant, row in zip(unseen_players[:named], rows, strict=False):
-        unseen.setdefault(contestant.name, []).append(row)
+    unseen: dict[str, list[list[TaskScore]]] = {}
+    for controller, row in zip(named, rows, strict=False):
+        unseen.setdefault(controller.name, []).append(row)
     return Evaluation(
-        arena=arena,
+        benchmark=benchmark,
         policies=tuple(policies),
-        contestants=players,
-        nominal=tuple(nominal),
-        nominal_scores=tuple(score_rollout(arena, r) for r in nominal),
+        nominal=nominal,
         nominal_search=own,
         nominal_sweep=dict(zip(own.tried, own_sweep, strict=True)),
         subjects=subjects,
         unseen=unseen,
         search=search,
-        sweep=dict(zip(search.tried, rows[named:], strict=True)),
+        sweep=dict(zip(search.tried, rows[len(named) :], strict=True)),
     )
-
-
-def run_and_score(
-    arena: Arena, contestant: Contestant, subject: Subject
-) -> Score:
-    """The measures of one push."""
-    return score_rollout(arena, arena.run(contestant, subject))

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from brace_drake.core.output import WriteBytes
-from brace_drake.experiments.comparison_table import to_png
 from brace_drake.experiments.evaluate import Evaluation
-from brace_drake.experiments.rollouts import Rollout
-from brace_drake.experiments.scores import Score
+from brace_drake.experiments.rollouts import TaskScore
+from brace_drake.experiments.tables import to_png
 from brace_drake.report.canvas import (
     FLOOR,
     WIDTH,
@@ -32,59 +30,57 @@ _DESIRED = "#1f2933"
 
 
 def colour_of(evaluation: Evaluation, name: str) -> str:
-    """The colour of a contestant in all figures."""
+    """The colour of a controller in all figures."""
     if name in _COLOURS:
         return _COLOURS[name]
-    names = list(dict.fromkeys(c.name for c in evaluation.policies))
-    return _POLICIES[names.index(name) % len(_POLICIES)]
+    at = evaluation.policy_names.index(name)
+    return _POLICIES[at % len(_POLICIES)]
 
 
 def draw_paper_figures(evaluation: Evaluation) -> dict[str, bytes]:
     """Figures 8 to 13 by name, of PIC, the best constant and the policies."""
-    i = evaluation.arena.pushed
+    i = evaluation.benchmark.pushed
     x, z = 6 * (i // 6), 6 * (i // 6) + 2
-
-    def column(field: str, j: int, factor: float) -> Callable:
-        return lambda r: factor * getattr(r, field)[:, j]
-
-    panels = (
-        ("figure_8", "position along y, mm", column("position", i, 1e3),
-         column("desired", i, 1e3)),
-        ("figure_9", "velocity along y, mm/s", column("rate", i, 1e3),
-         column("desired_rate", i, 1e3)),
-        ("figure_10", "position along x, mm", column("position", x, 1e3),
-         column("desired", x, 1e3)),
-        ("figure_11", "position along z, mm", column("position", z, 1e3),
-         column("desired", z, 1e3)),
-        ("figure_12", "force of the torso along y, N", column("force", i, 1.0),
-         None),
-        ("figure_13", "desired stiffness along y, N/m", _stiffness, None),
-    )  # fmt: skip
     return {
-        name: _draw_panel(evaluation, title, values, wanted)
-        for name, title, values, wanted in panels
+        f"figure_{8 + k}": _draw_panel(evaluation, *panel)
+        for k, panel in enumerate(
+            (
+                ("position along y, mm", "position", "desired", i, 1e3),
+                ("velocity along y, mm/s", "rate", "desired_rate", i, 1e3),
+                ("position along x, mm", "position", "desired", x, 1e3),
+                ("position along z, mm", "position", "desired", z, 1e3),
+                ("force of the torso along y, N", "force", None, i, 1.0),
+                ("desired stiffness along y, N/m", "stiffness", None, i, 1.0),
+            )
+        )
     }
 
 
-def _stiffness(rollout: Rollout) -> np.ndarray:
-    return rollout.stiffness[:, 0]
-
-
 def _draw_panel(
-    evaluation: Evaluation, title: str, values: Callable, wanted
+    evaluation: Evaluation,
+    title: str,
+    field: str,
+    wanted: str | None,
+    j: int,
+    factor: float,
 ) -> bytes:
+    """Draws a signal's coordinate j over time, and what is desired of it."""
     with figure_style():
         figure = make_figure(WIDTH / 2, 2.7)
         axes = figure.subplots()
-        pairs = zip(evaluation.contestants, evaluation.nominal, strict=True)
         seen: set[str] = set()
-        for contestant, rollout in pairs:
-            name = contestant.name
+        for controller, rollout, _ in evaluation.nominal:
+            name = controller.name
             if name in ("npic", "mraic", "vpic"):
                 continue
+            values = (
+                rollout.stiffness[:, 0]
+                if field == "stiffness"
+                else factor * getattr(rollout.signals, field)[:, j]
+            )
             axes.plot(
                 rollout.time,
-                values(rollout),
+                values,
                 color=colour_of(evaluation, name),
                 lw=1.1,
                 ls="--" if name == "constant" else "-",
@@ -92,12 +88,11 @@ def _draw_panel(
             )
             seen.add(name)
         if wanted is not None:
-            first = evaluation.nominal[0]
-            axes.plot(
-                first.time, wanted(first), ":", color=_DESIRED, label="desired"
-            )
+            first = evaluation.nominal[0].rollout
+            values = factor * getattr(first.signals, wanted)[:, j]
+            axes.plot(first.time, values, ":", color=_DESIRED, label="desired")
         else:
-            _add_bounds(evaluation, axes, title)
+            _add_bounds(evaluation, axes, field)
         axes.set_title(title)
         axes.set_xlabel("time, s")
         axes.grid(True)
@@ -105,13 +100,13 @@ def _draw_panel(
         return to_png(figure)
 
 
-def _add_bounds(evaluation: Evaluation, axes, title: str) -> None:
-    arena = evaluation.arena
-    if title.startswith("force"):
-        limit = arena.task.reward.force_limit[arena.pushed]
+def _add_bounds(evaluation: Evaluation, axes, field: str) -> None:
+    benchmark = evaluation.benchmark
+    if field == "force":
+        limit = benchmark.force_limit
         axes.axhline(limit, color=FLOOR, ls=":", label="$F_{max}$")
         return
-    for bound in (arena.law.lower, arena.law.upper):
+    for bound in (benchmark.law.lower, benchmark.law.upper):
         axes.axhline(bound, color=FLOOR, ls=":", lw=0.8)
     axes.set_yscale("log")
 
@@ -142,9 +137,7 @@ def draw_unseen(evaluation: Evaluation) -> bytes:
         _use_logarithm(error)
         error.set_yticks(at, [plain(n) for n in names])
         force.set_yticks(at, [""] * len(names))
-        arena = evaluation.arena
-        limit = arena.task.reward.force_limit[arena.pushed]
-        force.axvline(limit, color=FLOOR, ls=":")
+        force.axvline(evaluation.benchmark.force_limit, color=FLOOR, ls=":")
         error.set_title("RMSE of y, mm")
         force.set_title("peak force along y, N")
         _draw_trade(evaluation, trade)
@@ -163,8 +156,8 @@ def _use_logarithm(axes) -> None:
 
 
 def _draw_trade(evaluation: Evaluation, axes) -> None:
-    """Pushes above F_max over the median error: constants and contestants."""
-    sweep = {K: _trade_of([row]) for K, row in evaluation.sweep.items()}
+    """Pushes above F_max over the median error: constants and controllers."""
+    sweep = {K: _trade_of(row) for K, row in evaluation.sweep.items()}
     sweep = {K: point for K, point in sweep.items() if np.isfinite(point[0])}
     if sweep:
         points = np.transpose([*sweep.values()])
@@ -174,7 +167,7 @@ def _draw_trade(evaluation: Evaluation, axes) -> None:
     for name, rows in evaluation.unseen.items():
         colour = colour_of(evaluation, name)
         for seed, row in enumerate(rows):
-            point = _trade_of([row])
+            point = _trade_of(row)
             label = None if seed else plain(name)
             axes.plot(*point, "o", color=colour, ms=5, label=label)
     _use_logarithm(axes)
@@ -183,9 +176,8 @@ def _draw_trade(evaluation: Evaluation, axes) -> None:
     axes.legend(fontsize=7)
 
 
-def _trade_of(rows: list[list[Score]]) -> tuple[float, float]:
-    errors = [s.y_rms for row in rows for s in row]
-    over = [s.violates for row in rows for s in row]
+def _trade_of(row: list[TaskScore]) -> tuple[float, float]:
+    errors, over = [s.y_rms for s in row], [s.violates for s in row]
     return 1e3 * float(np.median(errors)), 100.0 * float(np.mean(over))
 
 

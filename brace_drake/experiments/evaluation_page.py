@@ -8,10 +8,13 @@ from pathlib import Path
 
 from brace_drake.core.output import WriteText
 from brace_drake.experiments.evaluate import Evaluation
-from brace_drake.experiments.evaluation_table import MORE, summarize, table_1
+from brace_drake.experiments.evaluation_table import (
+    COLUMNS,
+    summarize,
+    table_1,
+)
 from brace_drake.experiments.evaluation_words import explain
-from brace_drake.experiments.scores import Spread
-from brace_drake.experiments.table_columns import TABLE_1
+from brace_drake.experiments.tables import Spread
 from brace_drake.report import page as report_page
 
 _TEMPLATE = "evaluation.html.j2"
@@ -50,21 +53,17 @@ def render_page(evaluation: Evaluation, figures: dict[str, bytes]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    shown = (*TABLE_1, *MORE)
-    columns, names = [c.title for c in shown], [c.name for c in shown]
-    policies = list(dict.fromkeys(c.name for c in evaluation.policies))
     return environment.get_template(_TEMPLATE).render(
         subjects=len(evaluation.subjects),
-        policies=policies,
+        policies=evaluation.policy_names,
         seeds=len(evaluation.policies),
         sentences=explain(evaluation),
-        columns=columns,
+        columns=[c.title for c in COLUMNS],
         nominal=[
             {
                 "name": row["controller"],
                 "seed": row.get("seed", ""),
-                "cells": [_cell(row.get(name)) for name in names],
-                "bound": row.get("at_upper_bound"),
+                "cells": [_cell(row.get(c.name)) for c in COLUMNS],
             }
             for row in table_1(evaluation)
         ],
@@ -75,16 +74,13 @@ def render_page(evaluation: Evaluation, figures: dict[str, bytes]) -> str:
 
 
 def _shown(row: dict) -> dict:
+    """The cells of an unseen row, intervals below their values."""
+    spreads = {k: v for k, v in row.items() if isinstance(v, Spread)}
     return {
-        "name": row["controller"],
-        "seeds": row["seeds"],
-        "median": _interval(row["median"]),
-        "median_seeds": _interval(row["median_seeds"]),
+        **row,
+        **{key: _interval(spread) for key, spread in spreads.items()},
         "violating": _interval(row["violating"], 100.0),
-        "violations_seeds": _interval(row["violations_seeds"]),
-        "force": _interval(row["largest_force"]),
-        "better": f"{100 * row['better_than_pic']:.0f}",
-        "total": _interval(row["total"]),
+        "better_than_pic": f"{100 * row['better_than_pic']:.0f}",
     }
 
 

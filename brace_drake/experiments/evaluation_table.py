@@ -2,78 +2,65 @@
 
 from __future__ import annotations
 
-import csv
-import io
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 
 from brace_drake.core.output import WriteText
-from brace_drake.experiments.compare import (
-    TABLE_1_PIC,
-    TABLE_1_RLPIC,
-    PaperTable,
-)
 from brace_drake.experiments.evaluate import Evaluation
-from brace_drake.experiments.scores import (
-    FIELDS,
-    Score,
-    Spread,
-    median_over,
-    over_seeds,
-    share_of,
-)
-from brace_drake.experiments.table_columns import (
+from brace_drake.experiments.rollouts import TaskScore
+from brace_drake.experiments.tables import (
     PEAK_FORCE,
     STIFFNESS,
     TABLE_1,
+    TABLE_1_PIC,
+    TABLE_1_RLPIC,
     Column,
+    cells_of,
+    format_csv,
+    median_interval,
+    share_interval,
+    student_interval,
 )
 
-MORE = (
+COLUMNS = (
+    *TABLE_1,
     Column("start_rate", "start_rate_error_mm_s", "start of y', mm/s", 1e3),
     PEAK_FORCE,
     STIFFNESS,
     Column("stiffness_low", "stiffness_low_N_m", "least", 1.0),
     Column("stiffness_high", "stiffness_high_N_m", "most", 1.0),
 )
+# Told of each push of an unseen subject.
+_TOLD = [
+    f.name
+    for f in fields(TaskScore)
+    if f.name not in ("force_end", "peak_drift")
+]
 
 
 def table_1(evaluation: Evaluation) -> list[dict]:
     """Rows of Table 1: who, seed, numbers by column; the paper's last."""
-    rows = []
-    for contestant, score in zip(
-        evaluation.contestants, evaluation.nominal_scores, strict=True
-    ):
-        row = {
-            "controller": contestant.name,
-            "seed": contestant.seed if contestant.policy else "",
+    rows = [
+        {
+            "controller": controller.name,
+            "seed": controller.seed if controller.policy else "",
+            **cells_of(COLUMNS, score),
+            "at_upper_bound": int(score.at_upper),
+            "violates": int(score.violates),
         }
-        for c in (*TABLE_1, *MORE):
-            row[c.name] = c.factor * getattr(score, c.measure)
-        row["at_upper_bound"] = int(score.at_upper)
-        row["violates"] = int(score.violates)
-        rows.append(row)
-    for name, paper in (
-        ("pic, the paper", TABLE_1_PIC),
-        ("rlpic, the paper", TABLE_1_RLPIC),
-    ):
-        rows.append({"controller": name, **_paper_row(paper)})
-    return rows
-
-
-def _paper_row(paper: PaperTable) -> dict:
-    return {c.name: c.factor * getattr(paper, c.measure) for c in TABLE_1}
-
-
-def nominal_of(evaluation: Evaluation, name: str) -> list[Score]:
-    """Scores of a contestant's seeds on the nominal subject."""
-    pairs = zip(evaluation.contestants, evaluation.nominal_scores, strict=True)
-    return [score for contestant, score in pairs if contestant.name == name]
+        for controller, _, score in evaluation.nominal
+    ]
+    papers = ("pic", TABLE_1_PIC), ("rlpic", TABLE_1_RLPIC)
+    return rows + [
+        {"controller": f"{name}, the paper", **cells_of(COLUMNS, stated)}
+        for name, stated in papers
+    ]
 
 
 def summarize(evaluation: Evaluation) -> list[dict]:
-    """One row for each contestant on the unseen subjects.
+    """One row for each controller on the unseen subjects.
 
     `median` and `violating` have 95 % intervals over subjects; `*_seeds` are
     means over seeds with Student's interval.
@@ -81,55 +68,25 @@ def summarize(evaluation: Evaluation) -> list[dict]:
     pic = evaluation.collect("pic", "y_rms")[0]
     rows = []
     for name in evaluation.unseen:
-        error = evaluation.collect(name, "y_rms")
-        over = evaluation.collect(name, "violates").astype(bool)
+        error, force, over, total = (
+            evaluation.collect(name, field)
+            for field in ("y_rms", "peak_force", "violates", "total")
+        )
+        medians = np.median(1e3 * error, axis=1)
         rows.append(
             {
                 "controller": name,
                 "seeds": len(error),
-                "median": median_over(1e3 * error),
-                "median_seeds": over_seeds(np.median(1e3 * error, axis=1)),
-                "violating": share_of(over),
-                "violations_seeds": over_seeds(over.sum(axis=1)),
-                "largest_force": over_seeds(
-                    evaluation.collect(name, "peak_force").max(axis=1)
-                ),
+                "median": median_interval(1e3 * error),
+                "median_seeds": student_interval(medians),
+                "violating": share_interval(over),
+                "violations_seeds": student_interval(over.sum(axis=1)),
+                "largest_force": student_interval(force.max(axis=1)),
                 "better_than_pic": float(np.mean(error < pic)),
-                "total": over_seeds(
-                    evaluation.collect(name, "total").mean(axis=1)
-                ),
+                "total": student_interval(total.mean(axis=1)),
             }
         )
     return rows
-
-
-def format_rows(rows: list[dict]) -> str:
-    """Rows as CSV; an interval takes three columns."""
-    flat = [_flatten(row) for row in rows]
-    columns = list(dict.fromkeys(k for row in flat for k in row))
-    memory = io.StringIO()
-    writer = csv.DictWriter(memory, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(flat)
-    return memory.getvalue()
-
-
-def _flatten(row: dict) -> dict:
-    flat = {}
-    for key, value in row.items():
-        if isinstance(value, Spread):
-            flat[key] = _number(value.value)
-            flat[f"{key}_lower95"] = _number(value.lower)
-            flat[f"{key}_upper95"] = _number(value.upper)
-        else:
-            flat[key] = _number(value)
-    return flat
-
-
-def _number(value):
-    if isinstance(value, float):
-        return "" if np.isnan(value) else f"{value:.6g}"
-    return value
 
 
 def pushes(evaluation: Evaluation) -> list[dict]:
@@ -137,35 +94,12 @@ def pushes(evaluation: Evaluation) -> list[dict]:
     rows = []
     for name, seeds in evaluation.unseen.items():
         for seed, row in enumerate(seeds):
-            for i, (score, subject) in enumerate(
-                zip(row, evaluation.subjects, strict=True)
-            ):
-                values = {f: getattr(score, f) for f in FIELDS}
-                values |= {
-                    k: int(v) for k, v in values.items() if isinstance(v, bool)
-                }
-                rows.append(
-                    {
-                        "controller": name,
-                        "seed": seed,
-                        "subject": i,
-                        **values,
-                        **subject.describe(),
-                    }
-                )
+            pairs = zip(row, evaluation.subjects, strict=True)
+            for i, (score, subject) in enumerate(pairs):
+                who = {"controller": name, "seed": seed, "subject": i}
+                told = {field: getattr(score, field) for field in _TOLD}
+                rows.append({**who, **told, **subject.describe()})
     return rows
-
-
-def WriteTables(folder: Path, evaluation: Evaluation) -> None:
-    """Writes table_1.csv, unseen.csv, pushes.csv and constants.csv.
-
-    Args:
-        folder: It exists.
-    """
-    WriteText(folder / "table_1.csv", format_rows(table_1(evaluation)))
-    WriteText(folder / "unseen.csv", format_rows(summarize(evaluation)))
-    WriteText(folder / "pushes.csv", format_rows(pushes(evaluation)))
-    WriteText(folder / "constants.csv", format_rows(constants(evaluation)))
 
 
 def constants(evaluation: Evaluation) -> list[dict]:
@@ -183,8 +117,23 @@ def constants(evaluation: Evaluation) -> list[dict]:
                 "nominal_y_rmse_mm": 1e3 * alone.y_rms,
                 "nominal_violates": int(alone.violates),
                 "searched_return": search.totals[i],
-                "median": median_over(1e3 * error),
-                "violating": share_of(over),
+                "median": median_interval(1e3 * error),
+                "violating": share_interval(over),
             }
         )
     return rows
+
+
+def WriteTables(folder: Path, evaluation: Evaluation) -> None:
+    """Writes table_1.csv, unseen.csv, pushes.csv and constants.csv.
+
+    Args:
+        folder: It exists.
+    """
+    for name, rows in (
+        ("table_1", table_1),
+        ("unseen", summarize),
+        ("pushes", pushes),
+        ("constants", constants),
+    ):
+        WriteText(folder / f"{name}.csv", format_csv(rows(evaluation)))

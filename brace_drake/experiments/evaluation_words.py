@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.experiments.compare import SPRING_SHARE, TABLE_1_RLPIC
+from brace_drake.experiments.compare import SPRING_SHARE
 from brace_drake.experiments.evaluate import Evaluation
-from brace_drake.experiments.evaluation_table import nominal_of
+from brace_drake.experiments.tables import TABLE_1_RLPIC
 
 # A policy that tracks better than a constant does by less than this share is
 # as good as it.
@@ -15,22 +15,21 @@ _MATTERS = 0.05
 
 def explain(evaluation: Evaluation) -> list[str]:
     """Whether learning was needed, and how the paper's numbers are met."""
-    names = list(dict.fromkeys(c.name for c in evaluation.policies))
     said = [_on_force(evaluation)]
-    for name in names:
+    for name in evaluation.policy_names:
         said += [
             _on_paper(evaluation, name),
             _on_bound(evaluation, name),
             _on_nominal_need(evaluation, name),
             _on_unseen_need(evaluation, name),
         ]
-    if not names:
+    if not evaluation.policies:
         said.append(_on_constant(evaluation))
     return said
 
 
 def _on_force(evaluation: Evaluation) -> str:
-    score = nominal_of(evaluation, "pic")[0]
+    (score,) = evaluation.on_nominal("pic")
     return (
         "RMSE of the force, about its final value as the paper defines it, is"
         " no measure of smoothness for a torso that is pushed against a"
@@ -43,22 +42,21 @@ def _on_force(evaluation: Evaluation) -> str:
 
 
 def _on_paper(evaluation: Evaluation, name: str) -> str:
-    scores = nominal_of(evaluation, name)
-    pic = nominal_of(evaluation, "pic")[0]
+    scores = evaluation.on_nominal(name)
+    (pic,) = evaluation.on_nominal("pic")
     parts = []
-    for field, words, factor, unit in (
-        ("y_rms", "y", 1e3, "mm"),
-        ("vy_rms", "y'", 1e3, "mm/s"),
-        ("x_rms", "x", 1e3, "mm"),
-        ("z_rms", "z", 1e3, "mm"),
+    for field, words, unit in (
+        ("y_rms", "y", "mm"),
+        ("vy_rms", "y'", "mm/s"),
+        ("x_rms", "x", "mm"),
+        ("z_rms", "z", "mm"),
     ):
         worst = max(getattr(s, field) for s in scores)
         paper = getattr(TABLE_1_RLPIC, field)
         met = "at or below" if worst <= paper else "above"
         parts.append(
-            f"{words} {factor * worst:.3g} {unit}, {met} the paper's"
-            f" {factor * paper:.3g} (PIC here"
-            f" {factor * getattr(pic, field):.3g})"
+            f"{words} {1e3 * worst:.3g} {unit}, {met} the paper's"
+            f" {1e3 * paper:.3g} (PIC here {1e3 * getattr(pic, field):.3g})"
         )
     start = 1e3 * max(s.start_rate for s in scores)
     force = max(s.peak_force for s in scores)
@@ -70,8 +68,7 @@ def _on_paper(evaluation: Evaluation, name: str) -> str:
 
 
 def _on_bound(evaluation: Evaluation, name: str) -> str:
-    law = evaluation.arena.law
-    scores = nominal_of(evaluation, name)
+    law, scores = evaluation.benchmark.law, evaluation.on_nominal(name)
     means = [s.stiffness for s in scores]
     bound = sum(s.at_upper for s in scores)
     words = f"{min(means):.0f}"
@@ -94,7 +91,7 @@ def _on_bound(evaluation: Evaluation, name: str) -> str:
 def _on_constant(evaluation: Evaluation) -> str:
     own = evaluation.nominal_search
     where = ", the upper bound of its range" if own.at_upper else ""
-    score = nominal_of(evaluation, "constant")[0]
+    (score,) = evaluation.on_nominal("constant")
     return (
         "The constant of the best return on the nominal subject is"
         f" {own.best:.0f} N/m{where}: {1e3 * score.y_rms:.4f} mm along y."
@@ -102,17 +99,25 @@ def _on_constant(evaluation: Evaluation) -> str:
 
 
 def _on_nominal_need(evaluation: Evaluation, name: str) -> str:
-    scores = nominal_of(evaluation, name)
+    scores = evaluation.on_nominal(name)
     error = float(np.mean([s.y_rms for s in scores]))
     violations = float(np.mean([s.violates for s in scores]))
     text = f"{_on_constant(evaluation)} {name} has {1e3 * error:.4f} mm."
-    found = _closest_constant(evaluation, violations)
-    if found is None:
+    # Constants that were tried there and violate no more often.
+    (best,) = evaluation.on_nominal("constant")
+    tried = {evaluation.nominal_search.best: best, **evaluation.nominal_sweep}
+    errors = {
+        K: s.y_rms
+        for K, s in tried.items()
+        if s.violates <= violations and np.isfinite(s.y_rms)
+    }
+    if not errors:
         return (
             f"{text} No constant that was tried violates as little on the"
             " nominal subject: learning was of use for it."
         )
-    stiffness, least = found
+    stiffness = min(errors, key=errors.get)
+    least = errors[stiffness]
     text += (
         " Of the constants that violate no more there, the one of the least"
         f" error is {stiffness:.0f} N/m with {1e3 * least:.4f} mm. For the"
@@ -125,52 +130,31 @@ def _on_nominal_need(evaluation: Evaluation, name: str) -> str:
     return text + f"not needed: a search over one number does {does}."
 
 
-def _closest_constant(
-    evaluation: Evaluation, violations: float
-) -> tuple[float, float] | None:
-    """Stiffness, N/m, and error, m, of the constant that tracks best.
-
-    Of those tried on the nominal subject that violate no more often.
-    """
-    own = nominal_of(evaluation, "constant")[0]
-    tried = {evaluation.nominal_search.best: own, **evaluation.nominal_sweep}
-    errors = {
-        K: s.y_rms
-        for K, s in tried.items()
-        if s.violates <= violations and np.isfinite(s.y_rms)
-    }
-    return min(errors.items(), key=lambda item: item[1], default=None)
-
-
 def _on_unseen_need(evaluation: Evaluation, name: str) -> str:
     def count(who):
-        return evaluation.collect(who, "violates").sum(axis=1)
+        return np.mean(evaluation.collect(who, "violates").sum(axis=1))
 
     def middle(who):
-        return 1e3 * np.median(evaluation.collect(who, "y_rms"), axis=1)
+        errors = evaluation.collect(who, "y_rms")
+        return np.mean(1e3 * np.median(errors, axis=1))
 
-    n = len(evaluation.subjects)
+    constant = (
+        f"the constant of the best return, {evaluation.search.best:.0f} N/m"
+    )
     lines = [
-        f"{words} {np.mean(count(who)):.1f} of {n} pushes beyond a limit,"
-        f" median {np.mean(middle(who)):.3f} mm"
-        for words, who in (
-            (name, name),
-            ("PIC", "pic"),
-            (f"the constant of the best return, {evaluation.search.best:.0f}"
-             " N/m",
-             "constant"),
-        )
-    ]  # fmt: skip
+        f"{words} {count(who):.1f} of {len(evaluation.subjects)} pushes beyond"
+        f" a limit, median {middle(who):.3f} mm"
+        for words, who in ((name, name), ("PIC", "pic"), (constant, "constant"))
+    ]
     better = all(
-        np.mean(count(name)) <= np.mean(count(who))
-        and np.mean(middle(name)) < np.mean(middle(who))
+        count(name) <= count(who) and middle(name) < middle(who)
         for who in ("pic", "constant")
     )
     dominated = [
         K
         for K, row in evaluation.sweep.items()
-        if sum(s.violates for s in row) <= np.mean(count(name))
-        and 1e3 * np.median([s.y_rms for s in row]) <= np.mean(middle(name))
+        if sum(s.violates for s in row) <= count(name)
+        and 1e3 * np.median([s.y_rms for s in row]) <= middle(name)
     ]
     verdict = (
         "It tracks better than both and violates no more."

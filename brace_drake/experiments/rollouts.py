@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from brace_drake.core.errors import BraceError
+from brace_drake.core.parallel import Workers
+from brace_drake.experiments.scores import FAILED, Push, Score, score_push
 from brace_drake.learning.compiled_loop import CompiledLoop
 from brace_drake.learning.episode import PreparedTask
 from brace_drake.learning.policy import Policy
@@ -17,11 +20,13 @@ from brace_drake.learning.task import LearningTask
 
 # Samples between two decisions: 5 ms where the paper decides every 50 ms.
 SAMPLES = 10
+# Of the range, on a linear scale: nearer than this counts as its end.
+_AT_BOUND = 0.01
 
 
 @dataclass(frozen=True)
-class Contestant:
-    """A controller: the scenario's own of a tag, a constant, or a policy.
+class Controller:
+    """The scenario's own controller of a tag, a constant, or a policy.
 
     Attributes:
         name: Of all seeds together.
@@ -46,8 +51,7 @@ class Rollout:
 
     Attributes:
         time: (N,), s.
-        desired, desired_rate, position, rate, force: See `Signals`, the truth
-            (N, 6n).
+        signals: The truth (N, 6n).
         stiffness: In use, of coordinates with an impedance (N, k), N/m; 0
             where a controller has none.
         total: Return of the task's reward, at its decisions; -inf of a push
@@ -58,19 +62,40 @@ class Rollout:
     """
 
     time: np.ndarray
-    desired: np.ndarray
-    desired_rate: np.ndarray
-    position: np.ndarray
-    rate: np.ndarray
-    force: np.ndarray
+    signals: Signals
     stiffness: np.ndarray
     total: float
     cause: str
     failed: bool = False
 
 
-class Arena:
-    """A task on which controllers meet, with exact readings.
+@dataclass(frozen=True)
+class TaskScore(Score):
+    """A push measured by its task too.
+
+    Of a push that has failed errors and forces are infinite, and there is no
+    stiffness (nan).
+
+    Attributes:
+        at_upper: Whether the mean stiffness is at the upper end of its range.
+        total: Return.
+        over_force: Whether the force passed F_max of the reward.
+        broke: Whether a limit that ends an episode was passed, or worse.
+    """
+
+    at_upper: bool
+    total: float
+    over_force: bool
+    broke: bool
+
+    @property
+    def violates(self) -> bool:
+        """Whether F_max or a limit was passed."""
+        return self.over_force or self.broke
+
+
+class Benchmark(PreparedTask):
+    """A task on which controllers are compared, with exact readings.
 
     Args:
         task: Its ranges say what effects a subject's numbers are of.
@@ -80,28 +105,30 @@ class Arena:
     """
 
     def __init__(self, task: LearningTask):
-        task = replace(task, readings="exact", backend="compiled")
-        self._prepared = prepared = PreparedTask(task)
-        self.scenario, self.task = prepared.scenario, prepared.task
-        self.law, self.selected = prepared.law, prepared.selected
+        super().__init__(replace(task, readings="exact", backend="compiled"))
 
     @property
     def pushed(self) -> int:
         """Index of the coordinate that goes furthest."""
         return int(np.argmax(np.abs(self.task.displacement)))
 
-    def run(self, contestant: Contestant, subject: Subject) -> Rollout:
+    @property
+    def force_limit(self) -> float:
+        """F_max of the reward along the push, N."""
+        return float(self.task.reward.force_limit[self.pushed])
+
+    def run(self, controller: Controller, subject: Subject) -> Rollout:
         """Runs a subject's whole push."""
-        task, policy = self.task, contestant.policy
+        task, policy = self.task, controller.policy
         loop = CompiledLoop(
-            self._scenario_of(contestant),
+            self._scenario_of(controller),
             task.sample_time / SAMPLES,
             task.motion_time,
         )
-        episode = self._prepared.draw(np.random.default_rng(0), subject)
+        episode = self.draw(np.random.default_rng(0), subject)
         held = self.law.action(self.law.start)
-        asked, samples, used = self._ask(policy, held), [], []
-        total, cause, failed = 0.0, "", False
+        asked = np.empty(0) if policy is None else self.stiffness(held)
+        samples, used, total, cause, failed = [], [], 0.0, "", False
         try:
             loop.start(episode, asked)
             before = self._share(loop, policy, held)
@@ -109,7 +136,7 @@ class Arena:
                 if policy is not None:
                     action = policy.act_on(loop.estimate, loop.desired)
                     held = policy.law.limit(action, held)
-                    asked = self._ask(policy, held)
+                    asked[self.selected] = policy.law.stiffness(held)
                 for _ in range(SAMPLES):
                     loop.advance(asked)
                     samples.append(loop.truth())
@@ -122,25 +149,55 @@ class Arena:
                 )
         except BraceError as error:
             cause, failed = cause or f"failed: {error}", True
-        return self._make_rollout(samples, used, total, cause, failed)
+        return Rollout(
+            time=task.sample_time / SAMPLES * np.arange(1, len(samples) + 1),
+            signals=stack_signals(samples, len(self.selected)),
+            stiffness=np.reshape(used, (-1, int(self.selected.sum()))),
+            total=-np.inf if failed else total,
+            cause=cause,
+            failed=failed,
+        )
 
-    def _scenario_of(self, contestant: Contestant):
+    def score(self, rollout: Rollout) -> TaskScore:
+        """Measures of a push."""
+        if rollout.failed:
+            return TaskScore(*vars(FAILED).values(), False, -np.inf, True, True)
+        i, signals = self.pushed, rollout.signals
+        base = 6 * (i // 6)
+        error = signals.desired - signals.position
+        push = Push(
+            rollout.time,
+            error[:, [i, base, base + 2]],
+            signals.desired_rate[:, i] - signals.rate[:, i],
+            signals.force[:, i],
+            rollout.stiffness[:, int(self.selected[:i].sum())],
+        )
+        found, law = score_push(push), self.law
+        slack = _AT_BOUND * (law.upper - law.lower)
+        return TaskScore(
+            **vars(found),
+            at_upper=law.upper - found.stiffness < slack,
+            total=rollout.total,
+            over_force=found.peak_force > self.force_limit,
+            broke=bool(rollout.cause),
+        )
+
+    def run_and_score(
+        self, controller: Controller, subject: Subject
+    ) -> TaskScore:
+        """The measures of one push."""
+        return self.score(self.run(controller, subject))
+
+    def _scenario_of(self, controller: Controller):
         control = self.scenario.control
-        tag = "vpic" if contestant.policy is not None else contestant.tag
+        tag = "vpic" if controller.policy is not None else controller.tag
         control = replace(control, tag=tag)
-        if contestant.stiffness is not None:
+        if controller.stiffness is not None:
             size = np.shape(control.impedance.stiffness)
-            stiffness = np.full(size, contestant.stiffness)
+            stiffness = np.full(size, controller.stiffness)
             impedance = replace(control.impedance, stiffness=stiffness)
             control = replace(control, impedance=impedance)
         return replace(self.scenario, control=control)
-
-    def _ask(self, policy: Policy | None, held: np.ndarray) -> np.ndarray:
-        if policy is None:
-            return np.empty(0)
-        asked = np.zeros(len(self.selected))
-        asked[self.selected] = policy.law.stiffness(held)
-        return asked
 
     def _share(self, loop: CompiledLoop, policy, held) -> np.ndarray:
         """Where the stiffness is within its range, 0 to 1."""
@@ -150,21 +207,72 @@ class Arena:
             held = law.action(used)
         return 0.5 * (held + 1.0)
 
-    def _make_rollout(
-        self,
-        samples: list[Signals],
-        used: list,
-        total: float,
-        cause: str,
-        failed: bool,
-    ) -> Rollout:
-        m, k = len(self.selected), int(self.selected.sum())
-        step = self.task.sample_time / SAMPLES
-        return Rollout(
-            time=step * np.arange(1, len(samples) + 1),
-            stiffness=np.array(used).reshape(-1, k),
-            total=-np.inf if failed else total,
-            cause=cause,
-            failed=failed,
-            **stack_signals(samples, m)._asdict(),
-        )
+
+_GRID = 9
+_ROUNDS = 3
+_INSIDE = 3
+# Nearer than this part of the range, in its logarithm, is the end itself.
+_AT_END = 0.01
+
+
+@dataclass(frozen=True)
+class ConstantSearch:
+    """A search over one stiffness that is held through the push.
+
+    Attributes:
+        best: Of the largest return, N/m.
+        total: Mean return with it.
+        tried: The grid over the whole range, N/m.
+        totals: Mean return of each of these.
+        at_upper: Whether the best is the upper end of the range.
+    """
+
+    best: float
+    total: float
+    tried: tuple[float, ...]
+    totals: tuple[float, ...]
+    at_upper: bool
+
+
+def search_constant(
+    benchmark: Benchmark, subjects: Sequence[Subject], workers: Workers
+) -> ConstantSearch:
+    """The constant stiffness of PIC with the largest mean return.
+
+    A policy has to beat it. A grid over the range of the policies, even in its
+    logarithm, then a finer one between the neighbours of the best, and so on.
+    """
+    law = benchmark.law
+    grid = np.geomspace(law.lower, law.upper, _GRID)
+
+    def mean_returns(values) -> list[float]:
+        tasks = [
+            (benchmark, Controller("", stiffness=float(K)), subject)
+            for K in values
+            for subject in subjects
+        ]
+        flat = np.array(workers.map(_return_of, tasks))
+        return flat.reshape((len(values), -1)).mean(axis=1).tolist()
+
+    totals = mean_returns(grid)
+    known = dict(zip(grid.tolist(), totals, strict=True))
+    for _ in range(_ROUNDS):
+        order = sorted(known)
+        i = order.index(max(order, key=known.get))
+        low, high = order[max(0, i - 1)], order[min(len(order) - 1, i + 1)]
+        finer = np.geomspace(low, high, _INSIDE + 2)[1:-1]
+        finer = [K for K in finer.tolist() if K not in known]
+        known |= dict(zip(finer, mean_returns(finer), strict=True))
+    best = max(known, key=known.get)
+    span = np.log(law.upper / law.lower)
+    return ConstantSearch(
+        best=best,
+        total=known[best],
+        tried=tuple(grid.tolist()),
+        totals=tuple(totals),
+        at_upper=bool(np.log(law.upper / best) < _AT_END * span),
+    )
+
+
+def _return_of(benchmark, controller: Controller, subject: Subject) -> float:
+    return benchmark.run(controller, subject).total

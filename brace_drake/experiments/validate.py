@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.devices.bench.recorded_motion import ring_poses
-from brace_drake.devices.bench.rollout import LENGTHS
+from brace_drake.devices.bench.rollout import FORCE, LENGTHS, MARKER
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.experiments.measures import rms
+from brace_drake.experiments.scores import rms
 from brace_drake.identification.contact_start import (
     contact_motion,
     contact_starts,
@@ -25,11 +26,9 @@ from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.bench import BenchScenario
 
 FORMAT = "brace-validation/1"
-_FORCE_Y, _TORSO_Y = 13, 16
 
 
-@dataclass(frozen=True)
-class Trace:
+class Trace(NamedTuple):
     """Along y, each (N,): ring's and torso's displacement, m; force, N."""
 
     ring: np.ndarray
@@ -56,6 +55,16 @@ class ReplayedRun:
     measured: Trace
     before: Trace
     after: Trace
+
+    def errors(self) -> dict[str, float]:
+        """RMSE of force, N, ring and torso, m, before and after the fit."""
+        return {
+            f"{name}_rmse_{unit}_{when}": rms(
+                getattr(twin, name) - getattr(self.measured, name)
+            )
+            for name, unit in (("force", "N"), ("ring", "m"), ("torso", "m"))
+            for when, twin in (("before", self.before), ("after", self.after))
+        }
 
 
 @dataclass(frozen=True)
@@ -182,22 +191,10 @@ def describe(validation: Validation) -> dict:
             )
         },
         "runs": {
-            split: {"file": r.run.file, **errors(r)}
+            split: {"file": r.run.file, **r.errors()}
             for split, r in shown.items()
             if r is not None
         },
-    }
-
-
-def errors(replayed: ReplayedRun) -> dict[str, float]:
-    """RMSE of force, N, ring and torso, m, before and after the fit."""
-    return {
-        f"{name}_rmse_{unit}_{when}": rms(
-            getattr(getattr(replayed, when), name)
-            - getattr(replayed.measured, name)
-        )
-        for name, unit in (("force", "N"), ("ring", "m"), ("torso", "m"))
-        for when in ("before", "after")
     }
 
 
@@ -248,4 +245,4 @@ def _replay(twin, run: Run, start, fitted) -> ReplayedRun:
 
 def _trace(twin, log: np.ndarray) -> Trace:
     poses, _ = ring_poses(twin.numbers, log[:, LENGTHS])
-    return Trace(poses[:, 1], log[:, _TORSO_Y], log[:, _FORCE_Y])
+    return Trace(poses[:, 1], log[:, MARKER][:, 1], log[:, FORCE][:, 1])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from brace_drake.experiments.comparison_table import to_png
+from brace_drake.experiments.tables import to_png
 from brace_drake.experiments.validate import (
     Regression,
     ReplayedRun,
     Validation,
-    errors,
 )
 from brace_drake.report.canvas import (
     AFTER,
@@ -93,7 +92,7 @@ def draw_forces(validation: Validation) -> bytes:
         )
         for column, (words, replayed) in enumerate(shown):
             top, bottom = axes[:, column]
-            rmse = errors(replayed)
+            rmse = replayed.errors()
             for name, colour, label in _STYLES:
                 force = getattr(replayed, name).force
                 if name != "measured":

@@ -87,11 +87,11 @@ def Run(args: argparse.Namespace) -> int:
     if not (args.scenario or args.motion):
         paper_runs = compare.RunPaper(args.noise_seed, MakeBar)
         paper = LoadScenario(scenario_path(compare.PAPER_PIC))
-        reasons = compare.explain_table_1(paper_runs[0].tracking, paper)
+        reasons = compare.explain_table_1(paper_runs[0].score, paper)
     WriteComparison(out, runs, paper_runs, reasons)
     print((out / "comparison.md").read_text(encoding="utf-8"), end="")
     print(f"\ncomparison: {out / 'comparison.csv'}, .md, .png")
-    outside = [r.tag for r in runs if not r.tracking.within_limits]
+    outside = [r.tag for r in runs if not r.score.within_limits]
     if outside:
         raise BraceError(f"outside the limits: {', '.join(outside)}")
     return 0

@@ -80,8 +80,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Runs the experiment and prints its table."""
     check_training_extra()
-    from brace_drake.experiments.transfer.payoff import CAUSES, run_payoff
-    from brace_drake.experiments.transfer.payoff_table import WritePayoff
+    from brace_drake.experiments.transfer import experiment
+    from brace_drake.experiments.transfer.table import WriteTransfer
     from brace_drake.learning.training.numbers import TrainingNumbers
     from brace_drake.learning.training.train import TrainPolicy
 
@@ -89,19 +89,22 @@ def Run(args: argparse.Namespace) -> int:
         raise BraceError(f"--force-limit {args.force_limit}; allowed: above 0")
     out = Path(args.out)
     numbers = TrainingNumbers(episodes=args.episodes, seed=args.seed)
-    causes = CAUSES if args.causes is None else args.causes.split(",")
+    options = experiment.TransferOptions(
+        args.severity, args.force_limit, args.seed
+    )
+    causes = experiment.CAUSES
+    if args.causes is not None:
+        causes = args.causes.split(",")
     with open_workers_option(args) as workers:
-        outcomes = run_payoff(
+        outcomes = experiment.run_transfer(
             out,
             lambda folder, task: TrainPolicy(folder, task, numbers),
             workers,
+            options,
             causes,
-            args.severity,
-            args.force_limit,
             args.pushes,
-            args.seed,
             lambda what: print(what, file=sys.stderr, flush=True),
         )
-    WritePayoff(out, outcomes)
+    WriteTransfer(out, outcomes)
     print((out / "payoff.md").read_text(encoding="utf-8"), end="")
     return 0

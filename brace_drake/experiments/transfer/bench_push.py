@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from brace_drake.experiments.scores import Push
 from brace_drake.laws import cubic
 from brace_drake.learning.policy import Policy
 from brace_drake.withheld.simulator import (
@@ -20,28 +20,6 @@ from brace_drake.withheld.simulator import (
 )
 
 _COORDINATES = 6
-
-
-@dataclass(frozen=True)
-class PhysicalPush:
-    """A push on the simulator at its decisions; N rows.
-
-    Attributes:
-        time: s.
-        desired, desired_rate: Along y, m, m/s.
-        position: Of the ring itself (N, 3), m.
-        rate: Along y, m/s.
-        force: On the torso along y, as the sensor behind its filter has it, N.
-        stiffness: Desired, along y, N/m.
-    """
-
-    time: np.ndarray
-    desired: np.ndarray
-    desired_rate: np.ndarray
-    position: np.ndarray
-    rate: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
 
 
 def cubic_push(way: float, duration: float, ticks: int) -> np.ndarray:
@@ -62,8 +40,11 @@ def push_bench(
     duration: float = 12.0,
     seed: int | Sequence[int] = 0,
     noise: bool = True,
-) -> PhysicalPush:
-    """Pushes the wearer of an independent simulator.
+) -> Push:
+    """Pushes the wearer of an independent simulator; rows are decisions.
+
+    Positions and rates are those of the ring itself, the force is as the
+    sensor behind its filter has it.
 
     Args:
         subject, flaws: Of the simulator.
@@ -88,28 +69,21 @@ def push_bench(
             )
             held = policy.law.limit(action, held)
             stiffness = float(policy.law.stiffness(held)[0])
-        rows.append(
-            [
-                tick * TICK,
-                *wanted[tick, 0:2],
-                run.x[0],
-                run.x[1],
-                run.x[2],
-                run.memory[control.RATE + 1],
-                run.memory[control.FORCE],
-                stiffness,
-            ]
-        )
+        X, rate = run.x[0:3], run.memory[control.RATE + 1]
+        force = run.memory[control.FORCE]
+        y, y_rate = wanted[tick, 0:2]
+        error = y - X[1], -X[0], -X[2]
+        rows.append([tick * TICK, *error, y_rate - rate, force, stiffness])
         return stiffness
 
     rng = np.random.default_rng(seed)
     decisions = Decisions(every, decide)
     run_bench(wanted, True, subject, flaws, rng, noise, decisions=decisions)
-    table = np.array(rows)
-    position = table[:, 3:6] - np.array([0.0, 0.0, table[0, 5]])
-    return PhysicalPush(
-        *table[:, 0:3].T, position, table[:, 6], table[:, 7], table[:, 8]
-    )
+    time, *errors, rate, force, stiffness = np.transpose(rows)
+    error = np.stack(errors, axis=1)
+    # The ring hangs where gravity has taken it.
+    error[:, 2] -= error[0, 2]
+    return Push(time, error, rate, force, stiffness)
 
 
 def estimate_of(memory: np.ndarray) -> np.ndarray:

@@ -5,35 +5,34 @@ campaign from which the repair was made. What they differ by there is what
 closing the gap was worth.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from pydrake.common.yaml import yaml_dump_typed
 
 from brace_drake.core.errors import BraceError
-from brace_drake.core.output import HoldFolder, MakeFolder, WriteJson
+from brace_drake.core.output import (
+    HoldFolder,
+    MakeFolder,
+    WriteJson,
+    WriteText,
+)
 from brace_drake.core.parallel import Workers
 from brace_drake.core.resources import scenario_path
 from brace_drake.diagnose import Diagnosis, diagnose
 from brace_drake.document.document import MakeDocument
-from brace_drake.experiments.measures import rms
-from brace_drake.experiments.transfer.bench_task import MakeBenchTask
-from brace_drake.experiments.transfer.on_simulator import (
-    PhysicalPush,
-    push_bench,
-)
-from brace_drake.experiments.transfer.payoff_options import (
-    KeepOptions,
-    PayoffOptions,
-)
+from brace_drake.experiments.scores import Push, Score, score_push
+from brace_drake.experiments.transfer.bench_push import push_bench
 from brace_drake.learning.policy import LoadPolicy, Policy
+from brace_drake.learning.rewards import improved
+from brace_drake.learning.subjects import EffectRange, SubjectRanges
 from brace_drake.learning.task import LearningTask
 from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.load import LoadScenario, SaveScenario
+from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.scenario.load import LoadRecord, LoadScenario, SaveScenario
 from brace_drake.validation.repaired import FILE, MakeRepairedScenario
 from brace_drake.withheld.cases import Case, draw_decoy, draw_subject
 from brace_drake.withheld.faults import FAULTS, SEVERITIES
@@ -48,6 +47,29 @@ Train = Callable[[Path, LearningTask], Path]
 Say = Callable[[str], None]
 
 
+OPTIONS = "payoff.yaml"
+
+
+@dataclass
+class TransferOptions:
+    """Options that machines, diagnoses and trainings of a folder depend on.
+
+    Budget and seed of the trainings are kept by these themselves. Causes may
+    be added, and pushes are made anew each time.
+
+    Attributes:
+        severity: Of the faults: small, medium or large.
+        force_limit: F_max of the reward and of the measures, N. The bench's
+            wearer is stiffer than the paper's, and more than its 4 N is on him
+            from the start.
+        seed: Of machines, campaigns, diagnoses and pushes.
+    """
+
+    severity: str = "large"
+    force_limit: float = 20.0
+    seed: int = 0
+
+
 @dataclass(frozen=True)
 class Outcome:
     """What one controller does on one machine in one push.
@@ -55,23 +77,40 @@ class Outcome:
     Attributes:
         cause: What is wrong with the machine.
         controller: pic, nominal or repaired: the twin of its policy.
-        push: Which of its pushes; those of a number have the same chance.
-        y_rms, vy_rms: Error along y, m and m/s.
-        across_rms: Error along x and z, m.
-        peak_force: Greatest force, N.
+        number: Which of its pushes; those of a number have the same chance.
+        score: Of the push.
         over_force: Share of the time above F_max.
-        stiffness: Mean over the second half, N/m.
     """
 
     cause: str
     controller: str
-    push: int
-    y_rms: float
-    vy_rms: float
-    across_rms: float
-    peak_force: float
+    number: int
+    score: Score
     over_force: float
-    stiffness: float
+
+
+def KeepOptions(folder: Path, options: TransferOptions) -> None:
+    """Writes payoff.yaml into a new folder, or holds the options to its own.
+
+    Raises:
+        BraceError: The folder was begun with others, or holds something that
+            is not of this experiment.
+    """
+    path = folder / OPTIONS
+    if not path.exists():
+        if any(folder.iterdir()):
+            raise BraceError(
+                f"{folder}: holds files and no {OPTIONS}: name a new folder"
+            )
+        WriteText(path, yaml_dump_typed(options))
+        return
+    kept = vars(LoadRecord(TransferOptions(), path))
+    for key, value in vars(options).items():
+        if kept[key] != value:
+            raise BraceError(
+                f"{path}: {key}: begun with {kept[key]}, asked for is {value}:"
+                " name another folder, or the same options"
+            )
 
 
 def make_case(cause: str, severity: str, seed: int) -> Case:
@@ -114,22 +153,33 @@ def repair_twin(
     return MakeRepairedScenario(found), found
 
 
-def measure_push(
-    push: PhysicalPush, cause: str, controller: str, number: int, limit: float
-) -> Outcome:
-    """Measures of one push."""
-    error = push.desired - push.position[:, 1]
-    settled = push.stiffness[len(push.stiffness) // 2 :]
-    return Outcome(
-        cause=cause,
-        controller=controller,
-        push=number,
-        y_rms=rms(error),
-        vy_rms=rms(push.desired_rate - push.rate),
-        across_rms=rms(np.linalg.norm(push.position[:, [0, 2]], axis=1)),
-        peak_force=float(np.abs(push.force).max()),
-        over_force=float(np.mean(np.abs(push.force) > limit)),
-        stiffness=float(settled.mean()),
+def MakeBenchTask(
+    bench: BenchScenario, file: Path, force_limit: float = 4.0
+) -> LearningTask:
+    """The paper's push on a bench, nominal or repaired, as a task to learn.
+
+    Args:
+        bench: With the effects that it carries: every subject has them.
+        file: Where the brace that has its numbers is written.
+        force_limit: F_max of the reward, which is the improved one, N.
+    """
+    brace = brace_of_bench(bench)
+    brace.control.tag = "vpic"
+    SaveScenario(brace, file)
+    effects = [
+        EffectRange(
+            name=use.name,
+            form=use.form,
+            parameters={k: np.full(2, v) for k, v in use.parameters.items()},
+        )
+        for use in bench.effects
+    ]
+    limits = np.full(6, float(force_limit))
+    return LearningTask(
+        scenario=str(file),
+        reward=replace(improved(), force_limit=limits),
+        readings="noisy",
+        subjects=SubjectRanges(effects=effects),
     )
 
 
@@ -137,34 +187,34 @@ def compare_on_machine(
     case: Case,
     cause: str,
     policies: dict[str, Policy | None],
-    limit: float,
+    options: TransferOptions,
     pushes: int,
     workers: Workers,
-    seed: int = 0,
 ) -> list[Outcome]:
     """Pushes the machine under each controller, with the same chance."""
+    seeds = [(options.seed, _PUSHED, i) for i in range(pushes)]
     tasks = [
-        (case.subject, case.flaws, policy, -0.01, 12.0, (seed, _PUSHED, i))
+        (case.subject, case.flaws, policy, -0.01, 12.0, seed)
         for policy in policies.values()
-        for i in range(pushes)
+        for seed in seeds
     ]
-    done = iter(workers.map(push_bench, tasks))
-    return [
-        measure_push(next(done), cause, name, i, limit)
-        for name in policies
-        for i in range(pushes)
-    ]
+    done: Iterator[Push] = iter(workers.map(push_bench, tasks))
+    outcomes = []
+    for name in policies:
+        for i in range(pushes):
+            push = next(done)
+            over = float(np.mean(np.abs(push.force) > options.force_limit))
+            outcomes.append(Outcome(cause, name, i, score_push(push), over))
+    return outcomes
 
 
-def run_payoff(
+def run_transfer(
     folder: Path,
     train: Train,
     workers: Workers,
+    options: TransferOptions,
     causes: Sequence[str] = CAUSES,
-    severity: str = "large",
-    force_limit: float = 20.0,
     pushes: int = 3,
-    seed: int = 0,
     say: Say | None = None,
 ) -> list[Outcome]:
     """The whole experiment; what a folder has already is not made again.
@@ -173,11 +223,9 @@ def run_payoff(
         folder: For campaigns, diagnoses, trainings and policies.
         train: Makes a policy.
         workers: For diagnoses and pushes.
+        options: That the folder is held to.
         causes: One machine each.
-        severity: small, medium or large.
-        force_limit: F_max of the reward and of the measures, N.
         pushes: Of each controller on each machine.
-        seed: Of machines, campaigns, diagnoses and pushes.
         say: Told what is being done.
 
     Raises:
@@ -187,38 +235,33 @@ def run_payoff(
     say = say or (lambda what: None)
     names = list(dict.fromkeys(c.strip() for c in causes if c.strip()))
     # A word that is wrong is told before anything takes its time.
-    cases = {name: make_case(name, severity, seed) for name in names}
+    cases = {n: make_case(n, options.severity, options.seed) for n in names}
     if not cases:
         raise BraceError("no cause is named")
     folder = HoldFolder(Path(folder))
-    KeepOptions(folder, PayoffOptions(severity, force_limit, seed))
+    KeepOptions(folder, options)
+
+    def policy_of(own: Path, bench: BenchScenario) -> Policy:
+        MakeFolder(own)
+        file = own / "brace.scenario.yaml"
+        task = MakeBenchTask(bench, file, options.force_limit)
+        return LoadPolicy(train(own / "training", task))
+
     nominal = LoadScenario(scenario_path("bench.scenario.yaml"))
     say("training on the nominal twin")
-    first = _policy_of(folder / "nominal", nominal, force_limit, train)
+    first = policy_of(folder / "nominal", nominal)
     outcomes = []
     for cause, case in cases.items():
         own = MakeFolder(folder / cause)
         if not (own / FILE).exists():
             say(f"{cause}: diagnosis")
-            scenario, _ = repair_twin(case, own, seed, workers)
+            scenario, _ = repair_twin(case, own, options.seed, workers)
             SaveScenario(scenario, own / FILE)
         say(f"{cause}: training on the repaired twin")
-        repaired = LoadScenario(own / FILE)
-        policies = {
-            "pic": None,
-            "nominal": first,
-            "repaired": _policy_of(own, repaired, force_limit, train),
-        }
+        repaired = policy_of(own, LoadScenario(own / FILE))
+        policies = {"pic": None, "nominal": first, "repaired": repaired}
         say(f"{cause}: pushes of the machine")
         outcomes += compare_on_machine(
-            case, cause, policies, force_limit, pushes, workers, seed
+            case, cause, policies, options, pushes, workers
         )
     return outcomes
-
-
-def _policy_of(
-    folder: Path, bench: BenchScenario, force_limit: float, train: Train
-) -> Policy:
-    MakeFolder(folder)
-    task = MakeBenchTask(bench, folder / "brace.scenario.yaml", force_limit)
-    return LoadPolicy(train(folder / "training", task))
