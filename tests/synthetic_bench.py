@@ -15,6 +15,8 @@ from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.bench import BenchScenario
+from brace_drake.selection.search.screening import screen, search_best
+from brace_drake.selection.search.shortlist import best_fits
 
 RATE, DEVICE = 200.0, "bench stage 2"
 # Mean square of the gap, in floors, that a recording is made to have.
@@ -53,6 +55,23 @@ def record(twin, subject, uses, seed):
         channels |= dict(zip(COLUMNS, desired[::5].T, strict=True))
         runs.append(Run(f"{name}.csv", contact, name, None, "fit", channels))
     return Campaign(Path("synthetic"), DEVICE, RATE, "twin", tuple(runs))
+
+
+def residual_of(evaluator, subject, uses=(), step=""):
+    """Weighted residual of all runs."""
+    return np.concatenate(
+        [
+            evaluator.weighted_residual(p, subject, uses, step)
+            for p in evaluator.prepared
+        ]
+    )
+
+
+def searched(base, effects, **options):
+    """Fits of effects beside a base after their searches, best first."""
+    candidates = screen(base, effects)
+    search_best(base, candidates, **options)
+    return best_fits(candidates)
 
 
 def without_torso(run):
@@ -115,7 +134,7 @@ class SyntheticBench:
         least, most = SIZES_OF_MANY if card.spread else SIZES
         for _ in range(12):
             evaluator = self.evaluator([(card, values)])
-            (residual,) = evaluator.residuals([(self.subject, ())])
+            residual = residual_of(evaluator, self.subject)
             left = beyond(residual, self._basis)
             size = left @ left / evaluator.count - 1.0
             if least <= size <= most:

@@ -17,9 +17,7 @@ from brace_drake.isolation.imposed_motion import (
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.friction import fit_frictions, sticking
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import screen
-from brace_drake.selection.search.shortlist import best_fits
-from tests.synthetic_bench import SyntheticBench, record
+from tests.synthetic_bench import SyntheticBench, record, searched
 
 FRICTION = find_effect("coulomb_friction")
 RELAXATION = find_effect("relaxation"), np.array([4000.0, 0.8])
@@ -73,7 +71,7 @@ class TestContactSide(unittest.TestCase):
         seen = explain_contact_side(self.side(self.stuck, RELAXATION), 0)
         evaluator = self.bench.evaluator([self.stuck, RELAXATION])
         ground = Linearisation(evaluator, fit_nominal(evaluator))
-        alone = best_fits(screen(ground, [FRICTION]))
+        alone = searched(ground, [FRICTION])
         frictions = sticking(with_limit(evaluator, 0.1), alone)
         self.assertEqual([f.name for f in frictions], ["coulomb_friction"])
         pair, *_ = fit_frictions(evaluator, frictions, seen, [FRICTION], quiet)
@@ -86,7 +84,7 @@ class TestContactSide(unittest.TestCase):
     def test_no_friction_is_beside_what_explains_without_one(self):
         explained = self.bench.evaluator([self.stuck])
         ground = Linearisation(explained, fit_nominal(explained))
-        fits = best_fits(screen(ground, [FRICTION]))
+        fits = searched(ground, [FRICTION])
         enough = fits[0].excess / explained.count + 0.01
         self.assertEqual(sticking(with_limit(explained, enough), fits), [])
 

@@ -17,7 +17,7 @@ from brace_drake.selection.surrogate_data import (
     surrogate_gains,
 )
 from brace_drake.validation.held_out import held_out_misfit, motions_of
-from tests.synthetic_bench import RATE, SyntheticBench, record
+from tests.synthetic_bench import RATE, SyntheticBench, record, residual_of
 
 SAMPLES, CHANNELS = 400, 3
 
@@ -147,9 +147,7 @@ class TestHeldOut(unittest.TestCase):
             others = Evaluator(self.twin, runs[:out] + runs[out + 1 :], 2)
             apart = fit_effects(others, [self.card], [np.array([0.05])])
             alone = Evaluator(self.twin, [left_out], 2)
-            (residual,) = alone.residuals(
-                [(apart.subject, apart.uses)], fine=True
-            )
+            residual = residual_of(alone, apart.subject, apart.uses, "fine")
             squares += float(residual @ residual)
         expected = squares / self.evaluator.count - 1.0
         found = held_out_misfit(self.evaluator, fit)

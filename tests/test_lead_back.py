@@ -15,10 +15,8 @@ from brace_drake.selection.search.joint_refit import (
     replace_second,
 )
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import screen
 from brace_drake.selection.search.search import search_causes
-from brace_drake.selection.search.shortlist import best_fits
-from tests.synthetic_bench import DEVICE, SyntheticBench
+from tests.synthetic_bench import DEVICE, SyntheticBench, searched
 
 
 def quiet(what, share):
@@ -36,7 +34,7 @@ class TestBesideAnchors(unittest.TestCase):
         cls.evaluator = cls.bench.evaluator(uses)
         nominal = fit_nominal(cls.evaluator)
         ground = Linearisation(cls.evaluator, nominal)
-        cls.stray = best_fits(screen(ground, [anchors], quiet, places=0))[0]
+        cls.stray = searched(ground, [anchors], places=0)[0]
 
     def pair_with(self, second):
         """True anchors and another effect, as a search might leave them."""

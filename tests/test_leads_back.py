@@ -12,7 +12,7 @@ from brace_drake.identification.fits import fit_effects, fit_nominal
 from brace_drake.laws.hooks import plug
 from brace_drake.selection.decision import decide
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import predict, screen
+from brace_drake.selection.search.screening import predict, screen, search_best
 from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.search.shortlist import best_fits
 from tests.synthetic_bench import DEVICE, SyntheticBench, without_torso
@@ -60,8 +60,11 @@ class TestRegistry(OnTheBench):
         evaluator, nominal = self.bench.recording_with_a_gap(card, sign)
         ground = Linearisation(evaluator, nominal)
         runners = screen(ground, simple)
+        search_best(ground, runners)
         if card.is_flexible:
-            runners += screen(ground, [card], places=0)
+            many = screen(ground, [card])
+            search_best(ground, many, places=0)
+            runners += many
         best = best_fits(runners)[0]
         self.assertLess(best.excess, 0.3 * nominal.excess)
         found = frozenset((card.name, *best.identifiers))
@@ -107,7 +110,8 @@ class TestAnswers(OnTheBench):
         ground, bar = Linearisation(evaluator, leader), 0.5 * leader.excess
         promises = [r.predicted for r in predict(ground, reflex)]
         self.assertGreater(min(promises), bar)
-        found = screen(ground, [reflex], bar=bar, must_explain=True)
+        found = screen(ground, [reflex])
+        search_best(ground, found, bar=bar, must_explain=True)
         self.assertLess(best_fits(found)[0].excess, bar)
 
     def test_what_no_effect_explains_is_outside_the_library(self):

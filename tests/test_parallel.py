@@ -238,6 +238,7 @@ class TestCluster(unittest.TestCase):
             estimate_floors,
             prepare_runs,
         )
+        from brace_drake.identification.problem import CandidateProblem
         from brace_drake.recording import LoadCampaign
 
         campaign = LoadCampaign(example_campaign_path())
@@ -248,13 +249,17 @@ class TestCluster(unittest.TestCase):
             twin, campaign.split("fit")[:2], floors, campaign.rate_hz, 0
         )
         card = find_effect("coulomb_friction")
-        points = [(values, ()), (values, ((card, np.array([0.3])),))]
+
+        def residuals(workers):
+            evaluator = Evaluator(twin, runs, workers)
+            problem = CandidateProblem(evaluator, [card])
+            strengths = np.array([0.0]), np.array([0.3])
+            points = [problem.join(values, [s]) for s in strengths]
+            return problem.batch(points, coarse=True)
+
         with open_workers(1) as one:
-            here = Evaluator(twin, runs, one).residuals(points, coarse=True)
-        there = Evaluator(twin, runs, self.remote)
-        for a, b in zip(
-            here, there.residuals(points, coarse=True), strict=True
-        ):
+            here = residuals(one)
+        for a, b in zip(here, residuals(self.remote), strict=True):
             np.testing.assert_array_equal(a, b)
 
     def test_what_a_task_raises_is_raised_here(self):

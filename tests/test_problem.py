@@ -20,21 +20,18 @@ class LinearEvaluator:
             has_loop=True,
             subject=(SubjectParameter("mass_kg", "kg", 40.0, 20.0, 80.0),),
         )
-        self.rows = rows
+        self.rows, self.replays = rows, 0
 
-    def residuals(self, points, coarse=False, fine=False):
-        out = []
-        for subject, uses in points:
-            parts = []
-            for run in self.prepared:
-                total = 0.1 * subject[0]
-                for k, (effect, values) in enumerate(uses):
-                    own = effect.in_run(values, run.index)
-                    weights = np.arange(1.0, len(own) + 1) * (k + 1)
-                    total += weights @ own
-                parts.append(total * np.arange(1.0, self.rows + 1))
-            out.append(np.concatenate(parts))
-        return out
+    def map(self, function, tasks):
+        return [function(*task) for task in tasks]
+
+    def weighted_residual(self, run, subject, uses, step):
+        total = 0.1 * subject[0]
+        for k, (effect, values) in enumerate(uses):
+            own = effect.in_run(values, run.index)
+            weights = np.arange(1.0, len(own) + 1) * (k + 1)
+            total += weights @ own
+        return total * np.arange(1.0, self.rows + 1)
 
 
 class TestProblem(unittest.TestCase):

@@ -1,5 +1,6 @@
 """Effects that set out from a special case of theirs, or from another start."""
 
+import math
 import unittest
 from types import SimpleNamespace
 
@@ -7,12 +8,17 @@ import numpy as np
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_nominal
+from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import richer_starts, search_richer
-from brace_drake.selection.search.screening import _from_another_start, screen
+from brace_drake.selection.search.screening import (
+    _best_starts,
+    screen,
+    search_best,
+)
 from brace_drake.selection.search.shortlist import best_fits
 from brace_drake.selection.search.small_second import try_fewer
-from tests.synthetic_bench import SyntheticBench
+from tests.synthetic_bench import SyntheticBench, searched
 
 COULOMB, STRIBECK = (
     find_effect(f"{name}_friction") for name in ("coulomb", "stribeck")
@@ -43,6 +49,7 @@ class TestRicherRace(unittest.TestCase):
         evaluator = self.bench.evaluator([(card, np.array(values))])
         ground = Linearisation(evaluator, fit_nominal(evaluator))
         runners = screen(ground, [COULOMB])
+        search_best(ground, runners)
         richer = search_richer(ground, runners, [COULOMB, STRIBECK])
         return evaluator, best_fits(runners)[0], best_fits(richer)
 
@@ -59,33 +66,35 @@ class TestRicherRace(unittest.TestCase):
         self.assertEqual(found, [])
 
 
-def begun(name, start, promise):
+def begun(name, start, predicted):
     """A search of an effect that begins somewhere."""
-    card = find_effect(name)
-    return SimpleNamespace(card=card, start=start, promise=promise)
+    problem = SimpleNamespace(effects=(find_effect(name),))
+    return Candidate(problem, None, None, None, predicted, start)
 
 
 class TestOtherStarts(unittest.TestCase):
     def test_the_best_from_another_start_is_kept_beside_the_best(self):
-        runners = [
-            begun("relaxation", (start,), promise)
-            for start, promise in (
+        candidates = [
+            begun("relaxation", (start,), predicted)
+            for start, predicted in (
                 (2.0, 1.0),
                 (2.0, 2.0),
                 (8.0, 3.0),
                 (0.5, 4.0),
             )
         ]
-        first, *more = runners
-        self.assertEqual(_from_another_start(first, more), (runners[2],))
+        (best,) = _best_starts(candidates, math.inf)
+        self.assertIs(best, candidates[0])
+        self.assertEqual(best.others, (candidates[2],))
 
     def test_a_breath_and_an_effect_of_one_start_have_no_other(self):
         for name, starts in (
             ("breathing", ((0.2,), (0.3,))),
             ("ring_mass", ((), ())),
         ):
-            first, *more = (begun(name, s, 1.0) for s in starts)
-            self.assertEqual(_from_another_start(first, more), ())
+            found = [begun(name, s, 1.0) for s in starts]
+            (best,) = _best_starts(found, math.inf)
+            self.assertEqual(best.others, ())
 
 
 class TestFewer(unittest.TestCase):
@@ -96,7 +105,7 @@ class TestFewer(unittest.TestCase):
         uses = list(zip((offsets, mass), values, strict=True))
         evaluator = bench.evaluator(uses)
         ground = Linearisation(evaluator, fit_nominal(evaluator))
-        (alone,) = best_fits(screen(ground, [offsets]))
+        (alone,) = searched(ground, [offsets])
         many = SimpleNamespace(excess=0.0)
         cards = [find_effect("force_bias"), find_effect("viscous_leg"), mass]
         found = best_fits(

@@ -53,6 +53,11 @@ class EffectParameter:
         return start if start > 0.0 else _SHARE * self.upper
 
 
+def _derived():
+    """A field that follows from the others."""
+    return field(init=False, repr=False, compare=False)
+
+
 @dataclass(frozen=True)
 class Effect:
     """A card: physics, parameters, place in the diagram, impostors.
@@ -92,6 +97,18 @@ class Effect:
             before those that add a force.
         at_rest: Whether it shows in the leg lengths at rest, whatever its
             size: where these are as they should be there is nothing of it.
+        key: Name, and form where there are several.
+        parameter_names, lower, upper: Names and limits in order.
+        is_continuous: Parameters that a fit moves (n,).
+        is_strength: Parameters that vanish with the effect (n,).
+        has_several_starts: Parameters that a fit moves from several starts.
+        has_either_sign: Whether what vanishes with the effect may all be
+            negative too; not where runs have phases of their own, which turn
+            it round as well.
+        is_flexible: Whether it has parameters by the dozen, held by priors.
+        places: What a device has to have for it: the plug points of its laws,
+            its other needs, and the brace's numbers where it takes or changes
+            them.
     """
 
     name: str
@@ -116,6 +133,16 @@ class Effect:
     generalises: tuple[str, ...] = ()
     on_command: bool = False
     at_rest: bool = False
+    key: str = _derived()
+    parameter_names: tuple[str, ...] = _derived()
+    lower: np.ndarray = _derived()
+    upper: np.ndarray = _derived()
+    is_continuous: np.ndarray = _derived()
+    is_strength: np.ndarray = _derived()
+    has_several_starts: np.ndarray = _derived()
+    has_either_sign: bool = _derived()
+    is_flexible: bool = _derived()
+    places: frozenset[str] = _derived()
 
     def __post_init__(self):
         if self.block not in BLOCKS:
@@ -131,6 +158,29 @@ class Effect:
                 )
         if not self.laws and self.modify is None:
             raise EffectError(f"effect {self.name} changes nothing")
+        parameters = self.parameters
+        moved = np.array([not p.choices for p in parameters], dtype=bool)
+        several = np.array([len(p.starts) > 1 for p in parameters], dtype=bool)
+        vanishes = np.array([p.off == 0.0 for p in parameters], dtype=bool)
+        lower = np.array([p.lower for p in parameters])
+        signs = lower[moved & vanishes]
+        places = [*self.laws, *self.needs]
+        if self.modify is not None or self.constants is not None:
+            places.append("brace")
+        either = bool(signs.size and np.all(signs < 0.0))
+        derived = {
+            "key": f"{self.name} ({self.form})" if self.form else self.name,
+            "parameter_names": tuple(p.name for p in parameters),
+            "lower": lower,
+            "upper": np.array([p.upper for p in parameters]),
+            "is_continuous": moved,
+            "is_strength": moved & vanishes,
+            "has_several_starts": moved & several,
+            "has_either_sign": either and not self.run_parameters,
+            "is_flexible": bool(self.spread or self.run_parameters),
+            "places": frozenset(places),
+        }
+        vars(self).update(derived)
 
     def is_alike(self, other: Effect) -> bool:
         """Whether both are forms of one effect, or one holds the other: then
@@ -145,44 +195,6 @@ class Effect:
     def is_richer_than(self, other: Effect) -> bool:
         """Whether the other one is a special case, in the same form."""
         return other.name in self.generalises and other.form == self.form
-
-    @property
-    def places(self) -> frozenset[str]:
-        """What a device must have for it: the plug points of its laws, its
-        other needs, and the brace's numbers where it takes or changes them.
-        """
-        numbers = self.modify is not None or self.constants is not None
-        return frozenset((*self.laws, *self.needs, *["brace"] * numbers))
-
-    @property
-    def parameter_names(self) -> tuple[str, ...]:
-        """Names of the parameters in order."""
-        return tuple(p.name for p in self.parameters)
-
-    @property
-    def lower(self) -> np.ndarray:
-        """Lower limits of the parameters."""
-        return np.array([p.lower for p in self.parameters])
-
-    @property
-    def upper(self) -> np.ndarray:
-        """Upper limits of the parameters."""
-        return np.array([p.upper for p in self.parameters])
-
-    @property
-    def key(self) -> str:
-        """Name, and form where there are several."""
-        return f"{self.name} ({self.form})" if self.form else self.name
-
-    @property
-    def is_continuous(self) -> np.ndarray:
-        """Parameters that a fit moves (n,), bool."""
-        return np.array([not p.choices for p in self.parameters])
-
-    @property
-    def is_flexible(self) -> bool:
-        """Whether it has parameters by the dozen, held by priors."""
-        return self.spread is not None or bool(self.run_parameters)
 
     def in_run(self, values: np.ndarray, index: int) -> np.ndarray:
         """The law's vector p in one run.
@@ -204,36 +216,12 @@ class Effect:
         each = [p.choices or p.starts for p in self.parameters]
         return [np.array(v) for v in itertools.product(*each)]
 
-    @property
-    def has_several_starts(self) -> np.ndarray:
-        """Parameters that a fit moves from several starts (n,), bool."""
-        several = np.array([len(p.starts) > 1 for p in self.parameters])
-        return self.is_continuous & several
-
-    @property
-    def _is_strength(self) -> np.ndarray:
-        """Parameters that vanish with the effect (n,), bool."""
-        return np.array(
-            [p.off == 0.0 and not p.choices for p in self.parameters]
-        )
-
-    @property
-    def has_either_sign(self) -> bool:
-        """Whether what vanishes with the effect may all be negative too.
-
-        Not where runs have phases of their own, which turn it round as well.
-        """
-        lower = self.lower[self._is_strength]
-        return bool(lower.size and np.all(lower < 0.0)) and (
-            not self.run_parameters
-        )
-
     def scaled(self, values: np.ndarray, factor: float) -> np.ndarray:
         """Values of an effect `factor` times as strong, inside its limits.
 
         What vanishes with the effect is multiplied, its shape is left alone.
         """
-        changed = np.where(self._is_strength, values * factor, values)
+        changed = np.where(self.is_strength, values * factor, values)
         return np.clip(changed, self.lower, self.upper)
 
     def off(self) -> np.ndarray:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -32,6 +32,9 @@ class PreparedRun:
         floor: Noise floor of this kind of run.
         seed: Of the dithers.
         index: Place among the runs of its evaluator.
+        used: Channels that carry information (C,).
+        num_weighted: Length of what `weigh` returns.
+        count: Number of independent values, expectation of the noise's squares.
     """
 
     run: Run
@@ -41,11 +44,22 @@ class PreparedRun:
     floor: NoiseFloor
     seed: int
     index: int = 0
+    used: np.ndarray = field(init=False)
+    num_weighted: int = field(init=False)
+    count: int = field(init=False)
 
-    @property
-    def used(self) -> np.ndarray:
-        """Channels that carry information (C,)."""
-        return self.weights[1] > 0.0
+    def __post_init__(self):
+        used = self.weights[1] > 0.0
+        size = (2 * len(self.weights) - 1) * int(used.sum())
+        # An even number of samples has a Nyquist bin, which is real.
+        whole = len(self.weights) == len(self.measured) // 2 + 1
+        real = int(whole and len(self.measured) % 2 == 0)
+        derived = {
+            "used": used,
+            "num_weighted": size,
+            "count": size - real * int(used.sum()),
+        }
+        vars(self).update(derived)
 
     def weigh(self, residual: np.ndarray) -> np.ndarray:
         """Residual (N, C) as a vector of unit variance for pure noise."""
@@ -55,19 +69,6 @@ class PreparedRun:
         return np.concatenate(
             [transform.real.ravel(), transform[1:].imag.ravel()]
         )
-
-    @property
-    def num_weighted(self) -> int:
-        """Length of what `weigh` returns."""
-        return (2 * len(self.weights) - 1) * int(self.used.sum())
-
-    @property
-    def count(self) -> int:
-        """Number of independent values, expectation of the noise's squares."""
-        # An even number of samples has a Nyquist bin, which is real.
-        whole = len(self.weights) == len(self.measured) // 2 + 1
-        real = 1 if whole and len(self.measured) % 2 == 0 else 0
-        return self.num_weighted - real * int(self.used.sum())
 
 
 def uses_in_run(uses: Sequence[Use], index: int) -> tuple[Use, ...]:
@@ -120,39 +121,30 @@ class Evaluator:
     with cores and share one compiled twin. Results do not depend on their
     number.
 
-    Attribute `replays` counts the points that `residuals` was asked for: what
-    a search has cost, the same on any machine.
+    Attributes:
+        replays: How many points were evaluated: what a search has cost, the
+            same on any machine.
+        count: Number of independent values over all runs.
+        recorded: Share of the channels that carry information that was
+            recorded.
+        ends: Where each run's rows of the weighted residual end.
+        map: Results of `function(*task)` in order, from (function, tasks).
     """
 
     def __init__(
         self, twin, prepared: Sequence[PreparedRun], jobs: int | Workers
     ):
         self.twin = twin
-        self._coarse_twin, self._fine_twin = twin.coarse(), twin.finer()
+        self._twins = {"": twin, "coarse": twin.coarse(), "fine": twin.finer()}
         self.prepared, self.jobs = list(prepared), jobs
         self.replays = 0
-        self._workers = open_workers(jobs)
-
-    @property
-    def count(self) -> int:
-        """Number of independent values over all runs."""
-        return sum(p.count for p in self.prepared)
-
-    @property
-    def recorded(self) -> float:
-        """Share of the channels that carry information that was recorded."""
-        active = sum(self.twin.active(p.run).sum() for p in self.prepared)
-        return float(sum(p.used.sum() for p in self.prepared) / active)
-
-    @property
-    def ends(self) -> list[int]:
-        """Where each run's rows of the weighted residual end."""
+        self.count = sum(p.count for p in self.prepared)
+        active = sum(twin.active(p.run).sum() for p in self.prepared)
+        used = sum(p.used.sum() for p in self.prepared)
+        self.recorded = float(used / active) if active else 1.0
         sizes = [p.num_weighted for p in self.prepared]
-        return [int(n) for n in np.cumsum(sizes)]
-
-    def map(self, function: Callable, tasks: Sequence) -> list:
-        """Results of `function(*task)` in order."""
-        return self._workers.map(function, tasks)
+        self.ends = [int(n) for n in np.cumsum(sizes)]
+        self.map = open_workers(jobs).map
 
     def simulate(
         self,
@@ -167,34 +159,24 @@ class Evaluator:
         noisy = dithers if is_dithered(twin, uses) else 0
         return replay(twin, prepared, subject, uses, noisy)
 
-    def residuals(
+    def weighted_residual(
         self,
-        points: Sequence[tuple[np.ndarray, Sequence[Use]]],
-        coarse: bool = False,
-        fine: bool = False,
-    ) -> list[np.ndarray | None]:
-        """Weighted residuals of all runs at several points at once.
+        prepared: PreparedRun,
+        subject: np.ndarray,
+        uses: Sequence[Use],
+        step: str = "",
+    ) -> np.ndarray | None:
+        """Weighted residual of a run; None where the twin broke down.
 
-        None where the twin broke down. `coarse` takes the longer plant step
-        of `twin.coarse()` and fewer dithers, for differences between points
-        and first rankings; `fine` half the plant step.
+        Args:
+            prepared: The run.
+            subject, uses: As of `simulate`.
+            step: "coarse" takes the longer plant step of `twin.coarse()` and
+                fewer dithers, for differences between points and first
+                rankings; "fine" half the plant step; "" the twin's own.
         """
-        twin = self._coarse_twin if coarse else self.twin
-        twin = self._fine_twin if fine else twin
-        dithers = _FEW_DITHERS if coarse else NUM_DITHERS
-        tasks = [
-            (p, s, u, twin, dithers) for s, u in points for p in self.prepared
-        ]
-        self.replays += len(points)
-        parts = self.map(self._weighted, tasks)
-        size = len(self.prepared)
-        chunks = [parts[i : i + size] for i in range(0, len(parts), size)]
-        return [
-            None if any(p is None for p in chunk) else np.concatenate(chunk)
-            for chunk in chunks
-        ]
-
-    def _weighted(self, prepared, subject, uses, twin, dithers):
+        dithers = _FEW_DITHERS if step == "coarse" else NUM_DITHERS
+        twin = self._twins[step]
         try:
             simulated = self.simulate(prepared, subject, uses, twin, dithers)
         except BraceError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -55,6 +55,16 @@ class CandidateFit:
         refined: Whether the search was led to its end.
         sticks: Whether its drives stick and slip by chance.
         is_dithered: Whether its replays are averages over noise.
+        name: Keys of the effects joined by +, or "nominal".
+        identifiers, kinds: Names of the effects, whatever their form, in order
+            and in no order.
+        uses: The effects with their fitted parameters.
+        num_free: Parameters beyond the subject's that were moved.
+        freedom: Those, and those that were chosen.
+        is_flexible: Whether one of the effects has dozens of parameters.
+        has_run_parameters: Whether single runs have parameters of their own.
+        is_searched: Whether a search has moved it, beyond what screening
+            predicts.
     """
 
     effects: tuple[Effect, ...]
@@ -69,53 +79,39 @@ class CandidateFit:
     refined: bool = False
     sticks: bool = False
     is_dithered: bool = False
+    name: str = field(init=False)
+    identifiers: tuple[str, ...] = field(init=False)
+    kinds: frozenset[str] = field(init=False)
+    uses: tuple[Use, ...] = field(init=False)
+    num_free: int = field(init=False)
+    freedom: int = field(init=False)
+    is_flexible: bool = field(init=False)
+    has_run_parameters: bool = field(init=False)
+    is_searched: bool = field(init=False)
 
-    @property
-    def name(self) -> str:
-        """Keys of the effects joined by +, or "nominal"."""
-        return "+".join(e.key for e in self.effects) or "nominal"
-
-    @property
-    def identifiers(self) -> tuple[str, ...]:
-        """Names of the effects, whatever their form."""
-        return tuple(e.name for e in self.effects)
-
-    @property
-    def kinds(self) -> frozenset[str]:
-        """Names of the effects, in no order."""
-        return frozenset(self.identifiers)
+    def __post_init__(self):
+        names = tuple(e.name for e in self.effects)
+        free = len(self.scales) - len(self.subject)
+        chosen = sum(
+            len(p.choices) > 1 for e in self.effects for p in e.parameters
+        )
+        derived = {
+            "name": "+".join(e.key for e in self.effects) or "nominal",
+            "identifiers": names,
+            "kinds": frozenset(names),
+            "uses": tuple(zip(self.effects, self.values, strict=True)),
+            "num_free": free,
+            "freedom": free + chosen,
+            "is_flexible": any(e.is_flexible for e in self.effects),
+            "has_run_parameters": any(e.run_parameters for e in self.effects),
+            "is_searched": self.solution.jacobian is not None,
+        }
+        vars(self).update(derived)
 
     @cached_property
     def is_scattered(self) -> bool:
         """Whether its alike parameters may be a sample of their prior."""
-        return looks_scattered(self)
-
-    @property
-    def is_flexible(self) -> bool:
-        """Whether one of the effects has dozens of parameters."""
-        return any(e.is_flexible for e in self.effects)
-
-    @property
-    def uses(self) -> tuple[Use, ...]:
-        """The effects with their fitted parameters."""
-        return tuple(zip(self.effects, self.values, strict=True))
-
-    @property
-    def is_searched(self) -> bool:
-        """Whether a search has moved it, beyond what screening predicts."""
-        return self.solution.jacobian is not None
-
-    @property
-    def num_free(self) -> int:
-        """Parameters beyond the subject's that were moved."""
-        return len(self.scales) - len(self.subject)
-
-    @property
-    def freedom(self) -> int:
-        """Parameters beyond the subject's, moved or chosen."""
-        return self.num_free + sum(
-            len(p.choices) > 1 for e in self.effects for p in e.parameters
-        )
+        return self.spread is None or looks_scattered(self)
 
 
 def fit_nominal(evaluator: Evaluator) -> CandidateFit:

@@ -191,14 +191,8 @@ def solve_gauss_newton(
         triangle = calc_triangle([jacobian, residual])
         step = _step_within(triangle, z, limits)
         left = residual + jacobian @ step
-        promised = cost - float(left @ left)
-        wanted = _AS_PROMISED * float(left @ left)
-        accepted = _improve(batch, z, step, cost, triangle, limits, wanted)
-        if accepted is not None and len(z) <= _FEW:
-            if cost - _cost_of(accepted) > _EXCEEDED * promised:
-                longer = [factor * step for factor in _LONGER]
-                found = _try_steps(batch, z, longer, lower, upper)
-                accepted = min([accepted, *found], key=_cost_of)
+        rest = float(left @ left)
+        accepted = _improve(batch, z, step, triangle, limits, cost, rest)
         decrease = 0.0
         if accepted is not None:
             z, residual = accepted
@@ -209,42 +203,51 @@ def solve_gauss_newton(
             break
         fast = _FAST if len(z) <= _FEW else _FAST_OF_MANY
         slow = decrease < fast * cost
-        stale = small or slow or decrease < _KEPT_PROMISE * promised
+        stale = small or slow or decrease < _KEPT_PROMISE * (cost - rest)
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
-def _improve(batch, z, step, cost, triangle, limits, wanted):
-    """The full step, or a shorter one that lowers the cost, or None.
+def _improve(batch, z, step, triangle, limits, cost, promised_rest):
+    """The point and residual of a step that lowers the cost, or None.
 
-    Of many parameters damped steps are tried where the full one leaves more
-    than is `wanted`.
+    The full step, else halves of it; of many parameters damped steps before,
+    where the full one leaves more than promised. Of few parameters one that
+    brings more than it promised is lengthened.
     """
     lower, upper, _ = limits
-    tries = 4
-    if len(z) > _FEW:
-        found = _try_steps(batch, z, [step], lower, upper)
-        if not found or _cost_of(found[0]) > wanted:
+    is_many, tries, full = len(z) > _FEW, 4, step
+    if is_many:
+        tries, points = 3, [np.clip(z + step, lower, upper)]
+        best = _least(points, batch(points))
+        if best is None or _cost_of(best) > _AS_PROMISED * promised_rest:
             steps = [_step_within(triangle, z, limits, s) for s in _DAMPED]
-            found += _try_steps(batch, z, steps, lower, upper)
-        best = min(found, key=_cost_of, default=None)
+            points = [np.clip(z + s, lower, upper) for s in steps]
+            best = _least(points, batch(points), best)
         if best is not None and _cost_of(best) < cost:
             return best
-        step, tries = 0.5 * step, 3
-    for _ in range(tries):
-        found = _try_steps(batch, z, [step], lower, upper)
-        if found and _cost_of(found[0]) < cost:
-            return found[0]
         step = 0.5 * step
-    return None
+    for _ in range(tries):
+        points = [np.clip(z + step, lower, upper)]
+        best = _least(points, batch(points))
+        if best is not None and _cost_of(best) < cost:
+            break
+        step, best = 0.5 * step, None
+    if best is None or is_many:
+        return best
+    if cost - _cost_of(best) > _EXCEEDED * (cost - promised_rest):
+        points = [np.clip(z + f * full, lower, upper) for f in _LONGER]
+        best = _least(points, batch(points), best)
+    return best
+
+
+def _least(points, residuals, best=None):
+    """The point and residual of least cost, of those that there are."""
+    found = zip(points, residuals, strict=True)
+    known = [f for f in found if f[1] is not None]
+    known = known if best is None else [best, *known]
+    return min(known, key=_cost_of, default=None)
 
 
 def _cost_of(point_and_residual) -> float:
     residual = point_and_residual[1]
     return float(residual @ residual)
-
-
-def _try_steps(batch, z, steps, lower, upper):
-    """Points and residuals after steps, those that could be evaluated."""
-    points = [np.clip(z + step, lower, upper) for step in steps]
-    found = zip(points, batch(points), strict=True)
-    return [(p, r) for p, r in found if r is not None]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
 
@@ -31,7 +31,11 @@ class CandidateProblem:
     deviation of their own or with a common spread, adds a row z_i / s_i to
     the residual.
 
-    Attribute `is_rough` tells whether noise dithers an effect.
+    Attributes:
+        num_subject, num_free: Parameters of the subject, and beyond.
+        alike: Which parameters have a common spread (n,).
+        has_spread: Whether any has.
+        is_rough: Whether noise dithers an effect.
 
     Args:
         evaluator: Over the fit runs.
@@ -59,7 +63,7 @@ class CandidateProblem:
         for effect in effects:
             parameters = self._continuous(effect, groups)
             for p in parameters:
-                scale = _scale_of(p)
+                scale = p.deviation or p.typical
                 units.append(scale)
                 low.append(p.lower)
                 high.append(p.upper)
@@ -80,8 +84,15 @@ class CandidateProblem:
         if self.is_rough:
             self.steps[: self.num_subject] *= _ROUGH
         self._groups = groups
-        self._alike = np.zeros(len(units), dtype=bool)
-        self._mark_alike()
+        self.num_free = len(units) - self.num_subject
+        self.alike = np.zeros(len(units), dtype=bool)
+        at = self.num_subject
+        for effect, moved in zip(self.effects, self._moved, strict=True):
+            if effect.spread is not None:
+                self.alike[at : at + len(moved)] = True
+            at += len(moved)
+        self.has_spread = bool(self.alike.any())
+        self.spread = _FIRST_SPREAD
 
     def _continuous(self, effect: Effect, groups: list) -> list:
         """Continuous parameters; notes their places and column groups."""
@@ -100,14 +111,6 @@ class CandidateProblem:
             *list(effect.run_parameters) * runs,
         ]
 
-    def _mark_alike(self) -> None:
-        at = self.num_subject
-        for effect, moved in zip(self.effects, self._moved, strict=True):
-            if effect.spread is not None:
-                self._alike[at : at + len(moved)] = True
-            at += len(moved)
-        self.spread = _FIRST_SPREAD
-
     @property
     def spread(self) -> float:
         """Scaled standard deviation of alike parameters."""
@@ -116,12 +119,7 @@ class CandidateProblem:
     @spread.setter
     def spread(self, value: float) -> None:
         self._spread = value
-        self._weights[self._alike] = 1.0 / value
-
-    @property
-    def num_free(self) -> int:
-        """Parameters beyond the subject's."""
-        return len(self.scales) - self.num_subject
+        self._weights[self.alike] = 1.0 / value
 
     def places_in_run(self, effect: Effect, run: int) -> np.ndarray:
         """Places in z of an effect's run parameters of one run."""
@@ -171,19 +169,9 @@ class CandidateProblem:
         return out, residual
 
     @property
-    def has_spread(self) -> bool:
-        """Whether there are parameters with a common spread."""
-        return bool(self._alike.any())
-
-    @property
-    def alike(self) -> np.ndarray:
-        """Which parameters have a common spread (n,)."""
-        return self._alike
-
-    @property
     def spread_scale(self) -> float:
         """Scale of the parameters with a common spread."""
-        return float(self.scales[self._alike][0])
+        return float(self.scales[self.alike][0])
 
     @property
     def num_prior(self) -> int:
@@ -233,14 +221,29 @@ class CandidateProblem:
         coarse: bool = False,
         fine: bool = False,
     ) -> list[np.ndarray | None]:
-        """Weighted residuals with the prior's rows below."""
-        found = self.evaluator.residuals(
-            [self.split(z) for z in points], coarse, fine
-        )
-        return [
-            None if r is None else np.concatenate([r, self.prior_rows(z)])
-            for r, z in zip(found, points, strict=True)
+        """Weighted residuals of all runs at several points at once, with the
+        prior's rows below; None where the twin broke down.
+
+        Args:
+            points: Scaled parameters.
+            coarse, fine: See `Evaluator.weighted_residual`.
+        """
+        evaluator = self.evaluator
+        step = "coarse" if coarse else "fine" if fine else ""
+        tasks = [
+            (run, *self.split(z), step)
+            for z in points
+            for run in evaluator.prepared
         ]
+        evaluator.replays += len(points)
+        found = evaluator.map(evaluator.weighted_residual, tasks)
+        out, size = [], len(evaluator.prepared)
+        for i, z in enumerate(points):
+            parts = found[i * size : (i + 1) * size]
+            broken = any(p is None for p in parts)
+            rows = [*parts, self.prior_rows(z)]
+            out.append(None if broken else np.concatenate(rows))
+        return out
 
     def columns(
         self, z: np.ndarray, first: int = 0, base: np.ndarray | None = None
@@ -287,9 +290,3 @@ class CandidateProblem:
                 out[begin:end, i - first] = change[begin:end] / steps[i]
         out[rows:] = self.prior_jacobian()[:, first:]
         return out
-
-
-def _scale_of(parameter: EffectParameter) -> float:
-    if parameter.deviation is not None:
-        return parameter.deviation
-    return parameter.typical

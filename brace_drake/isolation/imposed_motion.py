@@ -27,7 +27,7 @@ from brace_drake.selection.criterion import Criterion, make_criterion
 from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.null_bootstrap import draw_null
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import screen
+from brace_drake.selection.search.screening import screen, search_best
 from brace_drake.selection.search.shortlist import best_fits, refine
 from brace_drake.selection.surrogate_data import loses_to_surrogates
 
@@ -153,8 +153,10 @@ def _diagnose(
 
 
 def _screen(base, effects, most, say) -> list[CandidateFit]:
-    found = best_fits(screen(base, effects, say, enough=most))
-    return refine(base.evaluator, found, base.base.excess, rivals=most)
+    found = screen(base, effects, say)
+    search_best(base, found, say, enough=most)
+    fits = best_fits(found)
+    return refine(base.evaluator, fits, base.base.excess, rivals=most)
 
 
 def is_on_contact_side(card: Effect) -> bool:

@@ -37,6 +37,8 @@ class Candidate:
         predicted: Excess that it is predicted to leave.
         start: Where parameters of several starts began.
         others: The same effect from another start, best first.
+        added: The effect that it has beside those of the base.
+        name: Keys of its effects, joined by +.
     """
 
     problem: CandidateProblem
@@ -47,10 +49,10 @@ class Candidate:
     start: tuple[float, ...] = ()
     others: tuple[Candidate, ...] = ()
 
-    @property
-    def added(self) -> Effect:
-        """The effect that it has beside those of the base."""
-        return self.problem.effects[-1]
+    def __post_init__(self):
+        effects = self.problem.effects
+        self.added = effects[-1]
+        self.name = "+".join(e.key for e in effects)
 
     @property
     def excess(self) -> float:

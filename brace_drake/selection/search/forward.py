@@ -270,13 +270,9 @@ class SecondEffects:
         if flexible:
             # With so much freedom those drawn alike have to promise much.
             bar = min(bar, 0.5 * single.excess)
-        found = screen(
-            beside,
-            self._others(single, flexible),
-            say,
-            bar=bar,
-            enough=self._enough,
-            must_explain=True,
+        found = screen(beside, self._others(single, flexible), say)
+        search_best(
+            beside, found, say, bar=bar, enough=self._enough, must_explain=True
         )
         found += search_richer(beside, found, self._effects)
         self._keep(found, single.excess, bar)

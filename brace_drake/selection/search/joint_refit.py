@@ -17,7 +17,12 @@ from brace_drake.identification.problem import CandidateProblem
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import Say, predict, screen
+from brace_drake.selection.search.screening import (
+    Say,
+    predict,
+    screen,
+    search_best,
+)
 from brace_drake.selection.search.shortlist import (
     best_fits,
     refine,
@@ -127,7 +132,9 @@ def replace_second(
         beside = Linearisation(evaluator, alone)
     except BraceError:
         return []
-    found = best_fits(screen(beside, effects, say, must_explain=True))
+    candidates = screen(beside, effects, say)
+    search_best(beside, candidates, say, must_explain=True)
+    found = best_fits(candidates)
     found = refine(evaluator, found, beside.remaining, most=pair.excess)
     return [f for f in refined(found) if f.excess < pair.excess]
 

@@ -24,14 +24,7 @@ def silent(what: str, share: float) -> None:
 
 
 def screen(
-    base: Linearisation,
-    effects: Sequence[Effect],
-    say: Say = silent,
-    places: int = thresholds.PLACES,
-    bar: float = np.inf,
-    enough: float = np.inf,
-    must_explain: bool = False,
-    least: float = np.inf,
+    base: Linearisation, effects: Sequence[Effect], say: Say = silent
 ) -> list[Candidate]:
     """The base's effects with each of the given ones, from each start.
 
@@ -39,47 +32,38 @@ def screen(
         base: Where to set out from.
         effects: One more each.
         say: Progress.
-        places: So many are searched whatever is predicted.
-        bar: Excess; of effects of dozens of parameters that are drawn alike
-            those predicted to leave more are not searched, of others those
-            predicted to leave by far more.
-        enough, must_explain, least: See `search_best`.
 
     Returns:
-        Candidates, those searched with a Jacobian; none is searched where the
-        base leaves nothing to explain.
+        Candidates with the excess that each is predicted to leave.
     """
     candidates = []
     name = f"{base.base.name}+" if base.base.effects else ""
     for i, effect in enumerate(effects):
         say(f"cause {name}{effect.key}", 0.6 * i / len(effects))
         candidates += predict(base, effect)
-    if base.is_exact:
-        return candidates
-    best: dict[str, list[Candidate]] = {}
-    for candidate in sorted(candidates, key=lambda c: c.predicted):
-        best.setdefault(candidate.added.key, []).append(candidate)
-    good = []
-    for first, *more in best.values():
-        bends = 1.0 if first.added.spread is not None else thresholds.BENDS
-        if first.predicted <= bends * bar:
-            first.others = _from_another_start(first, more)
-            good.append(first)
-    search_best(base, good, say, places, enough, must_explain, least)
     return candidates
 
 
-def _from_another_start(
-    first: Candidate, more: Sequence[Candidate]
-) -> tuple[Candidate, ...]:
-    """The best one from another start, of an effect of few parameters: from
-    one time constant, or one width of a loop, no way may lead to another.
+def _best_starts(
+    candidates: Sequence[Candidate], bar: float
+) -> list[Candidate]:
+    """The best start of each set of effects below the bar, with the best one
+    from another start: from one time constant, or one width of a loop, no way
+    may lead to another.
     """
-    if first.added.is_flexible:
-        return ()
-    return tuple(
-        itertools.islice((c for c in more if c.start != first.start), 1)
-    )
+    best: dict[str, list[Candidate]] = {}
+    for candidate in sorted(candidates, key=lambda c: c.predicted):
+        best.setdefault(candidate.name, []).append(candidate)
+    good = []
+    for first, *more in best.values():
+        bends = 1.0 if first.added.spread is not None else thresholds.BENDS
+        if first.predicted > bends * bar:
+            continue
+        if not first.added.is_flexible:
+            others = (c for c in more if c.start != first.start)
+            first.others = tuple(itertools.islice(others, 1))
+        good.append(first)
+    return good
 
 
 def search_best(
@@ -87,17 +71,23 @@ def search_best(
     candidates: Sequence[Candidate],
     say: Say = silent,
     places: int = thresholds.PLACES,
+    bar: float = np.inf,
     enough: float = np.inf,
     must_explain: bool = False,
     least: float = np.inf,
 ) -> None:
     """Searches the candidates that are predicted to leave least, best first.
 
+    None is searched where the base leaves nothing to explain.
+
     Args:
         base: Where they set out from.
-        candidates: By what they are predicted to leave.
+        candidates: With what they are predicted to leave.
         say: Progress.
         places: So many are searched whatever is predicted.
+        bar: Excess; of effects of dozens of parameters that are drawn alike
+            those predicted to leave more are not searched, of others those
+            predicted to leave by far more.
         enough: Excess of an explanation. A candidate predicted to leave more,
             whose search has gone behind the base, is given up.
         must_explain: Whether one that leaves more than `enough` is of no use:
@@ -105,6 +95,9 @@ def search_best(
             not searched.
         least: Excess that another one has left before.
     """
+    if base.is_exact:
+        return
+    candidates = _best_starts(candidates, bar)
     trust = thresholds.COARSE * base.evaluator.count
     remaining = base.remaining
     for place, candidate in enumerate(candidates):

@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
@@ -25,7 +24,7 @@ from brace_drake.selection.search.friction import (
 )
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
-from brace_drake.selection.search.screening import Say, screen
+from brace_drake.selection.search.screening import Say, screen, search_best
 from brace_drake.selection.search.shortlist import (
     best_fits,
     improve_choices,
@@ -83,11 +82,28 @@ def search_causes(
     ]
     base = Linearisation(evaluator, nominal)
     criterion = make_criterion(evaluator, nominal)
-    is_off = holds_at_rest is False
-    found, flexible, many = _screen_all(base, criterion, effects, is_off, say)
-    say("contenders", 0.4)
-    # Those that explain nothing are not compared to the last digit.
+    many, simple = _divide(effects, lambda e: e.is_flexible)
+    flexible: list[CandidateFit] = []
+    if holds_at_rest is False and not criterion.is_almost_near_floor(nominal):
+        at_rest, many = _divide(many, lambda e: e.at_rest)
+        part = _part(say, 0.1, 0.2)
+        flexible = _fit_many(base, criterion, at_rest, part)
     most = criterion.largest_excess(1)
+    least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
+    found: list[Candidate] = []
+    if any(criterion.is_almost_near_floor(f) for f in flexible):
+        # Of the others only what may explain it too needs a search.
+        simple, others = _divide(simple, lambda e: e.at_rest)
+        part = _part(say, 0.2, 0.3)
+        found = screen(base, others, part)
+        search_best(base, found, part, 1, most, most, least=least)
+    part = _part(say, 0.2, 0.4)
+    first = screen(base, simple, part)
+    search_best(base, first, part, enough=most, least=least)
+    found += first
+    found += search_richer(base, found, simple)
+    say("shortlist", 0.4)
+    # Those that explain nothing are not compared to the last digit.
     fits = refine(evaluator, best_fits(found), nominal.excess, rivals=most)
     fits = improve_choices(base, fits, most)
     null = draw_null(evaluator, nominal, fits, seed)
@@ -121,7 +137,7 @@ def search_causes(
         pairs = second.search([], say)
         return Searched([*known, *pairs], criterion, False, shown)
     if not criterion.is_near_floor(known):
-        flexible += _screen_many(base, criterion, many, _part(say, 0.55, 0.6))
+        flexible += _fit_many(base, criterion, many, _part(say, 0.55, 0.6))
         known = [*fits, *flexible]
     part = _part(say, 0.6, 0.78)
     if _is_done(criterion, known):
@@ -140,41 +156,7 @@ def _is_done(criterion: Criterion, known: Sequence[CandidateFit]) -> bool:
     return not (known and criterion.has_gap(known))
 
 
-def _screen_all(
-    base: Linearisation,
-    criterion: Criterion,
-    effects: list[Effect],
-    is_off: bool,
-    say: Say,
-) -> tuple[list[Candidate], list[CandidateFit], list[Effect]]:
-    """Screens effects of few parameters; before them those of dozens that show
-    in the leg lengths at rest, where these are off.
-
-    Returns:
-        Candidates of few parameters, fits of dozens, effects of dozens that
-        were not tried.
-    """
-    many, simple = _divide(effects, lambda e: e.is_flexible)
-    flexible: list[CandidateFit] = []
-    if is_off and not criterion.is_almost_near_floor(criterion.nominal):
-        at_rest, many = _divide(many, lambda e: e.at_rest)
-        part = _part(say, 0.1, 0.2)
-        flexible = _screen_many(base, criterion, at_rest, part)
-    found: list[Candidate] = []
-    most = criterion.largest_excess(1)
-    least = min((max(f.excess, 0.0) for f in flexible), default=np.inf)
-    if any(criterion.is_almost_near_floor(f) for f in flexible):
-        # Of the others only what may explain it too needs a search.
-        simple, others = _divide(simple, lambda e: e.at_rest)
-        part = _part(say, 0.2, 0.3)
-        found = screen(base, others, part, 1, most, most, least=least)
-    part = _part(say, 0.2, 0.4)
-    found += screen(base, simple, part, enough=most, least=least)
-    found += search_richer(base, found, simple)
-    return found, flexible, many
-
-
-def _screen_many(
+def _fit_many(
     base: Linearisation, criterion: Criterion, effects, say: Say
 ) -> list[CandidateFit]:
     """Fits of effects of dozens of parameters, refined where they are near
@@ -183,7 +165,9 @@ def _screen_many(
     With so much freedom less is no sign of them, and the end of their search
     is dear. What leaves more may have another effect beside.
     """
-    fits = best_fits(screen(base, effects, say, places=0))
+    found = screen(base, effects, say)
+    search_best(base, found, say, places=0)
+    fits = best_fits(found)
     good, rest = _divide(
         fits,
         lambda f: (

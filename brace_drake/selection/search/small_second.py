@@ -18,7 +18,12 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import Say, predict, screen
+from brace_drake.selection.search.screening import (
+    Say,
+    predict,
+    screen,
+    search_best,
+)
 from brace_drake.selection.search.shortlist import best_fits, try_refine
 
 
@@ -98,4 +103,6 @@ def try_fewer(
     except BraceError:
         return []
     most = max(many.excess, thresholds.TWIN_ERROR * evaluator.count)
-    return screen(base, effects, say, enough=most, must_explain=True)
+    candidates = screen(base, effects, say)
+    search_best(base, candidates, say, enough=most, must_explain=True)
+    return candidates
