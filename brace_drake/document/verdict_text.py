@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from itertools import islice
 
 from brace_drake.effects.card import Effect
-from brace_drake.effects.choice_words import choice_words
-from brace_drake.effects.registry import find_effect
+from brace_drake.effects.registry import choice_words, find_effect
 from brace_drake.report.words import parameter_text
 
 # Deepest cause first: what lies upstream explains what follows.

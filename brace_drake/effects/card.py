@@ -32,6 +32,8 @@ class EffectParameter:
             its shape alone.
         choices: The only values that the parameter takes, where it is not
             continuous: a fit tries each.
+        words: What each of the choices stands for, where its number does not
+            say it.
         deviation: Standard deviation of its normal prior around 0, where it
             has one.
     """
@@ -44,6 +46,7 @@ class EffectParameter:
     meaning: str
     off: float | None = 0.0
     choices: tuple[float, ...] = ()
+    words: tuple[str, ...] = ()
     deviation: float | None = None
 
     @property

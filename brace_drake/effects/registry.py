@@ -123,3 +123,13 @@ def find_effect(key: str) -> Effect:
     hint = suggest(key, cards)
     there = " There" if hint else "; there"
     raise EffectError(f"no effect {key!r}{hint}{there} are {', '.join(cards)}")
+
+
+def choice_words(name: str, value: float) -> str | None:
+    """A parameter's choice in words, None where its number says it."""
+    for card in all_effects().values():
+        for parameter in card.parameters:
+            known = zip(parameter.choices, parameter.words, strict=False)
+            if parameter.name == name and value in parameter.choices:
+                return dict(known).get(value)
+    return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from brace_drake.effects.choice_words import choice_words
+from brace_drake.effects.registry import choice_words
 from brace_drake.report.access import bar_width, items, names, part, rows, text
 from brace_drake.report.words import (
     NOTHING,

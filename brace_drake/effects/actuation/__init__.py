@@ -1,0 +1,1 @@
+"""Effects of the drives: friction, play, dead time, gains and limits."""

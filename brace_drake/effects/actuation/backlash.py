@@ -4,7 +4,6 @@ import math
 from operator import attrgetter
 
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.effects.parameters import DRIVE_VISCOUS
 from brace_drake.laws.hooks import plug
 
 _EQUATION = (
@@ -61,6 +60,16 @@ def _gap_sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     x[2 * n] = 1.0
 
 
+DRIVE_VISCOUS = EffectParameter(
+    "drive_viscous_N_s_m",
+    "N s/m",
+    1.0,
+    1000.0,
+    (40.0,),
+    "viscous friction b of the drive, as on the data sheet",
+    off=None,
+    choices=(40.0,),
+)
 _WIDTH = EffectParameter(
     "backlash_m", "m", 0.0, 0.005, (2e-4, 8e-4), "width w of the play"
 )

@@ -26,6 +26,7 @@ CARD = Effect(
             "which pad: 0 both, 1 at +y, 2 at -y",
             off=None,
             choices=(0.0, 1.0, 2.0),
+            words=("both pads", "pad at +y", "pad at -y"),
         ),
         EffectParameter(
             "clearance_m",

@@ -68,6 +68,7 @@ CARD = Effect(
             "whether the loop is lost once the pad is off: 1 yes, 0 no",
             off=None,
             choices=(0.0, 1.0),
+            words=("kept while the pad is off", "lost once the pad is off"),
         ),
     ),
     laws={"contact": _law},

@@ -1,0 +1,1 @@
+"""Effects of legs and ring: anchors, masses, elastic legs."""

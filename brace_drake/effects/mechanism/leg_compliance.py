@@ -3,8 +3,8 @@
 import math
 from operator import attrgetter
 
+from brace_drake.effects.actuation.backlash import DRIVE_VISCOUS
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.effects.parameters import DRIVE_VISCOUS
 from brace_drake.laws.hooks import plug
 
 

@@ -1,0 +1,1 @@
+"""Effects of the instruments: forces and leg lengths as they are read."""

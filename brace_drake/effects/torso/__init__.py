@@ -1,0 +1,1 @@
+"""Effects of the wearer's own motion."""
