@@ -15,7 +15,7 @@ from brace_drake.experiments.evaluation_table import (
 )
 from brace_drake.experiments.evaluation_words import explain
 from brace_drake.experiments.tables import Spread
-from brace_drake.report import page as report_page
+from brace_drake.report.page import render_template
 
 _TEMPLATE = "evaluation.html.j2"
 _CAPTIONS = {
@@ -44,16 +44,9 @@ def WritePage(
 
 def render_page(evaluation: Evaluation, figures: dict[str, bytes]) -> str:
     """The page as HTML text."""
-    from jinja2 import Environment, FileSystemLoader
-
-    places = (Path(__file__).parent, Path(report_page.__file__).parent)
-    environment = Environment(
-        loader=FileSystemLoader(places),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template(_TEMPLATE).render(
+    return render_template(
+        _TEMPLATE,
+        Path(__file__).parent,
         subjects=len(evaluation.subjects),
         policies=evaluation.policy_names,
         seeds=len(evaluation.policies),

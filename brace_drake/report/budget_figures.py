@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from textwrap import wrap
 
 import numpy as np
 
-from brace_drake.report.access import numbers, text
+from brace_drake.isolation.shapley import UNEXPLAINED
 from brace_drake.report.canvas import (
     ACQUITTED,
     BEFORE,
@@ -20,8 +19,12 @@ from brace_drake.report.canvas import (
     shorten,
     to_data_uri,
 )
-from brace_drake.report.tables import band_text
-from brace_drake.report.words import channel_text, percent
+from brace_drake.report.words import (
+    band_text,
+    channel_text,
+    percent,
+    to_number,
+)
 
 # Channels and panels beyond these would not be read.
 _MOST_CHANNELS, _MOST_PHASES = 14, 6
@@ -31,18 +34,17 @@ _TITLE = 84
 
 def draw_attribution(rows: Sequence[dict]) -> str | None:
     """Share of each block with its 95 % interval, as a data URI."""
-    shares = np.array(numbers(list(rows), "share"))
-    if not len(shares) or not np.isfinite(shares).any():
+    if not rows:
         return None
-    low = np.array(numbers(list(rows), "lower95"))
-    high = np.array(numbers(list(rows), "upper95"))
+    shares, low, high = (
+        np.array([to_number(row[key]) for row in rows])
+        for key in ("share", "lower95", "upper95")
+    )
     with figure_style():
         figure = make_figure(WIDTH, 0.7 + 0.34 * len(rows))
         axes = figure.subplots()
         for i, share in enumerate(np.clip(shares, 0.0, 1.0)):
-            if not math.isfinite(share):
-                continue
-            known = i < len(rows) - 1 or bool(text(rows[i], "block") in _BLOCKS)
+            known = rows[i]["block"] != UNEXPLAINED
             axes.barh(i, share, 0.56, color=BEFORE if known else ACQUITTED)
             ends = np.clip([low[i], high[i]], 0.0, 1.0)
             if np.isfinite(ends).all():
@@ -69,32 +71,24 @@ def draw_attribution(rows: Sequence[dict]) -> str | None:
         return to_data_uri(figure)
 
 
-_BLOCKS = ("actuation", "mechanism", "contact", "torso", "sensing")
-
-
 def _label(row: dict) -> str:
-    others = row.get("or")
-    names = [text(row, "block"), *(others if isinstance(others, list) else [])]
-    return shorten(" or ".join(str(n) for n in names))
+    return shorten(" or ".join([row["block"], *row["or"]]))
 
 
 def draw_cube(rows: Sequence[dict]) -> str | None:
     """Shares by channel and band, one panel for each phase, as a data URI."""
-    cells = [r for r in rows if _share(r) > 0.0]
+    cells = [r for r in rows if r["share"] > 0.0]
     if not cells:
         return None
-    phases = _largest(cells, lambda r: text(r, "phase"), _MOST_PHASES)
-    channels = _largest(cells, lambda r: text(r, "channel"), _MOST_CHANNELS)
-    starts = np.array(numbers(cells, "from_Hz"))
-    bands = {band_text(cells[i]): 0 for i in np.argsort(starts, kind="stable")}
-    for i, name in enumerate(bands):
-        bands[name] = i
+    phases = _largest(cells, "phase", _MOST_PHASES)
+    channels = _largest(cells, "channel", _MOST_CHANNELS)
+    rising = sorted(cells, key=lambda r: r["from_Hz"])
+    bands = list(dict.fromkeys(map(band_text, rising)))
     grids = np.zeros((len(phases), len(channels), len(bands)))
     for r in cells:
-        phase, channel = text(r, "phase"), text(r, "channel")
-        if phase in phases and channel in channels:
-            at = phases.index(phase), channels.index(channel)
-            grids[(*at, bands[band_text(r)])] += _share(r)
+        if r["phase"] in phases and r["channel"] in channels:
+            at = phases.index(r["phase"]), channels.index(r["channel"])
+            grids[(*at, bands.index(band_text(r)))] += r["share"]
     with figure_style():
         height = 1.45 + 0.235 * len(channels)
         figure = make_figure(WIDTH, height)
@@ -103,7 +97,7 @@ def draw_cube(rows: Sequence[dict]) -> str | None:
         for axes, grid, phase in zip(panels, grids, phases, strict=True):
             axes.imshow(grid, cmap="Oranges", vmin=0, vmax=top, aspect="auto")
             total = percent(float(grid.sum()))
-            words = wrap(phase, _TITLE // len(phases)) or ["—"]
+            words = wrap(phase, _TITLE // len(phases))
             axes.set_title("\n".join(map(plain, [*words, total])))
             _write_shares(axes, grid, top)
             names = [b.removesuffix(" Hz").replace(" to ", "–") for b in bands]
@@ -118,11 +112,6 @@ def draw_cube(rows: Sequence[dict]) -> str | None:
         return to_data_uri(figure)
 
 
-def _share(row: dict) -> float:
-    value = numbers([row], "share")[0]
-    return min(value, 1.0) if math.isfinite(value) else 0.0
-
-
 def _write_shares(axes, grid: np.ndarray, top: float) -> None:
     for (i, j), share in np.ndenumerate(grid):
         if share < 0.005:
@@ -132,9 +121,9 @@ def _write_shares(axes, grid: np.ndarray, top: float) -> None:
         axes.text(j, i, note, ha="center", va="center", fontsize=7, color=color)
 
 
-def _largest(cells: list[dict], key, most: int) -> list[str]:
+def _largest(cells: list[dict], key: str, most: int) -> list[str]:
     """Names with the largest shares first."""
     total: dict[str, float] = {}
     for r in cells:
-        total[key(r)] = total.get(key(r), 0.0) + _share(r)
+        total[r[key]] = total.get(r[key], 0.0) + r["share"]
     return sorted(total, key=lambda name: -total[name])[:most]

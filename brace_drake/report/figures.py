@@ -29,8 +29,8 @@ _TICKS = np.array([k * 10.0**e for e in range(-3, 7) for k in (1.0, 2.0, 5.0)])
 
 def draw_blocks(blocks: Sequence[dict]) -> str | None:
     """Normalised RMS of each block against the floor, as a data URI."""
-    values = [to_number(b.get("normalised_rms")) for b in blocks]
-    limits = [to_number(b.get("threshold")) for b in blocks]
+    values = [to_number(b["normalised_rms"]) for b in blocks]
+    limits = [to_number(b["threshold"]) for b in blocks]
     if not any(_shown(v) for v in values):
         return None
     with figure_style():
@@ -39,7 +39,7 @@ def draw_blocks(blocks: Sequence[dict]) -> str | None:
         for i, (block, value, limit) in enumerate(
             zip(blocks, values, limits, strict=True)
         ):
-            acquitted = block.get("acquitted")
+            acquitted = block["acquitted"]
             color = ACQUITTED if acquitted else BEFORE
             _draw_bar(axes, i, value, 0.56, color)
             note = times(value)
@@ -55,19 +55,18 @@ def draw_blocks(blocks: Sequence[dict]) -> str | None:
                     lw=1,
                     zorder=4,
                 )
-        names = [shorten(b.get("block", NOTHING)) for b in blocks]
+        names = [shorten(b["block"]) for b in blocks]
         _finish_bars(axes, names, [*values, *limits], room=1.35)
         axes.set_xlabel("normalised RMS of the block on its own, floor = 1")
         return to_data_uri(figure)
 
 
 def draw_pairs(
-    labels: Sequence[str],
-    before: Sequence[float],
-    after: Sequence[float],
-    width: float = WIDTH,
+    labels: Sequence[str], rows: Sequence[dict], width: float
 ) -> str | None:
-    """Before and after, two bars a row, against the floor."""
+    """Before and after of each row, two bars against the floor."""
+    before = [to_number(row["before"]) for row in rows]
+    after = [to_number(row["after"]) for row in rows]
     if not any(_shown(v) for v in [*before, *after]):
         return None
     with figure_style():
@@ -93,12 +92,11 @@ def draw_pairs(
 def draw_correlation(
     names: Sequence[str], matrix: Sequence[Sequence[float]]
 ) -> str | None:
-    """Correlation of the fitted parameters; None where it does not fit."""
+    """Correlation of the fitted parameters; None of a single one."""
     n = len(names)
-    rows = [[to_number(v) for v in row] for row in matrix]
-    if n < 2 or len(rows) != n or any(len(row) != n for row in rows):
+    if n < 2:
         return None
-    values = np.array(rows)
+    values = np.array([[to_number(v) for v in row] for row in matrix])
     with figure_style():
         figure = make_figure(1.9 + 0.42 * n, 1.5 + 0.36 * n)
         axes = figure.subplots()

@@ -5,12 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.core.errors import OutputError
-from brace_drake.core.output import WriteBytes
+from brace_drake.core.output import MakeFolder, WriteBytes
+from brace_drake.report import words
 from brace_drake.report.traces import RunTrace
 from brace_drake.report.view import make_view
 
-_TEMPLATE = "template.html.j2"
+# How the templates show a number or a name, as filters.
+_FILTERS = (
+    words.band_text,
+    words.bar_width,
+    words.channel_text,
+    words.floor_text,
+    words.over_floor,
+    words.percent,
+    words.significant,
+    words.times,
+    words.to_text,
+)
 
 
 def WriteReport(
@@ -22,7 +33,7 @@ def WriteReport(
     way to it are made.
 
     Args:
-        diagnosis: Content of diagnosis.json; any part may be missing.
+        diagnosis: Content of diagnosis.json.
         traces: Runs to show. Those of the validation split are drawn, those
             of the fit split only where there are no others.
         path: Of the HTML file.
@@ -32,24 +43,30 @@ def WriteReport(
     """
     path = Path(path).absolute()
     page = render_page(diagnosis, traces)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(
-            f"{path}: cannot be written: {error.strerror}"
-        ) from error
+    MakeFolder(path.parent)
     WriteBytes(path, page.encode("utf-8", errors="replace"))
 
 
 def render_page(diagnosis: dict, traces: Sequence[RunTrace]) -> str:
     """The report as HTML text."""
-    from jinja2 import Environment, FileSystemLoader
+    view = make_view(diagnosis, traces)
+    return render_template("template.html.j2", **view)
+
+
+def render_template(name: str, *folders: Path, **values) -> str:
+    """A template of one of the folders, or of this one, filled in."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
+        loader=FileSystemLoader((*folders, Path(__file__).parent)),
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
+        undefined=StrictUndefined,
     )
-    view = make_view(diagnosis, traces)
-    return environment.get_template(_TEMPLATE).render(**view)
+    environment.filters |= {f.__name__: f for f in _FILTERS}
+    environment.globals |= {
+        "nothing": words.NOTHING,
+        "percent_interval": words.percent_interval,
+    }
+    return environment.get_template(name).render(**values)

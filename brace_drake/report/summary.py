@@ -9,8 +9,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from brace_drake.core.output import WriteText
-from brace_drake.report.access import bar_width, items, names, part, text
-from brace_drake.report.words import percent, percent_interval, times, to_number
+from brace_drake.report.page import render_template
+from brace_drake.report.words import percent_interval
 
 COLUMNS = (
     "campaign",
@@ -35,24 +35,31 @@ def summary_row(name: str, document: dict) -> dict:
 
     Args:
         name: Of the campaign and of its folder beside the summary.
-        document: Content of its diagnosis.json; any part may be missing.
+        document: Content of its diagnosis.json.
     """
-    verdict, shrink = part(document, "verdict"), part(document, "shrink")
-    interval = [*items(shrink, "closed_interval"), None, None]
-    return _EMPTY | {
-        "campaign": name,
-        "verdict": _kind(verdict),
-        "effects": "+".join(names(verdict, "effects")),
-        "probability": _number(verdict.get("probability")),
-        "blocks": "+".join(names(verdict, "blocks")),
-        "ambiguous_with": " ".join(names(verdict, "ambiguous_with")),
-        "gap_before": _number(shrink.get("before")),
-        "gap_after": _number(shrink.get("after")),
-        "closed": _number(shrink.get("closed")),
-        "closed_lower95": _number(interval[0]),
-        "closed_upper95": _number(interval[1]),
-        "report": f"{name}/report.html",
+    verdict, shrink = document["verdict"], document["shrink"] or {}
+    low, high = shrink.get("closed_interval") or (None, None)
+    numbers = {
+        "probability": verdict["probability"],
+        "gap_before": shrink.get("before"),
+        "gap_after": shrink.get("after"),
+        "closed": shrink.get("closed"),
+        "closed_lower95": low,
+        "closed_upper95": high,
     }
+    known = {key: v for key, v in numbers.items() if v is not None}
+    return (
+        _EMPTY
+        | known
+        | {
+            "campaign": name,
+            "verdict": _kind(verdict),
+            "effects": "+".join(verdict["effects"]),
+            "blocks": "+".join(verdict["blocks"]),
+            "ambiguous_with": " ".join(verdict["ambiguous_with"]),
+            "report": f"{name}/report.html",
+        }
+    )
 
 
 def failed_row(name: str, error: str) -> dict:
@@ -76,49 +83,28 @@ def WriteSummary(folder: Path, rows: Sequence[dict]) -> None:
 
 def render_summary(rows: Sequence[dict]) -> str:
     """The page as HTML text."""
-    from jinja2 import Environment, FileSystemLoader
-
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    return render_template(
+        "summary.html.j2", rows=[_shown(r) for r in rows], counts=_counts(rows)
     )
-    template = environment.get_template("summary.html.j2")
-    return template.render(rows=[_shown(r) for r in rows], counts=_counts(rows))
 
 
 def _kind(verdict: dict) -> str:
-    if verdict.get("outside_library"):
+    if verdict["outside_library"]:
         return "outside the library"
-    if verdict.get("gap") is None:
-        return "none reached"
     return "gap" if verdict["gap"] else "no gap"
 
 
-def _number(value: object) -> float | str:
-    number = to_number(value)
-    return number if number == number else ""
-
-
 def _shown(row: dict) -> dict:
-    ends = (row["closed_lower95"], row["closed_upper95"])
-    _, interval = percent_interval(row["closed"], *ends)
-    return {
-        "campaign": row["campaign"],
+    # A cell without a number is empty in the file, and None for the page.
+    cells = {key: None if v == "" else v for key, v in row.items()}
+    ends = cells["closed_lower95"], cells["closed_upper95"]
+    return cells | {
         "link": quote(row["report"]),
-        "kind": row["verdict"],
-        "tone": _TONES.get(row["verdict"], "unknown"),
+        "tone": _TONES[row["verdict"]],
         "effects": [e for e in row["effects"].split("+") if e],
         "ambiguous": row["ambiguous_with"].split(),
-        "probability": percent(row["probability"]),
         "blocks": row["blocks"].replace("+", ", "),
-        "before": times(row["gap_before"]),
-        "after": times(row["gap_after"]),
-        "closed": percent(row["closed"]),
-        "width": bar_width(row["closed"]),
-        "interval": interval,
-        "error": text(row, "error"),
+        "interval": percent_interval(cells["closed"], *ends)[1],
     }
 
 

@@ -1,4 +1,4 @@
-"""Time traces: measured, before and after, and what is left of the gap."""
+"""Runs: time traces, the residual against motion, and its spectrum."""
 
 from __future__ import annotations
 
@@ -16,10 +16,15 @@ from brace_drake.report.canvas import (
     to_data_uri,
 )
 from brace_drake.report.traces import RunTrace
-from brace_drake.report.words import NOTHING, channel_text, scale_of, times
+from brace_drake.report.words import channel_text, scale_of, times
 
 # Half-width of the floor's band, in standard deviations.
 _BAND = 2.0
+_MOST_POINTS = 4000
+# Noise of single samples would hide a loop, s.
+_PLANE_S = 0.2
+# Least bins of the spectrum in one point of its curve.
+_SMOOTHING_HZ = 0.15
 
 _PALE = "#b3bcc6"
 
@@ -45,11 +50,34 @@ def draw_trace(trace: RunTrace) -> str | None:
         if other is not None:
             _draw_residual(panels[2], trace, other)
         panels[-1].set_xlabel("time, s")
-        time = np.asarray(trace.time_s, dtype=float)
-        span = time[np.isfinite(time)]
-        if len(span) and span.min() < span.max():
-            panels[0].set_xlim(span.min(), span.max())
+        panels[0].set_xlim(trace.time_s[0], trace.time_s[-1])
         _draw_legend(figure, trace)
+        return to_data_uri(figure)
+
+
+def draw_plane(trace: RunTrace) -> str | None:
+    """Residual against depth and rate, and spectrum, as a data URI.
+
+    None where the run is short or its force was not recorded throughout.
+    """
+    c = trace.main_channel()
+    if c is None or len(trace.time_s) < 32:
+        return None
+    before = trace.measured[:, c] - trace.before[:, c]
+    after = None
+    if trace.after is not None:
+        after = trace.measured[:, c] - trace.after[:, c]
+    lines = [(before, BEFORE)] + [(after, AFTER)] * (after is not None)
+    if not all(np.isfinite(v).all() for v, _ in lines):
+        return None
+    step = float(np.median(np.diff(trace.time_s)))
+    has_motion = trace.position is not None
+    with figure_style():
+        figure = make_figure(WIDTH, 2.5)
+        panels = figure.subplots(1, 3 if has_motion else 1, squeeze=False)[0]
+        if has_motion:
+            _draw_planes(panels, trace, lines, c, step)
+        _draw_spectrum(panels[-1], trace, lines, c, step)
         return to_data_uri(figure)
 
 
@@ -71,10 +99,9 @@ def _draw_residual(axes, trace: RunTrace, c: int) -> None:
     before = trace.measured[:, c] - trace.before[:, c]
     factor, unit = _scale(before, name)
     band = _BAND * float(trace.floor_rms[c]) * factor
-    if np.isfinite(band):
-        axes.axhspan(-band, band, color=FLOOR, alpha=0.16, lw=0)
-        for edge in (-band, band):
-            axes.axhline(edge, color=FLOOR, lw=0.7, ls=(0, (4, 2)), zorder=3)
+    axes.axhspan(-band, band, color=FLOOR, alpha=0.16, lw=0)
+    for edge in (-band, band):
+        axes.axhline(edge, color=FLOOR, lw=0.7, ls=(0, (4, 2)), zorder=3)
     axes.axhline(0.0, color=FLOOR, lw=0.6)
     _draw_line(axes, trace.time_s, before * factor, BEFORE, 0.9)
     note = f"before {_gap(trace, trace.before, c)}"
@@ -92,7 +119,7 @@ def _draw_residual(axes, trace: RunTrace, c: int) -> None:
 
 
 def _gap(trace: RunTrace, predicted: np.ndarray, c: int) -> str:
-    return times(float(trace.normalised_rms(predicted)[c])) or NOTHING
+    return times(float(trace.normalised_rms(predicted)[c]))
 
 
 def _draw_line(axes, time, values, color: str, width: float) -> None:
@@ -125,3 +152,58 @@ def _draw_legend(figure, trace: RunTrace) -> None:
         handlelength=1.4,
         borderaxespad=0.0,
     )
+
+
+def _draw_planes(panels, trace: RunTrace, lines, c: int, step: float) -> None:
+    width = round(_PLANE_S / step)
+    depth = _smooth(1e3 * np.asarray(trace.position, dtype=float), width)
+    rate = np.gradient(_smooth(depth, width), step)
+    # The moving average folds at both ends.
+    inner = slice(width, len(depth) - width)
+    every = max(1, len(depth) // _MOST_POINTS)
+    unit = trace.channels[c].rsplit("_", 1)[-1]
+    for axes, x, label in (
+        (panels[0], depth, f"{trace.position_name}, mm"),
+        (panels[1], rate, "its rate, mm/s"),
+    ):
+        axes.axhline(0.0, color=FLOOR, lw=0.6)
+        for residual, color in lines:
+            axes.plot(
+                x[inner][::every],
+                _smooth(residual, width)[inner][::every],
+                color=color,
+                lw=0.9,
+                rasterized=True,
+            )
+        axes.set_xlabel(plain(label))
+        axes.grid()
+    name = channel_text(trace.channels[c])
+    panels[0].set_title(plain(f"{name}: residual, {unit}"))
+
+
+def _draw_spectrum(axes, trace: RunTrace, lines, c: int, step: float) -> None:
+    samples, rate = len(trace.time_s), 1.0 / step
+    frequency = np.fft.rfftfreq(samples, step)[1:]
+    width = max(1, round(_SMOOTHING_HZ * samples * step))
+    for residual, color in lines:
+        power = np.abs(np.fft.rfft(residual))[1:] ** 2 / samples
+        density = np.sqrt(2.0 * _smooth(power, width) / rate)
+        axes.loglog(frequency, density, color=color, lw=0.9, rasterized=True)
+    if trace.floor_density is not None:
+        edges, floor = trace.floor_density
+        level = np.sqrt(2.0 * np.asarray(floor)[:, c] / rate)
+        shown = np.maximum(edges, frequency[0])
+        axes.stairs(level, shown, baseline=None, color=FLOOR, lw=1.2, ls="--")
+    axes.set_xlim(frequency[0], frequency[-1])
+    axes.set_xlabel("frequency, Hz")
+    axes.set_title("spectrum of the residual, unit/√Hz")
+    axes.grid()
+
+
+def _smooth(values: np.ndarray, width: int) -> np.ndarray:
+    """Moving average that keeps the length."""
+    if width < 2 or width >= len(values):
+        return values
+    kernel = np.ones(width)
+    count = np.convolve(np.ones(len(values)), kernel, mode="same")
+    return np.convolve(values, kernel, mode="same") / count

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.core.errors import OutputError
-
 VALIDATION = "validation"
 
 
@@ -42,37 +40,14 @@ class RunTrace:
     position_name: str = "position"
     floor_density: tuple[np.ndarray, np.ndarray] | None = None
 
-    def __post_init__(self):
-        shape = (len(self.time_s), len(self.channels))
-        given = {"measured": self.measured, "before": self.before}
-        if self.after is not None:
-            given["after"] = self.after
-        for part, values in given.items():
-            if np.shape(values) != shape:
-                raise OutputError(
-                    f"run {self.name}: {part} has shape {np.shape(values)},"
-                    f" expected {shape}: samples by channels"
-                )
-        if np.shape(self.floor_rms) != shape[1:]:
-            raise OutputError(
-                f"run {self.name}: floor_rms has shape"
-                f" {np.shape(self.floor_rms)}, expected {shape[1:]}"
-            )
-
     def normalised_rms(self, predicted: np.ndarray) -> np.ndarray:
         """RMS of measured minus predicted over the floor (C,).
 
         NaN where the floor is not positive or nothing is finite.
         """
-        residual = np.asarray(self.measured - predicted, dtype=float)
-        finite = np.isfinite(residual)
-        count = finite.sum(axis=0)
-        power = np.where(finite, residual, 0.0) ** 2
-        floor = np.asarray(self.floor_rms, dtype=float)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rms = np.sqrt(power.sum(axis=0) / count) / floor
-        rms[~((floor > 0.0) & np.isfinite(rms))] = np.nan
-        return rms
+        squares = np.ma.masked_invalid(self.measured - predicted) ** 2
+        rms = np.ma.sqrt(squares.mean(axis=0)) / self.floor_rms
+        return np.ma.filled(rms, np.nan)
 
     def main_channel(self) -> int | None:
         """Index of the force along the correction, or of the worst channel."""
@@ -89,10 +64,3 @@ class RunTrace:
         if np.isnan(gaps).all():
             return None
         return int(np.nanargmax(gaps))
-
-
-def pick_traces(traces: list[RunTrace], most: int) -> list[RunTrace]:
-    """Validation runs, or fit runs where there are none; at most `most`."""
-    usable = [t for t in traces if len(t.time_s) and t.channels]
-    validation = [t for t in usable if t.split == VALIDATION]
-    return (validation or usable)[:most]

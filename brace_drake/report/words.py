@@ -6,12 +6,16 @@ import math
 import re
 from collections.abc import Sequence
 
+from brace_drake.effects.registry import choice_words
 from brace_drake.recording.columns import split_unit
 
 NOTHING = "–"
 
 _MINUS = "−"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+# Floors up to which a gap before is the floor itself.
+_AT_FLOOR = 1.1
 
 # Unit: (least magnitude, factor, unit to show), largest first.
 _SCALES = {
@@ -20,11 +24,9 @@ _SCALES = {
 }
 
 
-def to_number(value: object) -> float:
-    """A float; NaN for whatever is not a number."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return math.nan
-    return float(value)
+def to_number(value: float | None) -> float:
+    """A float; NaN for None, which stands for what is not finite."""
+    return math.nan if value is None else float(value)
 
 
 def to_text(value: object) -> str:
@@ -40,7 +42,7 @@ def to_text(value: object) -> str:
     return str(value)
 
 
-def significant(value: object, digits: int, padded: bool = False) -> str:
+def significant(value: float | None, digits: int, padded: bool = False) -> str:
     """A number to so many significant digits.
 
     Args:
@@ -66,7 +68,7 @@ def significant(value: object, digits: int, padded: bool = False) -> str:
     return f"{mantissa.replace('-', _MINUS)}·10{power}"
 
 
-def fixed(value: object, decimals: int) -> str:
+def fixed(value: float | None, decimals: int) -> str:
     """A number to so many decimals; powers of ten where it would be long."""
     number = to_number(value)
     if not math.isfinite(number):
@@ -85,7 +87,7 @@ def _not_finite(number: float) -> str:
     return "∞" if number > 0.0 else f"{_MINUS}∞"
 
 
-def percent(value: object) -> str:
+def percent(value: float | None) -> str:
     """A share as a percentage; one decimal near 0 and 100."""
     number = 100.0 * to_number(value)
     near_end = 0.0 < abs(number) < 1.0 or 99.0 < abs(number) < 100.0
@@ -96,7 +98,7 @@ def percent(value: object) -> str:
 
 
 def percent_interval(
-    middle: object, low: object, high: object
+    middle: float | None, low: float | None, high: float | None
 ) -> tuple[str, str]:
     """A share and its interval as percentages, with digits that match."""
     shares = [100.0 * to_number(v) for v in (middle, low, high)]
@@ -112,12 +114,18 @@ def percent_interval(
     return (share if share == NOTHING else f"{share} %"), interval
 
 
-def times(value: object) -> str:
+def times(value: float | None) -> str:
     """A multiple of the floor."""
     number = to_number(value)
     if not math.isfinite(number):
         return _not_finite(number)
     return fixed(number, 2 if abs(number) < 9.995 else 1)
+
+
+def bar_width(share: float | None) -> float:
+    """A share as the width of a bar, %, within 0 to 100."""
+    value = to_number(share)
+    return 0.0 if math.isnan(value) else round(100 * min(max(value, 0), 1), 1)
 
 
 def decimals_for(error: float, value: float) -> int:
@@ -155,6 +163,24 @@ def channel_text(name: str) -> str:
     return words[:1].upper() + words[1:]
 
 
+def floor_text(channel: dict) -> str:
+    """The noise floor of a channel in a unit that suits it."""
+    factor, unit = scale_of(channel["unit"], [channel["floor"]])
+    return f"{significant(channel['floor'] * factor, 2, padded=True)} {unit}"
+
+
+def over_floor(excess: float | None) -> str:
+    """A mean square above the floor's as a multiple of the floor."""
+    square = 1.0 + to_number(excess)
+    return times(math.sqrt(square) if square >= 0.0 else math.nan)
+
+
+def band_text(band: dict) -> str:
+    """Limits of a frequency band."""
+    low, high = (significant(band[k], 3) for k in ("from_Hz", "to_Hz"))
+    return f"{low} to {high} Hz"
+
+
 def parameter_text(name: str, unit: str) -> str:
     """A parameter's name without its unit: coulomb_N becomes coulomb."""
     written = unit.translate(str.maketrans("²³", "23"))
@@ -162,3 +188,56 @@ def parameter_text(name: str, unit: str) -> str:
     if unit and name.endswith(suffix):
         name = name[: -len(suffix)]
     return name.replace("_", " ")
+
+
+def parameter_row(parameter: dict) -> dict:
+    """Value, error and interval of a parameter to the digits they deserve."""
+    keys = ("value", "standard_error", "lower95", "upper95", "nominal")
+    found = {key: to_number(parameter.get(key)) for key in keys}
+    unit = parameter["unit"]
+    words = choice_words(parameter["name"], found["value"])
+    factor, shown = scale_of(unit, [found["value"], found["nominal"]])
+    ratio = math.nan
+    if found["nominal"] != 0.0:
+        ratio = found["value"] / found["nominal"]
+    found = {key: value * factor for key, value in found.items()}
+    decimals = decimals_for(found["standard_error"], found["value"])
+    low, high = (fixed(found[k], decimals) for k in ("lower95", "upper95"))
+    return {
+        "name": "" if words else parameter_text(parameter["name"], unit),
+        "column": parameter["name"],
+        "unit": shown,
+        "value": words or fixed(found["value"], decimals),
+        "error": significant(found["standard_error"], 2, padded=True),
+        "interval": NOTHING if NOTHING in (low, high) else f"{low} to {high}",
+        "nominal": significant(found["nominal"], 4),
+        "ratio": times(ratio),
+        "at_limit": parameter["at_limit"],
+    }
+
+
+def error_row(label: str, unit: str, row: dict) -> dict:
+    """Before, after and floor of an error that has a unit."""
+    found = [to_number(row[key]) for key in ("before", "after", "floor")]
+    factor, shown = scale_of(unit, found)
+    least = min((abs(v) for v in found if v), default=0.0)
+    known = found[2] if found[2] > 0.0 else least
+    decimals = decimals_for(known * factor, math.nan)
+    before, after, floor = (fixed(v * factor, decimals) for v in found)
+    # Of a channel that was at its floor there is nothing to close.
+    is_open = not found[0] <= _AT_FLOOR * found[2]
+    closed = row.get("closed") if is_open else None
+    interval = ""
+    if row["after_interval"]:
+        ends = (to_number(v) * factor for v in row["after_interval"])
+        interval = " to ".join(fixed(end, decimals) for end in ends)
+    return {
+        "label": label,
+        "unit": shown,
+        "before": before,
+        "after": after,
+        "interval": interval,
+        "floor": floor,
+        "closed": percent(closed),
+        "share": closed,
+    }
