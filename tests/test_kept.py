@@ -41,7 +41,7 @@ class TestKept(unittest.TestCase):
             folder.mkdir()
             (folder / "outer.py").write_text(textwrap.dedent(_OUTER))
             printed = []
-            for factor in (3.0, 3.0, 5.0):
+            for factor in (3.0, 5.0):
                 inner = textwrap.dedent(_INNER).format(factor=factor)
                 (folder / "inner.py").write_text(inner)
                 done = subprocess.run(
@@ -51,15 +51,15 @@ class TestKept(unittest.TestCase):
                     check=True,
                 )
                 printed.append(float(done.stdout))
-        self.assertEqual(printed, [6.0, 6.0, 10.0])
+        self.assertEqual(printed, [6.0, 10.0])
 
     def test_a_folder_is_named_after_its_sources(self):
-        effects = Path(coulomb_friction.__file__).parent
-        self.assertEqual(effects, Path(stribeck_friction.__file__).parent)
-        kept = folder_of_sources(effects)
-        self.assertRegex(kept.name, r"^effects-[0-9a-f]{16}$")
+        actuation = Path(coulomb_friction.__file__).parent
+        self.assertEqual(actuation, Path(stribeck_friction.__file__).parent)
+        kept = folder_of_sources(actuation)
+        self.assertRegex(kept.name, r"^actuation-[0-9a-f]{16}$")
         with tempfile.TemporaryDirectory() as name:
-            one = Path(name) / "effects"
+            one = Path(name) / "actuation"
             one.mkdir()
             self.assertNotEqual(folder_of_sources(one), kept)
 
