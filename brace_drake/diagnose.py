@@ -1,68 +1,87 @@
-"""The whole diagnosis: fit, gap, causes, repair, and what it rests on."""
+"""The whole diagnosis of a campaign: where, which, how far and what next."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
 
-from brace_drake.core.errors import BraceError, CampaignError
-from brace_drake.devices.device import Device, MakeDevice, check_room
+from brace_drake.core.errors import CampaignError
+from brace_drake.design.next_run import NextRun, choose_next_run
+from brace_drake.devices.declaration import Device
+from brace_drake.devices.device import MakeDevice, check_room
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_nominal
+from brace_drake.identification.gap import RunComparison, compare_runs
 from brace_drake.identification.intervals import EstimateTable, estimate_table
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
-from brace_drake.identification.run_parameters import (
-    adapt_to_runs,
-    has_run_parameters,
-)
-from brace_drake.isolation.block_tests import climb, holds_at_rest
+from brace_drake.isolation.block_tests import holds_at_rest, run_block_tests
+from brace_drake.isolation.decision import nearest_block, suspected_blocks
 from brace_drake.isolation.imposed_motion import (
-    ContactSide,
-    explain_contact_side,
-    fit_contact_side,
+    explain_imposed_motion,
+    fit_imposed_motion,
 )
+from brace_drake.isolation.locate import locate_gap
+from brace_drake.isolation.residual_shapes import describe_rest
 from brace_drake.recording.recording import Campaign
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.surrogate_data import loses_to_surrogates
-from brace_drake.validation.prediction import Prediction, predict_runs
+from brace_drake.validation.causes import Cause, rank_causes
+from brace_drake.validation.prediction import predict_runs
 from brace_drake.validation.shrinkage import (
-    RunComparison,
-    compare_runs,
-    repair_runs,
+    compare_new_runs,
+    measure_shrinkage,
 )
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
 class Diagnosis:
     """All results of a diagnosis, before they are written down.
 
-    `is_cut`: whether the search for two effects at once ended early; `side`:
-    the contact's side alone, where that was needed to tell where a gap is.
+    Attributes:
+        campaign, device, seed: What was diagnosed.
+        evaluator: Over the fit runs.
+        floor_ratios: By channel, what repeats' noise has of the twin's.
+        nominal: Fit of the subject alone.
+        block_tests: Rows of the block tests.
+        fits: Of all causes.
+        criterion: By which they were judged.
+        is_cut: Whether the search for two effects at once ended early.
+        verdict: Which effects explain the gap.
+        estimates: Parameters of the winner, else of the nominal fit.
+        fit_runs, validation_runs: Before and after the repair.
+        shrinkage: How far the gap shrinks on the validation runs.
+        causes: Ranked, with what was decided of each.
+        where: The gap by block, channel, phase and band.
+        rest: What the best twin leaves, by the motion that it goes with.
+        blocks: In which the gap lies.
+        next_run: The run that would settle what is open.
     """
 
     campaign: Campaign
     device: Device
+    seed: int
     evaluator: Evaluator
+    floor_ratios: dict[str, float]
     nominal: CandidateFit
+    block_tests: list[dict]
     fits: list[CandidateFit]
     criterion: Criterion
+    is_cut: bool
     verdict: Verdict
-    table: EstimateTable
-    ladder: list[dict]
+    estimates: EstimateTable
     fit_runs: list[RunComparison]
     validation_runs: list[RunComparison]
-    floor_ratios: dict[str, float]
-    seed: int
-    is_cut: bool = False
-    predictions: Sequence[Prediction] = ()
-    side: ContactSide | None = None
+    shrinkage: dict | None
+    causes: list[Cause]
+    where: dict
+    rest: list[dict]
+    blocks: list[str]
+    next_run: NextRun | None
 
 
 def diagnose(
@@ -70,7 +89,7 @@ def diagnose(
     jobs: int = 2,
     seed: int = 0,
     scenario=None,
-    progress: Progress | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> Diagnosis:
     """Diagnoses a campaign.
 
@@ -78,7 +97,8 @@ def diagnose(
         campaign: Loaded and without errors.
         jobs: Threads; the result does not depend on their number.
         seed: Of all random draws.
-        scenario: Of the bench, other than the one that comes with the package.
+        scenario: Of the device, other than the one that comes with the
+            package.
         progress: Called with what is being done and the share that is done.
 
     Raises:
@@ -89,76 +109,90 @@ def diagnose(
     if not campaign.split("fit"):
         raise CampaignError(f"{campaign.path}: no run has split: fit")
     device = MakeDevice(campaign, scenario)
-    twin = device.twin
+    twin, rate = device.twin, campaign.rate_hz
     check_room(twin)
+
     say("noise floor", 0.0)
-    nominal_values = np.array([p.nominal for p in twin.subject])
-    floors, ratios = estimate_floors(twin, campaign, nominal_values, seed)
-    rate = campaign.rate_hz
-    fit_runs = prepare_runs(twin, campaign.split("fit"), floors, rate, seed)
-    evaluator = Evaluator(twin, fit_runs, jobs)
+    usual = np.array([p.nominal for p in twin.subject])
+    floors, ratios = estimate_floors(twin, campaign, usual, seed)
+    runs = prepare_runs(twin, campaign.split("fit"), floors, rate, seed)
+    evaluator = Evaluator(twin, runs, jobs)
+
     say("fit of the subject", 0.05)
     nominal = fit_nominal(evaluator)
-    say("substitution of blocks", 0.08)
-    ladder = climb(evaluator, device.rungs, nominal, seed)
-    at_rest = holds_at_rest(ladder)
-    # Of lengths that are off no way can be told.
-    guided = None if at_rest is False else device.guided
-    side = cache(partial(fit_contact_side, guided, campaign, jobs, seed))
 
-    def see_side(say):
-        return side() and explain_contact_side(side(), seed, say)
+    say("block tests", 0.08)
+    tests = run_block_tests(evaluator, device.block_tests, nominal, seed)
+    at_rest = holds_at_rest(tests)
+    # Of leg lengths that are off no motion can be told.
+    twin_on_way = None if at_rest is False else device.imposed
+    on_way = cache(
+        partial(fit_imposed_motion, twin_on_way, campaign, jobs, seed)
+    )
 
+    # Which effects, with the subject fitted anew beside each.
     fits, criterion, is_cut, shown = search_causes(
-        evaluator, nominal, seed, say, at_rest, see_side
+        evaluator,
+        nominal,
+        seed,
+        say,
+        at_rest,
+        lambda say: on_way() and explain_imposed_motion(on_way(), seed, say),
     )
     say("verdict", 0.8)
     is_chance = partial(loses_to_surrogates, evaluator, nominal, seed=seed)
     verdict = decide(criterion, fits, is_chance, shown)
-    chosen = verdict.winner or nominal
-    table = estimate_table(evaluator, chosen, seed)
+    winner = verdict.winner
+    estimates = estimate_table(evaluator, winner or nominal, seed)
+
     say("validation runs", 0.94)
-    validation = Evaluator(
-        twin,
-        prepare_runs(
-            twin, campaign.split("validation"), floors, rate, seed + 1000
-        ),
-        jobs,
-    )
-    compared = _compare_new(validation, nominal, verdict.winner)
+    runs = campaign.split("validation")
+    new = prepare_runs(twin, runs, floors, rate, seed + 1000)
+    validation = Evaluator(twin, new, jobs)
+    compared = compare_new_runs(validation, nominal, winner)
+    shrinkage = measure_shrinkage(device, compared, nominal.subject, seed)
     rivals = fits if verdict.gap else []
-    return Diagnosis(
-        campaign,
-        device,
-        evaluator,
-        nominal,
-        fits,
-        criterion,
-        verdict,
-        table,
-        ladder,
-        compare_runs(evaluator, nominal, verdict.winner),
-        compared,
-        ratios,
-        seed,
-        is_cut,
-        predict_runs(validation, compared, verdict.winner, rivals, rate, seed),
-        side() if verdict.outside_library else None,
+    predictions = predict_runs(validation, compared, winner, rivals, seed)
+    causes = rank_causes(evaluator, criterion, fits, verdict, predictions, seed)
+
+    say("where", 0.96)
+    fit_runs = compare_runs(evaluator, nominal, winner)
+    imposed = on_way() if verdict.outside_library else None
+    where = locate_gap(
+        device, evaluator, nominal, verdict, tests, imposed, fit_runs, seed
     )
-
-
-def _compare_new(
-    validation: Evaluator, nominal: CandidateFit, winner: CandidateFit | None
-) -> list[RunComparison]:
-    """Runs that no fit has seen, before the repair and after it; before it
-    alone where the repaired twin breaks down on them.
-    """
-    compared = compare_runs(validation, nominal, None)
-    if winner is None or not compared:
-        return compared
-    try:
-        if has_run_parameters(winner):
-            winner = adapt_to_runs(validation, winner)
-        return repair_runs(validation, compared, winner)
-    except BraceError:
-        return compared
+    rest, blocks = [], []
+    if verdict.gap:
+        best = winner or nominal
+        rest = describe_rest(evaluator, best, device.motion_signals, rate, seed)
+    if winner is not None:
+        blocks = list(dict.fromkeys(e.block for e in winner.effects))
+    elif verdict.outside_library:
+        blocks = nearest_block(criterion, fits) or suspected_blocks(
+            tests, where["balance"], where["contact_side"]
+        )
+    next_run = choose_next_run(
+        device, evaluator, criterion, fits, verdict, seed
+    )
+    return Diagnosis(
+        campaign=campaign,
+        device=device,
+        seed=seed,
+        evaluator=evaluator,
+        floor_ratios=ratios,
+        nominal=nominal,
+        block_tests=tests,
+        fits=fits,
+        criterion=criterion,
+        is_cut=is_cut,
+        verdict=verdict,
+        estimates=estimates,
+        fit_runs=fit_runs,
+        validation_runs=compared,
+        shrinkage=shrinkage,
+        causes=causes,
+        where=where,
+        rest=rest,
+        blocks=blocks,
+        next_run=next_run,
+    )

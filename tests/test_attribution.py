@@ -12,8 +12,11 @@ from brace_drake.identification.fits import fit_nominal
 from brace_drake.identification.noise_floor import NoiseFloor
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.whitening import in_time
-from brace_drake.isolation.attribution import attribute, gather
-from brace_drake.isolation.bench_attribution import attribute_bench
+from brace_drake.isolation.attribution import (
+    attribute,
+    attribute_errors,
+    gather,
+)
 from brace_drake.isolation.shapley import UNEXPLAINED, shapley_values
 from brace_drake.recording import LoadCampaign
 from tests.shared_data import EXAMPLE
@@ -136,7 +139,8 @@ class TestBench(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         campaign = LoadCampaign(EXAMPLE)
-        cls.twin = MakeDevice(campaign).twin
+        device = MakeDevice(campaign)
+        cls.twin, cls.errors = device.twin, device.small_errors()
         nominal = np.array([p.nominal for p in cls.twin.subject])
         floors, _ = estimate_floors(cls.twin, campaign, nominal, 0)
         cls.prepared = prepare_runs(
@@ -162,7 +166,8 @@ class TestBench(unittest.TestCase):
             fields = {**p.__dict__, "measured": measured}
             prepared.append(type(p)(**fields))
         evaluator = Evaluator(self.twin, prepared, 1)
-        return attribute_bench(evaluator, fit_nominal(evaluator), 0)
+        nominal = fit_nominal(evaluator)
+        return attribute_errors(evaluator, nominal, self.errors, 0)
 
 
 if __name__ == "__main__":

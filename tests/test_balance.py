@@ -2,15 +2,16 @@
 
 import unittest
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.devices.bench.block_tests import bench_rungs
-from brace_drake.devices.bench.force_balance import slope
+from brace_drake.devices.bench.ring_way import slope
+from brace_drake.devices.device import Bench
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_nominal
-from brace_drake.isolation.block_tests import climb
+from brace_drake.isolation.block_tests import run_block_tests
 from brace_drake.isolation.force_balance import (
     explain_imbalance,
     suspected_part,
@@ -53,15 +54,16 @@ class TestBalance(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.bench = SyntheticBench()
-        cls.rungs = bench_rungs(cls.bench.twin, RATE)
+        campaign = SimpleNamespace(rate_hz=RATE)
+        cls.device = Bench(campaign, cls.bench.twin.scenario)
 
     def rows(self, *uses, keep=slice(None)):
         """Rows of each block, of a recording with effects, of some runs."""
         evaluator = self.bench.evaluator(uses)
-        ladder = climb(evaluator, self.rungs, fit_nominal(evaluator), 0)
-        drives = {r["block"]: r for r in ladder}["actuation"]
-        twin, prepared = self.bench.twin, evaluator.prepared[keep]
-        return explain_imbalance(twin, prepared, RATE, drives)
+        nominal, tests = fit_nominal(evaluator), self.device.block_tests
+        rows = run_block_tests(evaluator, tests, nominal, 0)
+        drives = {r["block"]: r for r in rows}["actuation"]
+        return explain_imbalance(self.device, evaluator.prepared[keep], drives)
 
     def check(self, rows, block, title, size, off=0.05):
         """Checks block, first error and its size."""
@@ -118,8 +120,8 @@ class TestBalance(unittest.TestCase):
             (), lambda run: replace(run, channels=cut(run.channels, 150))
         )
         drives = {"normalised_rms": 2.0, "acquitted": False}
-        twin, prepared = self.bench.twin, evaluator.prepared
-        self.assertEqual(explain_imbalance(twin, prepared, RATE, drives), [])
+        prepared = evaluator.prepared
+        self.assertEqual(explain_imbalance(self.device, prepared, drives), [])
 
     def test_a_spline_keeps_the_rates_that_neighbours_lose(self):
         time = np.arange(200) / 20.0

@@ -10,9 +10,8 @@ from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_nominal
 from brace_drake.isolation.imposed_motion import (
-    explain_contact_side,
-    fit_contact_side,
-    is_on_contact_side,
+    explain_imposed_motion,
+    fit_imposed_motion,
 )
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.friction import fit_frictions, sticking
@@ -44,13 +43,15 @@ class TestContactSide(unittest.TestCase):
     def side(self, *uses, edit=lambda run: run):
         campaign = record(self.bench.twin, self.bench.subject, uses, 97)
         runs = tuple(edit(run) for run in campaign.runs)
-        return fit_contact_side(self.guided, replace(campaign, runs=runs), 2, 0)
+        return fit_imposed_motion(
+            self.guided, replace(campaign, runs=runs), 2, 0
+        )
 
     def test_friction_of_the_drives_is_no_gap_and_hides_no_subject(self):
         side = self.side(self.stuck)
         self.assertLess(abs(side.nominal.excess / side.evaluator.count), 0.12)
         self.assertTrue(side.row()["acquitted"])
-        found = explain_contact_side(side, 0)
+        found = explain_imposed_motion(side, 0)
         self.assertEqual(found.effects, ())
         loop = fit_nominal(self.bench.evaluator([self.stuck]))
         off, lost = (
@@ -63,12 +64,12 @@ class TestContactSide(unittest.TestCase):
     def test_an_effect_of_the_contact_is_named_beside_friction(self):
         side = self.side(self.stuck, RELAXATION)
         self.assertFalse(side.row()["acquitted"])
-        found = explain_contact_side(side, 0)
+        found = explain_imposed_motion(side, 0)
         self.assertEqual(found.identifiers, ("relaxation",))
         np.testing.assert_allclose(found.values[0], RELAXATION[1], rtol=0.1)
 
     def test_friction_is_found_beside_it_with_what_it_shows_kept(self):
-        seen = explain_contact_side(self.side(self.stuck, RELAXATION), 0)
+        seen = explain_imposed_motion(self.side(self.stuck, RELAXATION), 0)
         evaluator = self.bench.evaluator([self.stuck, RELAXATION])
         ground = Linearisation(evaluator, fit_nominal(evaluator))
         alone = searched(ground, [FRICTION])
@@ -96,14 +97,14 @@ class TestContactSide(unittest.TestCase):
 
         self.assertIsNone(self.side(edit=blind))
         self.assertIsNone(self.side(edit=lambda r: replace(r, contact=False)))
-        self.assertIsNone(fit_contact_side(None, None, 1, 0))
+        self.assertIsNone(fit_imposed_motion(None, None, 1, 0))
 
     def test_effects_of_drives_ring_and_encoders_are_not_on_it(self):
         names = ("coulomb_friction", "ring_mass", "encoder_offset", "backlash")
         for name in names:
-            self.assertFalse(is_on_contact_side(find_effect(name)), name)
+            self.assertFalse(find_effect(name).answers_motion, name)
         for name in ("relaxation", "breathing", "reflex", "force_bias"):
-            self.assertTrue(is_on_contact_side(find_effect(name)), name)
+            self.assertTrue(find_effect(name).answers_motion, name)
 
 
 if __name__ == "__main__":

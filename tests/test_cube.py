@@ -6,13 +6,14 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from brace_drake.identification.gap import RunComparison
 from brace_drake.identification.noise_floor import NoiseFloor
-from brace_drake.isolation.cube import band_series, gap_cube
-from brace_drake.validation.shrinkage import RunComparison
+from brace_drake.identification.whitening import band_in_time
+from brace_drake.isolation.budget import gap_cells
+from brace_drake.isolation.phases import PHASES
 
 RATE, SAMPLES = 200.0, 4000
 CHANNELS = ("force_N", "position_m")
-PHASES = ("hold", "loading")
 
 
 def comparison(residual):
@@ -22,6 +23,7 @@ def comparison(residual):
     frequency = np.fft.rfftfreq(SAMPLES, 1.0 / RATE)
     weights = floor.weights(SAMPLES, RATE)[frequency <= 50.0]
     prepared = SimpleNamespace(
+        run=SimpleNamespace(time_s=np.arange(SAMPLES) / RATE),
         measured=residual,
         floor=floor,
         used=np.array([True, True]),
@@ -36,12 +38,11 @@ class TestCube(unittest.TestCase):
         self.noise = random.normal(size=(SAMPLES, 2))
         self.time = np.arange(SAMPLES) / RATE
         # Five seconds of each phase in turn.
-        self.phase = (self.time // 5.0).astype(int) % 2
+        self.phase = PHASES.index("hold") + (self.time // 5.0).astype(int) % 2
 
     def cube(self, residual):
-        return gap_cube(
-            *([comparison(residual)], [self.phase], PHASES, CHANNELS, RATE, 0)
-        )
+        runs = [comparison(residual)]
+        return gap_cells(runs, [self.phase], CHANNELS, RATE, 0)
 
     def test_noise_alone_has_no_content(self):
         self.assertEqual(self.cube(self.noise), [])
@@ -71,11 +72,11 @@ class TestCube(unittest.TestCase):
         self.assertAlmostEqual(total, 1.0, delta=0.02)
 
     def test_bands_add_up_to_all_that_counts_of_the_residual(self):
-        weights = comparison(self.noise).prepared.floor.weights(SAMPLES, RATE)
-        edges = (0.0, 3.0, 20.0, 101.0)
+        run = comparison(self.noise).prepared
+        edges = (0.0, 3.0, 20.0, 50.0)
         parts = [
-            band_series(self.noise, weights, low, high, RATE)
-            for low, high in itertools.pairwise(edges)
+            band_in_time(run, self.noise, band, RATE)
+            for band in itertools.pairwise(edges)
         ]
         frequency = np.fft.rfftfreq(SAMPLES, 1.0 / RATE)
         counts = (frequency < 50.0)[:, None]

@@ -15,11 +15,11 @@ from brace_drake.diagnose import diagnose
 from brace_drake.document.document import MakeDocument
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.gap import compare_runs, rms_gap
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.load import LoadScenario
-from brace_drake.validation.shrinkage import compare_runs, total_gap
 from tests.shared_data import EXAMPLE, SHARED, needs_shared
 
 # tests/data/README.md: what the example was recorded with.
@@ -96,7 +96,7 @@ class TestExample(unittest.TestCase):
         twin_alone = SimpleNamespace(subject=fitted)
         runs = compare_runs(evaluator, twin_alone, None)
         self.assertEqual(
-            total_gap(runs, "before"), self.document["shrink"]["after"]
+            rms_gap(runs, "before"), self.document["shrink"]["after"]
         )
 
     def test_the_stored_diagnosis_has_the_form_of_one_that_is_written(self):

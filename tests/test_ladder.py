@@ -1,26 +1,29 @@
-"""The ladder of blocks fed their recorded inputs accuses the right block."""
+"""Blocks fed their recorded inputs: the right one is accused."""
 
 import unittest
 
-from brace_drake.devices.bench.block_tests import bench_rungs
+from brace_drake.devices.bench.block_tests import bench_tests
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.fits import fit_nominal
-from brace_drake.isolation.block_tests import climb, describe_unchecked
+from brace_drake.isolation.block_tests import (
+    describe_unchecked,
+    run_block_tests,
+)
 from tests.synthetic_bench import DEVICE, RATE, SyntheticBench, without_torso
 from tests.test_leads_back import TREMOR
 
 
-class TestLadder(unittest.TestCase):
+class TestBlocks(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.bench = SyntheticBench()
-        cls.rungs = bench_rungs(cls.bench.twin, RATE)
+        cls.tests = bench_tests(cls.bench.twin, RATE)
         cls.cards = effects_for(DEVICE)
 
     def accused(self, card):
         """Blocks with a share of the gap of a recording with an effect."""
         evaluator, nominal = self.bench.recording_with_a_gap(card)
-        rows = climb(evaluator, self.rungs, nominal, 0)
+        rows = run_block_tests(evaluator, self.tests, nominal, 0)
         return {r["block"]: r["share"] for r in rows if not r["acquitted"]}
 
     def test_a_drive_that_errs_is_not_laid_on_the_wearer(self):
@@ -50,11 +53,13 @@ class TestLadder(unittest.TestCase):
             (without_torso, ["contact", "torso"]),
         ):
             evaluator = self.bench.evaluator((), edit)
-            rows = climb(evaluator, self.rungs, fit_nominal(evaluator), 0)
+            rows = run_block_tests(
+                evaluator, self.tests, fit_nominal(evaluator), 0
+            )
             checked = {row["block"] for row in rows}
-            blocks = {rung.block for rung in self.rungs}
+            blocks = {test.block for test in self.tests}
             self.assertEqual(sorted(blocks - checked), lost)
-            said = describe_unchecked(evaluator, self.rungs, rows)
+            said = describe_unchecked(evaluator, self.tests, rows)
             self.assertEqual(len(said), bool(lost))
             for sentence in said:
                 self.assertIn("contact and torso: not checked", sentence)

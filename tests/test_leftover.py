@@ -13,7 +13,7 @@ from brace_drake.identification.fits import fit_effects, fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.isolation.residual_shapes import (
     SHAPES,
-    describe_left,
+    describe_rest,
     motion_shapes,
 )
 from brace_drake.recording import LoadCampaign
@@ -44,6 +44,7 @@ class TestToy(unittest.TestCase):
         used = np.array([True, False])
         self.run = Run(
             used=used,
+            run=SimpleNamespace(time_s=time),
             measured=np.zeros((SAMPLES, 2)),
             weights=np.ones((SAMPLES // 2 + 1, 2)),
         )
@@ -61,6 +62,7 @@ class TestToy(unittest.TestCase):
         residual = residual - q @ (q.T @ residual)
         fit = SimpleNamespace(
             uses=(),
+            subject=None,
             solution=SimpleNamespace(residual=residual, jacobian=jacobian),
         )
         evaluator = SimpleNamespace(
@@ -70,7 +72,7 @@ class TestToy(unittest.TestCase):
             noise_level=lambda uses: 1.0,
         )
         motion = SimpleNamespace(position=self.position)
-        return describe_left(evaluator, fit, [motion], RATE, 0)
+        return describe_rest(evaluator, fit, lambda *_: motion, RATE, 0)
 
     def noise(self):
         return self.generator.standard_normal(SAMPLES)
@@ -125,7 +127,6 @@ class TestEmps(unittest.TestCase):
             twin, campaign.split("fit"), floors, campaign.rate_hz, 0
         )
         evaluator = Evaluator(twin, runs, 2)
-        signals = [device.motion_signals(twin, r, nominal) for r in runs]
         coulomb = find_effect("coulomb_friction")
         for fit, shape, least in (
             (fit_nominal(evaluator), "direction", 0.9),
@@ -135,7 +136,9 @@ class TestEmps(unittest.TestCase):
                 0.6,
             ),
         ):
-            (row,) = describe_left(evaluator, fit, signals, campaign.rate_hz, 0)
+            (row,) = describe_rest(
+                evaluator, fit, device.motion_signals, campaign.rate_hz, 0
+            )
             self.assertEqual(row["channel"], "force_command_N")
             self.assertEqual(row["shape"], shape)
             self.assertGreater(row["lower95"], least)

@@ -20,7 +20,6 @@ from brace_drake.design.next_run import (
 from brace_drake.design.planned import planned_floors, planned_runs
 from brace_drake.design.separation import (
     choose_best,
-    orthonormal_basis,
     separate_pairs,
 )
 from brace_drake.devices.bench.twin import BenchTwin
@@ -35,6 +34,7 @@ from brace_drake.devices.motions.reference import LoadReference
 from brace_drake.devices.subject import bench_subject
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.subspace import orthonormal_basis
 from brace_drake.scenario.bench import BenchScenario
 
 
@@ -197,30 +197,32 @@ class TestNextRun(unittest.TestCase):
             fit("hardening", 1.0),
             fit("force_lag", 3.0, refined=False),
         ]
-        d = SimpleNamespace(
-            fits=fits,
-            evaluator=None,
-            null=None,
-            verdict=verdict(fits[1], ("viscous_leg", "force_lag")),
-        )
-        names = [r.name for r in open_rivals(d)]
-        self.assertEqual(names, ["hardening", "viscous_leg"])
-        d.verdict = verdict(fits[1])
-        self.assertEqual(open_rivals(d), [])
-        d.verdict = verdict(None, outside=True)
-        names = [r.name for r in open_rivals(d)]
-        self.assertEqual(names, ["hardening", "viscous_leg"])
+        alone = SimpleNamespace(part_as_good=lambda fit, fits: None)
+        for said, expected in (
+            (
+                verdict(fits[1], ("viscous_leg", "force_lag")),
+                ["hardening", "viscous_leg"],
+            ),
+            (verdict(fits[1]), []),
+            (verdict(None, outside=True), ["hardening", "viscous_leg"]),
+        ):
+            names = [r.name for r in open_rivals(alone, fits, said)]
+            self.assertEqual(names, expected)
 
     def test_nothing_open_needs_no_run(self):
-        d = SimpleNamespace(
-            fits=[],
-            verdict=verdict(None),
-            device=SimpleNamespace(twin=BenchTwin(BenchScenario())),
+        said = verdict(None)
+        self.assertIsNone(choose_next_run(None, None, None, [], said, 0))
+        self.assertIsNone(describe_next(said, [], None))
+
+    def test_without_a_safe_motion_one_is_told_in_words(self):
+        row = describe_next(verdict(None, outside=True), ["contact"], None)
+        self.assertIn("lies in contact", row["why"])
+        self.assertIn("stairs", row["motion"])
+        row = describe_next(
+            verdict(fit("hardening", 1.0), ("force_lag",)), [], None
         )
-        self.assertIsNone(choose_next_run(d))
-        self.assertIsNone(describe_next(None, None))
-        row = {"why": "w", "motion": "m"}
-        self.assertEqual(describe_next(row, None), row)
+        self.assertIn("separate hardening, force_lag", row["why"])
+        self.assertEqual(row["motion"], find_effect("hardening").experiment)
 
     def test_friction_or_viscosity_is_settled_by_moving(self):
         # Both brake; at rest neither shows, so a hold is worth little.
@@ -247,7 +249,7 @@ class TestNextRun(unittest.TestCase):
         # Two strengths of one effect are the same explanation.
         same = best_of(evaluator, motions, prepared, rivals[::2])
         self.assertLess(same.separation, 0.02 * found.separation)
-        row = describe_next({"why": "w", "motion": ""}, found)
+        row = describe_next(verdict(None, outside=True), ["actuation"], found)
         self.assertEqual(row["motion"], "free_reversal_slow")
         self.assertEqual(row["file"], "next_run.csv")
         self.assertEqual(row["pairs"][0]["effects"], ["a", "b"])

@@ -10,7 +10,7 @@ import numpy as np
 
 from brace_drake.cli.main import main
 from brace_drake.core.errors import BraceError
-from brace_drake.design.next_run import WriteNextRun, choose_next_run
+from brace_drake.design.next_run import WriteNextRun
 from brace_drake.diagnose import diagnose
 from brace_drake.recording.write import WriteCampaign
 from tests.pad_recordings import (
@@ -58,7 +58,7 @@ class TestDiagnosis(unittest.TestCase):
 
     def test_a_repair_that_breaks_down_on_new_runs_keeps_the_verdict(self):
         with mock.patch(
-            "brace_drake.diagnose.repair_runs",
+            "brace_drake.validation.shrinkage.repair_runs",
             side_effect=BraceError("the twin breaks down"),
         ):
             document = self.diagnose(relaxing)
@@ -102,7 +102,7 @@ class TestDiagnosis(unittest.TestCase):
         found = diagnose(campaign)
         self.assertEqual(found.verdict.winner.identifiers, ("relaxation",))
         self.assertEqual(found.verdict.ambiguous_with, ("hysteresis",))
-        chosen = choose_next_run(found)
+        chosen = found.next_run
         (pair,) = chosen.pairs
         names = {pair.first, pair.second}
         self.assertEqual(names, {"relaxation", "hysteresis"})

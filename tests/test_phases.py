@@ -4,7 +4,8 @@ import unittest
 
 import numpy as np
 
-from brace_drake.isolation.phases import PHASES, MotionSignals, motion_phases
+from brace_drake.devices.declaration import MotionSignals
+from brace_drake.isolation.phases import PHASES, motion_phases
 
 RATE = 200.0
 

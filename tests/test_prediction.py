@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.core.errors import BraceError
-from brace_drake.diagnose import _compare_new
+from brace_drake.identification.gap import RunComparison
 from brace_drake.validation.prediction import _MOST, predict_runs
-from brace_drake.validation.shrinkage import RunComparison
+from brace_drake.validation.shrinkage import compare_new_runs
 
 RATE, SAMPLES = 200.0, 2000
 
@@ -22,6 +22,7 @@ class Replays:
         draw = np.random.default_rng(3)
         self.run = SimpleNamespace(
             measured=draw.standard_normal((SAMPLES, 2)),
+            run=SimpleNamespace(time_s=np.arange(SAMPLES) / RATE),
             used=np.array([True, True]),
             floor=SimpleNamespace(rms=np.ones(2)),
         )
@@ -52,7 +53,7 @@ class TestNewRuns(unittest.TestCase):
     def test_without_any_there_is_nothing_to_adapt_to(self):
         nothing = SimpleNamespace(prepared=[], map=lambda function, tasks: [])
         breathing = cause(0.0, of_runs=("phase",))
-        self.assertEqual(_compare_new(nothing, cause(1.0), breathing), [])
+        self.assertEqual(compare_new_runs(nothing, cause(1.0), breathing), [])
 
 
 class TestPredictions(unittest.TestCase):
@@ -60,7 +61,7 @@ class TestPredictions(unittest.TestCase):
         replays = Replays()
         after = None if winner is None else np.zeros((SAMPLES, 2))
         compared = [RunComparison(replays.run, np.ones((SAMPLES, 2)), after)]
-        found = predict_runs(replays, compared, winner, fits, RATE, 0)
+        found = predict_runs(replays, compared, winner, fits, 0)
         return found, replays
 
     def test_the_gap_is_the_root_of_noise_and_error_squared(self):
@@ -95,7 +96,7 @@ class TestPredictions(unittest.TestCase):
 
     def test_without_runs_there_are_no_predictions(self):
         fit = cause(0.0)
-        self.assertEqual(predict_runs(None, [], fit, [fit], RATE, 0), [])
+        self.assertEqual(predict_runs(None, [], fit, [fit], 0), [])
 
 
 if __name__ == "__main__":

@@ -55,17 +55,9 @@ def saved(scenario):
         return LoadScenario(Path(folder) / "s.yaml")
 
 
-def found(twin, subject, *uses):
-    """What `MakeRepairedScenario` takes of a diagnosis."""
-    effects, values = zip(*uses, strict=True) if uses else ((), ())
-    winner = SimpleNamespace(
-        effects=effects, values=values, uses=uses, subject=subject
-    )
-    return SimpleNamespace(
-        campaign=SimpleNamespace(name="some"),
-        device=SimpleNamespace(twin=twin),
-        verdict=SimpleNamespace(winner=winner if uses else None),
-    )
+def found(subject, *uses):
+    """What `MakeRepairedScenario` takes of a fit."""
+    return SimpleNamespace(uses=uses, subject=subject)
 
 
 class TestEffectsInFiles(unittest.TestCase):
@@ -140,7 +132,7 @@ class TestCarriedEffects(unittest.TestCase):
 
     def repaired(self, *uses):
         twin = BenchTwin(BenchScenario(time_step=5e-4))
-        return saved(MakeRepairedScenario(found(twin, SUBJECT, *uses)))
+        return saved(MakeRepairedScenario(twin, found(SUBJECT, *uses)))
 
     def test_diagram_of_a_repaired_scenario_equals_its_rollout(self):
         pairs = (
@@ -217,8 +209,8 @@ class TestRepairedTwin(unittest.TestCase):
         # Of the two, noise is a dither to the first.
         for uses in ([use("coulomb_friction")], [use("relaxation")]):
             with self.subTest(effect=uses[0][0].name):
-                d = found(twin, SUBJECT, *uses)
-                repaired = BenchTwin(saved(MakeRepairedScenario(d)))
+                fit = found(SUBJECT, *uses)
+                repaired = BenchTwin(saved(MakeRepairedScenario(twin, fit)))
                 after = before.simulate(prepared[0], SUBJECT, uses)
                 again = Evaluator(repaired, prepared, 1)
                 np.testing.assert_array_equal(
@@ -229,13 +221,13 @@ class TestRepairedTwin(unittest.TestCase):
                 )
 
     def test_without_an_effect_there_is_none(self):
-        d = found(BenchTwin(BenchScenario()), SUBJECT)
+        twin = BenchTwin(BenchScenario())
         with self.assertRaisesRegex(CampaignError, "nothing to repair"):
-            MakeRepairedScenario(d)
+            MakeRepairedScenario(twin, None)
         with tempfile.TemporaryDirectory() as folder:
             old = Path(folder) / "repaired.scenario.yaml"
             old.write_text("of an earlier diagnosis")
-            self.assertIsNone(WriteRepairedScenario(d, Path(folder)))
+            self.assertIsNone(WriteRepairedScenario(twin, None, Path(folder)))
             self.assertFalse(old.exists())
 
     def test_leg_and_pad_are_repaired_alike(self):
@@ -243,13 +235,13 @@ class TestRepairedTwin(unittest.TestCase):
         leg = LegBenchScenario()
         leg.control.force_limit = np.inf
         twin = LegBenchTwin(leg)
-        d = found(twin, np.array([90.0, 180.0, -3.0]), friction)
-        repaired = LegBenchTwin(saved(MakeRepairedScenario(d)))
+        fit = found(np.array([90.0, 180.0, -3.0]), friction)
+        repaired = LegBenchTwin(saved(MakeRepairedScenario(twin, fit)))
         self.assertEqual([p.nominal for p in repaired.subject], [90, 180, -3])
         self.assertIs(repaired.carried[0][0], friction[0])
         pad = PadBenchTwin(PadBenchScenario(has_corners=True))
-        d = found(pad, np.array([5e3, 120.0, 1e-3, 0.25]), hardening)
-        repaired = PadBenchTwin(saved(MakeRepairedScenario(d)))
+        fit = found(np.array([5e3, 120.0, 1e-3, 0.25]), hardening)
+        repaired = PadBenchTwin(saved(MakeRepairedScenario(pad, fit)))
         self.assertEqual(
             [p.nominal for p in repaired.subject], [5e3, 120.0, 1e-3, 0.25]
         )

@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from brace_drake.cli.options import load_motion
-from brace_drake.devices.bench.block_tests import bench_rungs
+from brace_drake.devices.bench.block_tests import bench_tests
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects.registry import find_effect
 from brace_drake.link.operation.journal import Journal
@@ -64,7 +64,7 @@ class TestTwin(unittest.TestCase):
         run = replace(self.run_, settled_s=2.0)
         motion = self.twin.motion(run)
         log = self.twin.simulate(motion, self.subject, (use,))
-        controller = bench_rungs(self.twin, 200.0)[0]
+        controller = bench_tests(self.twin, 200.0)[0]
 
         class Prepared:
             pass

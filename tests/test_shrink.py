@@ -1,12 +1,19 @@
 """Intervals of errors on validation runs."""
 
 import unittest
+from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.validation.shrinkage import rms_interval
+from brace_drake.identification.gap import rms_interval
 
 RATE, BLOCKS = 100.0, 400
+
+
+def run_of(squares):
+    """A comparison of a run of so many samples."""
+    run = SimpleNamespace(time_s=np.arange(len(squares)) / RATE)
+    return SimpleNamespace(prepared=SimpleNamespace(run=run))
 
 
 class TestRmsInterval(unittest.TestCase):
@@ -14,7 +21,7 @@ class TestRmsInterval(unittest.TestCase):
         self.generator = np.random.default_rng(2)
 
     def width(self, squares):
-        low, high = rms_interval([squares], RATE, 0)
+        low, high = rms_interval([run_of(squares)], [squares], 0)
         rms = np.sqrt(np.mean(squares))
         self.assertTrue(low < rms < high)
         return high - low
@@ -37,7 +44,7 @@ class TestRmsInterval(unittest.TestCase):
         # the others of three has the mean (100 k + 100 m + 300 n) / all.
         last = np.append(np.ones(800), 100.0)[:, None]
         wide = np.ones((800, 3))
-        low, high = rms_interval([last, wide], RATE, 0)
+        low, high = rms_interval([run_of(last), run_of(wide)], [last, wide], 0)
         self.assertGreater(high, 1.0)
         # With five of them, and 12 blocks of 1: 1.3.
         self.assertLess(high, np.sqrt((500.0 + 1200.0) / (5.0 + 1200.0)))
@@ -45,7 +52,9 @@ class TestRmsInterval(unittest.TestCase):
 
     def test_the_same_seed_draws_the_same(self):
         squares = self.generator.standard_normal(5000) ** 2
-        first, again = (rms_interval([squares], RATE, 7) for _ in range(2))
+        first, again = (
+            rms_interval([run_of(squares)], [squares], 7) for _ in range(2)
+        )
         self.assertEqual(first, again)
 
 

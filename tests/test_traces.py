@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.document.traces import MakeTraces
+from brace_drake.identification.gap import RunComparison
 from brace_drake.recording.recording import Run
-from brace_drake.validation.shrinkage import RunComparison
 
 CHANNELS = ("ring2_force_y_N", "torso_y_m")
 SAMPLES = 50
@@ -37,8 +37,8 @@ class TestTraces(unittest.TestCase):
                 nominal=SimpleNamespace(subject=None),
                 device=SimpleNamespace(
                     twin=SimpleNamespace(channels=CHANNELS),
-                    motion_signals=lambda twin, prepared, subject: (
-                        SimpleNamespace(travel=None, travel_name="")
+                    motion_signals=lambda prepared, subject: SimpleNamespace(
+                        travel=None, travel_name=""
                     ),
                 ),
             )

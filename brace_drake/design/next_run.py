@@ -21,16 +21,26 @@ from brace_drake.design.separation import (
     choose_best,
     separate_pairs,
 )
+from brace_drake.devices.declaration import Device
 from brace_drake.devices.motions.library import MotionSet, PlannedMotion
 from brace_drake.devices.motions.reference import format_reference
-from brace_drake.diagnose import Diagnosis
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.criterion import refined
+from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.decision import Verdict
 
 FILE = "next_run.csv"
 
+# Deepest cause first: what lies upstream explains what follows.
+_MOTIONS = {
+    "actuation": "free_reversal: slow reversals of direction without contact,"
+    " 2 mm/s, three times",
+    "mechanism": "stairs: ten steps over the full stroke, 2 s each",
+    "contact": "stairs with holds of 10 s at three depths",
+    "torso": "quiet_hold of 15 s in contact, three times",
+    "sensing": "quiet_hold of 10 s without contact, then a slow push",
+}
 # Explanations that come nearest, where none is good enough.
 _NEAREST = 3
 _SEED = 500
@@ -63,16 +73,31 @@ class NextRun:
         return self.pairs[0].separation
 
 
-def choose_next_run(d: Diagnosis) -> NextRun | None:
-    """The safe motion that separates a diagnosis' open causes best.
+def choose_next_run(
+    device: Device,
+    evaluator: Evaluator,
+    criterion: Criterion,
+    fits: Sequence[CandidateFit],
+    verdict: Verdict,
+    seed: int,
+) -> NextRun | None:
+    """The safe motion that separates the causes best that are left open.
 
-    None where nothing is open, or no motion of the device is known to be safe.
+    Args:
+        device: That is to run it.
+        evaluator: Over the fit runs.
+        criterion, fits, verdict: Of the search and its decision.
+        seed: Of the diagnosis.
+
+    Returns:
+        None where nothing is open, or no motion of the device is known to be
+        safe.
     """
-    rivals = open_rivals(d)
+    rivals = open_rivals(criterion, fits, verdict)
     if len(rivals) < 2:
         return None
-    twin, runs = d.device.twin, [p.run for p in d.evaluator.prepared]
-    known = d.device.motions(twin, runs, d.campaign.rate_hz)
+    twin, runs = device.twin, [p.run for p in evaluator.prepared]
+    known = device.motions(runs)
     if known is None:
         return None
     motions = [
@@ -82,12 +107,11 @@ def choose_next_run(d: Diagnosis) -> NextRun | None:
     ]
     if not motions:
         return None
-    floors = {p.run.contact: p.floor for p in d.evaluator.prepared}
-    seed = d.seed + _SEED
+    floors = {p.run.contact: p.floor for p in evaluator.prepared}
     prepared = planned_runs(
-        twin, [m.run for m in motions], floors, known.rate, seed
+        twin, [m.run for m in motions], floors, known.rate, seed + _SEED
     )
-    return best_of(d.evaluator, motions, prepared, rivals)
+    return best_of(evaluator, motions, prepared, rivals)
 
 
 def best_of(
@@ -123,7 +147,9 @@ def best_of(
     return NextRun(by_name[best], tuple(separations[best]))
 
 
-def open_rivals(d: Diagnosis) -> list[Rival]:
+def open_rivals(
+    criterion: Criterion, fits: Sequence[CandidateFit], verdict: Verdict
+) -> list[Rival]:
     """What the next run should tell apart, the best explanation first.
 
     The winner and what is tied with it; without a winner, where the cause
@@ -132,22 +158,21 @@ def open_rivals(d: Diagnosis) -> list[Rival]:
     """
     best: dict[str, CandidateFit] = {}
     seen: set[frozenset[str]] = set()
-    for fit in refined(d.fits):
-        if d.criterion.part_as_good(fit, d.fits) is not None:
+    for fit in refined(fits):
+        if criterion.part_as_good(fit, fits) is not None:
             continue
         if fit.is_scattered and fit.kinds not in seen:
             seen.add(fit.kinds)
             best["+".join(fit.identifiers)] = fit
-    verdict = d.verdict
     if verdict.winner is not None and verdict.ambiguous_with:
         name = "+".join(verdict.winner.identifiers)
         tied = [n for n in verdict.ambiguous_with if n in best]
-        fits = {name: verdict.winner, **{n: best[n] for n in tied}}
+        chosen = {name: verdict.winner, **{n: best[n] for n in tied}}
     elif verdict.outside_library:
-        fits = dict(list(best.items())[:_NEAREST])
+        chosen = dict(list(best.items())[:_NEAREST])
     else:
-        fits = {}
-    return [Rival(n, f.subject, f.uses) for n, f in fits.items()]
+        chosen = {}
+    return [Rival(n, f.subject, f.uses) for n, f in chosen.items()]
 
 
 def _is_safe(
@@ -162,28 +187,40 @@ def _is_safe(
     return known.exceeded(twin, motion, subject, log) is None
 
 
-def describe_next(row: dict | None, found: NextRun | None) -> dict | None:
-    """The document's `next_experiment`.
+def describe_next(
+    verdict: Verdict, blocks: Sequence[str], found: NextRun | None
+) -> dict | None:
+    """What would settle what is open; None where nothing is.
 
     Args:
-        row: What is known without a safe motion: why, and a motion
-            in words.
-        found: From `choose_next_run`.
+        verdict: Of the diagnosis.
+        blocks: In which the gap lies.
+        found: From `choose_next_run`; without one a motion in words is told.
     """
-    if row is None or found is None:
-        return row
-    motion, worst = found.motion, found.pairs[0]
+    if verdict.winner is not None and verdict.ambiguous_with:
+        effects = verdict.winner.effects
+        names = [*(e.name for e in effects), *verdict.ambiguous_with]
+        why = "these data do not separate " + ", ".join(names)
+        motion = effects[0].experiment
+    elif verdict.outside_library and blocks:
+        why = f"the largest unexplained rest lies in {blocks[0]}"
+        motion = _MOTIONS.get(blocks[0], "repeat the runs at half speed")
+    else:
+        return None
+    if found is None:
+        return {"why": why, "motion": motion}
+    worst = found.pairs[0]
     floors = np.sqrt(worst.separation)
     text = (
-        f"{row['why']}; of the safe motions {motion.name}"
-        f" ({motion.meaning}) separates best: {worst.first} and"
+        f"{why}; of the safe motions {found.motion.name}"
+        f" ({found.motion.meaning}) separates best: {worst.first} and"
         f" {worst.second} would differ there by {floors:.0f} standard"
         " deviations of the noise"
     )
     return {
         "text": text,
-        "why": row["why"],
-        "motion": motion.name,
+        "why": why,
+        "motion": found.motion.name,
         "file": FILE,
         "separation": found.separation,
         "pairs": [

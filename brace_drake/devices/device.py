@@ -1,80 +1,20 @@
-"""What the diagnosis needs to know of each kind of device."""
+"""Which device a campaign was recorded on."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-
 from brace_drake.core.errors import CampaignError, ScenarioError
-from brace_drake.devices.bench.block_tests import (
-    bench_quantities,
-    bench_rungs,
-    bench_signals,
-)
-from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
-from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.devices.leg_bench.block_tests import (
-    leg_quantities,
-    leg_rungs,
-    leg_signals,
-)
-from brace_drake.devices.leg_bench.twin import LegBenchTwin
-from brace_drake.devices.motions.library import (
-    MOTIONS,
-    RATE_HZ,
-    MakeMotion,
-    MotionSet,
-)
-from brace_drake.devices.motions.limits import (
-    exceeded_limit,
-    leg_motions,
-    pad_motions,
-)
-from brace_drake.devices.pad_bench.block_tests import (
-    pad_quantities,
-    pad_rungs,
-    pad_signals,
-)
-from brace_drake.devices.pad_bench.twin import PadBenchTwin
-from brace_drake.isolation.bench_attribution import attribute_bench
-from brace_drake.isolation.block_tests import Rung
-from brace_drake.isolation.force_balance import explain_imbalance
+from brace_drake.devices.bench.device import Bench
+from brace_drake.devices.declaration import Device
+from brace_drake.devices.leg_bench.device import LegBench
+from brace_drake.devices.pad_bench.device import PadBench
 from brace_drake.laws.hooks import MAX_EFFECTS
-from brace_drake.recording.recording import Campaign, Run
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.leg_bench import MakeLegBenchScenario
-from brace_drake.scenario.pad_bench import MakePadBenchScenario
+from brace_drake.recording.recording import Campaign
 
-
-@dataclass(frozen=True)
-class Device:
-    """A twin and the views on its recordings.
-
-    Attributes:
-        twin: The nominal twin.
-        rungs: Of the substitution ladder.
-        quantities: From (twin, recording) to series of what users ask for.
-        motion_signals: From (twin, prepared run, subject values) to what phases
-            of the motion are read from.
-        motions: From (twin, recorded runs, their rate in Hz) to motions that
-            the device may be asked for; None where none is known to be safe.
-        attribute: From (evaluator, nominal fit, seed) to shares of the blocks
-            in a gap that no effect explains; None where that is not known.
-        guided: The twin with its ring carried along the recorded way; None
-            where there is no ring.
-        balance: From (twin, prepared runs, rate in Hz, the ladder's row of the
-            drives) to whose errors the balance of the leg forces shows; None
-            where there is no such balance.
-    """
-
-    twin: object
-    rungs: list[Rung]
-    quantities: Callable
-    motion_signals: Callable
-    motions: Callable
-    attribute: Callable | None = None
-    guided: GuidedBenchTwin | None = None
-    balance: Callable | None = None
+DEVICES: dict[str, type[Device]] = {
+    "bench stage 2": Bench,
+    "leg bench": LegBench,
+    "pad bench": PadBench,
+}
 
 
 def MakeDevice(campaign: Campaign, scenario=None) -> Device:
@@ -88,8 +28,8 @@ def MakeDevice(campaign: Campaign, scenario=None) -> Device:
     Raises:
         CampaignError: No twin of this device yet, or a scenario of another.
     """
-    if campaign.device not in _DEVICES:
-        names = ", ".join(repr(name) for name in _DEVICES)
+    if campaign.device not in DEVICES:
+        names = ", ".join(repr(name) for name in DEVICES)
         raise CampaignError(
             f"{campaign.path}: there is no twin of device {campaign.device!r}"
             f" yet; diagnosed are {names}"
@@ -99,7 +39,7 @@ def MakeDevice(campaign: Campaign, scenario=None) -> Device:
             f"{campaign.path}: recorded on {campaign.device!r}, but the"
             f" scenario is of {scenario.device!r}"
         )
-    return _DEVICES[campaign.device](campaign, scenario)
+    return DEVICES[campaign.device](campaign, scenario)
 
 
 def check_room(twin) -> None:
@@ -113,47 +53,3 @@ def check_room(twin) -> None:
             f"the scenario carries {len(twin.carried)} effects, and the twin at"
             f" most {MAX_EFFECTS}: none can be tested beside them"
         )
-
-
-def _MakeBench(campaign: Campaign, scenario) -> Device:
-    twin = BenchTwin(scenario or BenchScenario())
-    rungs = bench_rungs(twin, campaign.rate_hz)
-    return Device(
-        twin,
-        rungs,
-        bench_quantities,
-        bench_signals,
-        _bench_motions,
-        attribute_bench,
-        GuidedBenchTwin(twin.scenario, twin.time_step),
-        explain_imbalance,
-    )
-
-
-def _bench_motions(twin, runs: Sequence[Run], rate: float) -> MotionSet:
-    """The library's with and without the torso, as far as recorded."""
-    recorded = {run.contact for run in runs}
-    library = [MakeMotion(name) for name in MOTIONS]
-    chosen = [m for m in library if m.contact in recorded]
-    return MotionSet(RATE_HZ, chosen, exceeded_limit)
-
-
-def _MakeLegBench(campaign: Campaign, scenario) -> Device:
-    twin = LegBenchTwin(scenario or MakeLegBenchScenario(campaign))
-    return Device(
-        twin, leg_rungs(twin), leg_quantities, leg_signals, leg_motions
-    )
-
-
-def _MakePadBench(campaign: Campaign, scenario) -> Device:
-    twin = PadBenchTwin(scenario or MakePadBenchScenario(campaign))
-    return Device(
-        twin, pad_rungs(twin), pad_quantities, pad_signals, pad_motions
-    )
-
-
-_DEVICES = {
-    "bench stage 2": _MakeBench,
-    "leg bench": _MakeLegBench,
-    "pad bench": _MakePadBench,
-}

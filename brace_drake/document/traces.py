@@ -12,9 +12,7 @@ def MakeTraces(d: Diagnosis) -> list[RunTrace]:
     """Measured, nominal and repaired channels of the validation runs."""
     traces = []
     for c in d.validation_runs or d.fit_runs:
-        signals = d.device.motion_signals(
-            d.device.twin, c.prepared, d.nominal.subject
-        )
+        signals = d.device.motion_signals(c.prepared, d.nominal.subject)
         floor = c.prepared.floor
         recorded = c.prepared.run.has(d.device.twin.channels)
         traces.append(

@@ -6,18 +6,8 @@ from collections.abc import Sequence
 from itertools import islice
 
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import choice_words, find_effect
+from brace_drake.effects.registry import choice_words
 from brace_drake.report.words import parameter_text
-
-# Deepest cause first: what lies upstream explains what follows.
-_MOTIONS = {
-    "actuation": "free_reversal: slow reversals of direction without contact,"
-    " 2 mm/s, three times",
-    "mechanism": "stairs: ten steps over the full stroke, 2 s each",
-    "contact": "stairs with holds of 10 s at three depths",
-    "torso": "quiet_hold of 15 s in contact, three times",
-    "sensing": "quiet_hold of 10 s without contact, then a slow push",
-}
 
 
 def verdict_sentence(
@@ -77,24 +67,3 @@ def _share_text(share: float) -> str:
     if share >= 1.0:
         return "100 %"
     return "more than 99.9 %" if share > 0.9995 else f"{100 * share:.1f} %"
-
-
-def next_experiment(
-    effects: list[str],
-    ambiguous: tuple[str, ...],
-    outside: bool,
-    blocks: list[str],
-) -> dict | None:
-    """A motion that would settle what is open, None where nothing is."""
-    if ambiguous:
-        names = [*effects, *ambiguous]
-        return {
-            "why": "these data do not separate " + ", ".join(names),
-            "motion": find_effect(effects[0]).experiment,
-        }
-    if outside and blocks:
-        return {
-            "why": f"the largest unexplained rest lies in {blocks[0]}",
-            "motion": _MOTIONS.get(blocks[0], "repeat the runs at half speed"),
-        }
-    return None

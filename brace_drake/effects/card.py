@@ -12,6 +12,8 @@ from brace_drake.core.errors import EffectError
 from brace_drake.laws.hooks import PLUG_POINTS
 
 BLOCKS = ("actuation", "mechanism", "contact", "torso", "sensing")
+# Blocks that answer to the motion of the brace; the others make it.
+ANSWER_MOTION = ("contact", "torso", "sensing")
 
 
 # Of the range, the typical size of parameters whose search starts at 0.
@@ -112,6 +114,9 @@ class Effect:
         places: What a device has to have for it: the plug points of its laws,
             its other needs, and the brace's numbers where it takes or changes
             them.
+        answers_motion: Whether it shows where the motion of the brace is
+            imposed as recorded: contact, torso and reading answer to it, legs
+            and controller make it.
     """
 
     name: str
@@ -146,6 +151,7 @@ class Effect:
     has_either_sign: bool = _derived()
     is_flexible: bool = _derived()
     places: frozenset[str] = _derived()
+    answers_motion: bool = _derived()
 
     def __post_init__(self):
         if self.block not in BLOCKS:
@@ -182,6 +188,7 @@ class Effect:
             "has_either_sign": either and not self.run_parameters,
             "is_flexible": bool(self.spread or self.run_parameters),
             "places": frozenset(places),
+            "answers_motion": self.block in ANSWER_MOTION and not self.at_rest,
         }
         vars(self).update(derived)
 

@@ -1,4 +1,4 @@
-"""The substitution ladder: each block fed its recorded inputs.
+"""Block residual tests: each block fed its recorded inputs.
 
 A block whose recorded inputs lead to its recorded outputs, as near as they do
 in noisy replays of the twin itself, is acquitted: the gap is elsewhere.
@@ -6,13 +6,13 @@ in noisy replays of the twin itself, is acquitted: the gap is elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from brace_drake.identification.evaluation import Evaluator, PreparedRun
+from brace_drake.devices.declaration import BlockTest
+from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.noise_floor import on_grid, written_quantum
 
@@ -24,45 +24,20 @@ _TOLERANCE = 1.15
 _NUDGE, _TRIES = 1e-3, 12
 
 
-Residual = Callable[[np.ndarray], np.ndarray]
-
-
-@dataclass(frozen=True)
-class Rung:
-    """One block of the ladder.
-
-    Attributes:
-        block: Its name.
-        given, found: What it is fed and what is compared, in words.
-        residual: From (prepared run, recording (N, C)) to the residual (M,)
-            as a function of the subject's values, or None where the run says
-            nothing about it.
-        needs: Channels without which a run says nothing about it.
-        own: Names of the subject's parameters that are the block's.
-    """
-
-    block: str
-    given: str
-    found: str
-    residual: Callable[[PreparedRun, np.ndarray], Residual | None]
-    needs: tuple[str, ...] = ()
-    own: tuple[str, ...] = ()
-
-
-def climb(
+def run_block_tests(
     evaluator: Evaluator,
-    rungs: Sequence[Rung],
+    tests: Sequence[BlockTest],
     fit: CandidateFit,
     seed: int,
 ) -> list[dict]:
-    """Residual of each block against that of noisy replays of the twin.
+    """Rows with the residual of each block against that of noisy replays.
 
     What a block has of the subject is fitted to its own inputs and outputs:
     the closed loop's fit bends it to cover what other blocks do.
 
     Args:
         evaluator: Over the runs to look at.
-        rungs: The device's blocks in the order of the signal.
+        tests: The device's, in the order of the signal.
         fit: Whose subject, without effects, the blocks set out from.
         seed: Of the replays.
     """
@@ -82,14 +57,14 @@ def climb(
 
     found = evaluator.map(recordings_of, [(p,) for p in evaluator.prepared])
     takes = list(zip(*found, strict=True))
-    tasks = [(rung, take) for rung in rungs for take in takes]
+    tasks = [(test, take) for test in tests for take in takes]
 
-    def power(rung, take):
-        return _power(rung, evaluator, take, fit.subject)
+    def power(test, take):
+        return _power(test, evaluator, take, fit.subject)
 
-    powers = np.array(evaluator.map(power, tasks)).reshape(len(rungs), -1)
+    powers = np.array(evaluator.map(power, tasks)).reshape(len(tests), -1)
     rows = []
-    for rung, (recorded, *replicates) in zip(rungs, powers, strict=True):
+    for test, (recorded, *replicates) in zip(tests, powers, strict=True):
         if np.isnan(recorded):
             continue
         noise = np.mean(replicates)
@@ -99,9 +74,9 @@ def climb(
         ratio = float(np.sqrt(recorded / noise)) if noise > 0.0 else np.inf
         rows.append(
             {
-                "block": rung.block,
-                "input": rung.given,
-                "output": rung.found,
+                "block": test.block,
+                "input": test.given,
+                "output": test.found,
                 "normalised_rms": ratio,
                 "threshold": threshold,
                 "acquitted": bool(ratio <= threshold),
@@ -117,22 +92,22 @@ def climb(
 
 
 def describe_unchecked(
-    evaluator: Evaluator, rungs: Sequence[Rung], rows: Sequence[dict]
+    evaluator: Evaluator, tests: Sequence[BlockTest], rows: Sequence[dict]
 ) -> list[str]:
     """Sentences on what lies between recorded channels and cannot be divided.
 
     Args:
         evaluator: Over the runs that were looked at.
-        rungs: Of the device.
-        rows: From `climb`.
+        tests: Of the device.
+        rows: From `run_block_tests`.
     """
     checked = {row["block"] for row in rows}
     segments: dict[tuple[str, ...], list[str]] = {}
-    for rung in rungs:
-        has = [p.run.has(rung.needs) for p in evaluator.prepared]
-        lacks = np.array(rung.needs)[~np.any(has, axis=0)]
-        if rung.block not in checked and len(lacks):
-            segments.setdefault(tuple(lacks), []).append(rung.block)
+    for test in tests:
+        has = [p.run.has(test.needs) for p in evaluator.prepared]
+        lacks = np.array(test.needs)[~np.any(has, axis=0)]
+        if test.block not in checked and len(lacks):
+            segments.setdefault(tuple(lacks), []).append(test.block)
     return [
         f"{' and '.join(blocks)}: not checked by"
         f" {'themselves' if len(blocks) > 1 else 'itself'}, as"
@@ -143,25 +118,25 @@ def describe_unchecked(
     ]
 
 
-def holds_at_rest(ladder: Sequence[dict]) -> bool | None:
+def holds_at_rest(rows: Sequence[dict]) -> bool | None:
     """Whether the leg lengths at rest are as they should be; None where the
     device has no such lengths.
     """
-    rows = [r for r in ladder if r["block"] == "mechanism"]
-    return all(r["acquitted"] for r in rows) if rows else None
+    found = [r for r in rows if r["block"] == "mechanism"]
+    return all(r["acquitted"] for r in found) if found else None
 
 
 def _power(
-    rung: Rung, evaluator: Evaluator, take: Sequence[np.ndarray], subject
+    test: BlockTest, evaluator: Evaluator, take: Sequence[np.ndarray], subject
 ) -> float:
     """Mean square over runs that a block leaves at its best parameters.
 
     NaN where no run says anything about it.
     """
     parts = [
-        rung.residual(p, x)
+        test.residual(p, x)
         for p, x in zip(evaluator.prepared, take, strict=True)
-        if p.run.has(rung.needs).all()
+        if p.run.has(test.needs).all()
     ]
     # A run may say nothing, and one without a sample of the block neither.
     parts = [p for p in parts if p is not None and len(p(subject))]
@@ -174,7 +149,7 @@ def _power(
 
     base = residual(subject)
     own = [
-        i for i, p in enumerate(evaluator.twin.subject) if p.name in rung.own
+        i for i, p in enumerate(evaluator.twin.subject) if p.name in test.own
     ]
     if not own:
         return float(base @ base)

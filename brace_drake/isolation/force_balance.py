@@ -1,10 +1,10 @@
-"""Whose errors the balance of the leg forces shows: drives, ring or reading.
+"""Whose errors an inverse-dynamics residual shows: drives, ring or reading.
 
-The balance holds neither where drives do not give what they are told, nor where
-something else pulls at the ring, nor with a wrong reading of its force. Which
-it is the shape of the imbalance along the recorded way tells: few errors of the
-right block take nearly all of it. Each block's errors are chosen one by one,
-what takes most first (orthogonal matching pursuit: Pati, Rezaiifar and
+Forces are in balance neither where drives do not give what they are told, nor
+where something else pulls at the ring, nor with a wrong reading of its force.
+Which it is the shape of the residual along the recorded way tells: few errors
+of the right block take nearly all of it. Each block's errors are chosen one by
+one, what takes most first (orthogonal matching pursuit: Pati, Rezaiifar and
 Krishnaprasad, Asilomar Conference 1993), at most `_TERMS` of them, so that a
 block with many errors to choose from gains little by that.
 """
@@ -15,28 +15,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.devices.bench.force_balance import (
-    CUTOFF_HZ,
-    MARGIN_S,
-    calc_imbalance,
-    follow_ring,
-)
-from brace_drake.devices.bench.recorded_motion import low_pass
-from brace_drake.devices.bench.rollout import COMMANDS
-from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.declaration import Device, Term
 from brace_drake.identification.evaluation import PreparedRun
-from brace_drake.isolation.force_balance_terms import (
-    Term,
-    drive_terms,
-    reading_terms,
-    ring_terms,
-)
 
 DRIVES, RING, READING = "actuation", "mechanism", "sensing"
-# Of the signals that errors are made of.
-_SIGNAL_HZ = 15.0
-# Samples that are compared, a bit more than the low pass leaves of them.
-_COMPARED_HZ = 20.0
 _TERMS = 3
 # Share of the imbalance with which a description of it is whole.
 _WHOLE = 0.99
@@ -44,9 +26,8 @@ _WHOLE = 0.99
 _LITTLE, _LESS = 0.1, 0.5
 # What is left is known to, as the noise is.
 _KNOWN_TO = 0.01
-# Relative length of a shape that a moment of the torso's could have, and of one
-# that others have almost made.
-_MOMENT, _MADE = 1e-2, 5e-2
+# Relative length of a shape that others have almost made.
+_MADE = 5e-2
 
 
 def suspected_part(rows: Sequence[dict]) -> str:
@@ -69,19 +50,16 @@ def suspected_part(rows: Sequence[dict]) -> str:
 
 
 def explain_imbalance(
-    twin: BenchTwin,
+    device: Device,
     prepared: Sequence[PreparedRun],
-    rate: float,
     drives: dict,
 ) -> list[dict]:
     """How much of the imbalance few errors of each block take.
 
     Args:
-        twin: Whose nominal numbers count.
-        prepared: Runs; those without commands or of less than a second are
-            left out.
-        rate: Of the recordings, Hz.
-        drives: Row of the ladder that weighs the imbalance against noise.
+        device: Whose forces are looked at.
+        prepared: Runs; those that tell nothing are left out.
+        drives: Row of the block test that weighs the imbalance against noise.
 
     Returns:
         A row for drives, ring and reading each: `explained`, the share of the
@@ -92,9 +70,8 @@ def explain_imbalance(
     """
     if drives["acquitted"]:
         return []
-    has = twin.channels[COMMANDS]
-    parts = [_compare(twin, p, rate) for p in prepared if p.run.has(has).all()]
-    parts = [(lack, terms) for lack, terms in parts if len(lack)]
+    found = [device.force_balance(p) for p in prepared]
+    parts = [part for part in found if part is not None]
     if not parts:
         return []
     lack = np.concatenate([lack for lack, _ in parts])
@@ -119,44 +96,6 @@ def explain_imbalance(
             }
         )
     return rows
-
-
-def _compare(
-    twin: BenchTwin, prepared: PreparedRun, rate: float
-) -> tuple[np.ndarray, dict[str, list[Term]]]:
-    """What the balance of a run lacks (M,), and errors of each block, in terms
-    of the root of their number: each run counts as it does in the ladder.
-    """
-    numbers, x = twin.numbers, prepared.measured
-    touches = prepared.run.contact
-    gravity = numbers.ring[4] / numbers.ring[0]
-    way = follow_ring(numbers, x, rate, CUTOFF_HZ)
-    lack = calc_imbalance(numbers, way, touches)
-    # The errors' own corners lie above the low pass, which comes last.
-    signals = follow_ring(numbers, x, rate, _SIGNAL_HZ)
-    edge, every = int(MARGIN_S * rate), max(1, int(rate / _COMPARED_HZ))
-
-    def cut(values):
-        inner = values[edge : max(edge, len(values) - edge) : every].ravel()
-        return inner / np.sqrt(max(1, len(inner)))
-
-    def see(shape):
-        """An error as it shows in what the balance lacks."""
-        slow = low_pass(shape, CUTOFF_HZ, rate)
-        if not touches:
-            return cut(slow)
-        seen = way.beyond_moments(slow)
-        is_moment = np.linalg.norm(seen) < _MOMENT * np.linalg.norm(slow)
-        return cut(np.zeros_like(seen) if is_moment else seen)
-
-    def slow(terms):
-        return [Term(t.title, t.unit, see(t.shape)) for t in terms]
-
-    return cut(lack), {
-        DRIVES: slow(drive_terms(signals)),
-        RING: slow(ring_terms(signals, gravity)),
-        READING: slow(reading_terms(signals, touches)),
-    }
 
 
 def _join(

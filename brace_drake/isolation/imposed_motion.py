@@ -1,9 +1,9 @@
-"""What contact, torso and force reading show where the ring's way is given.
+"""Open-loop replay on imposed motion: what answers to the ring's way.
 
 Where drives stick and slip by chance a twin in closed loop comes to no floor,
 and a second effect is lost in what it leaves. On the recorded way of the ring
-nothing sticks: an effect of the contact's side shows there as it would without
-friction, and so does the subject.
+nothing sticks: an effect of contact, torso or force reading shows there as it
+would without friction, and so does the subject.
 """
 
 from __future__ import annotations
@@ -16,8 +16,6 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers
-from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
-from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_nominal
@@ -31,21 +29,19 @@ from brace_drake.selection.search.screening import screen, search_best
 from brace_drake.selection.search.shortlist import best_fits, refine
 from brace_drake.selection.surrogate_data import loses_to_surrogates
 
-# Blocks that answer to the way of the ring; the others make it.
-BLOCKS = ("contact", "torso", "sensing")
 # Mean square, in floors, from which on a gap is beyond doubt.
 _LARGE = 0.5
-# Times the floor's amplitude, up to which the side holds: the noise of a way is
-# known to a sixth.
+# Times the floor's amplitude, up to which there is no gap: the noise of a way
+# is known to a sixth.
 _THRESHOLD = 1.17
 
 
 @dataclass(frozen=True)
-class ContactSide:
-    """The contact's side of a bench, its ring on the recorded way.
+class ImposedMotionFit:
+    """The subject's fit on the recorded way of the ring.
 
     Attributes:
-        evaluator: Of the guided twin over the fit runs.
+        evaluator: Of the twin on imposed motion, over the fit runs.
         nominal: Its fit without effects.
     """
 
@@ -53,7 +49,7 @@ class ContactSide:
     nominal: CandidateFit
 
     def row(self) -> dict:
-        """What the nominal fit leaves, as a row of the ladder."""
+        """What the nominal fit leaves, as a row of block tests."""
         rest = max(0.0, self.nominal.excess / self.evaluator.count)
         ratio = float(np.sqrt(1.0 + rest))
         return {
@@ -66,16 +62,16 @@ class ContactSide:
         }
 
 
-def fit_contact_side(
-    twin: GuidedBenchTwin | None,
+def fit_imposed_motion(
+    twin,
     campaign: Campaign,
     jobs: int | Workers,
     seed: int,
-) -> ContactSide | None:
+) -> ImposedMotionFit | None:
     """Fits the subject to what the way of the ring does to it.
 
     Args:
-        twin: The guided one, None where the device has none.
+        twin: On imposed motion; None where the device has none.
         campaign: Its fit runs are looked at.
         jobs, seed: As of the diagnosis.
 
@@ -97,20 +93,20 @@ def fit_contact_side(
         floors, _ = estimate_floors(twin, known, usual, seed)
         prepared = prepare_runs(twin, runs, floors, campaign.rate_hz, seed)
         evaluator = Evaluator(twin, prepared, jobs)
-        return ContactSide(evaluator, fit_nominal(evaluator))
+        return ImposedMotionFit(evaluator, fit_nominal(evaluator))
     except (BraceError, ValueError):
         return None
 
 
-def explain_contact_side(
-    side: ContactSide,
+def explain_imposed_motion(
+    found: ImposedMotionFit,
     seed: int,
     say: Callable[[str, float], None] = lambda what, share: None,
 ) -> CandidateFit | None:
-    """What is on the contact's side: an effect, or none.
+    """What answers otherwise than the twin to the imposed motion.
 
     Args:
-        side: From `fit_contact_side`.
+        found: From `fit_imposed_motion`.
         seed: As of the diagnosis.
         say: Progress, shares of this search.
 
@@ -120,7 +116,7 @@ def explain_contact_side(
         of a way is known less than that of readings, and no twin is exact, a
         gap of less than half of the floor is none to build on.
     """
-    evaluator, nominal = side.evaluator, side.nominal
+    evaluator, nominal = found.evaluator, found.nominal
     criterion = make_criterion(evaluator, nominal)
     try:
         base = Linearisation(evaluator, nominal)
@@ -139,7 +135,7 @@ def _diagnose(
 ) -> Verdict:
     evaluator, nominal = base.evaluator, base.base
     known = effects_for(evaluator.twin.device).values()
-    effects = [e for e in known if is_on_contact_side(e)]
+    effects = [e for e in known if e.answers_motion]
     most = criterion.largest_excess(1)
     few = [e for e in effects if not e.is_flexible]
     fits = _screen(base, few, most, say)
@@ -157,8 +153,3 @@ def _screen(base, effects, most, say) -> list[CandidateFit]:
     search_best(base, found, say, enough=most)
     fits = best_fits(found)
     return refine(base.evaluator, fits, base.base.excess, rivals=most)
-
-
-def is_on_contact_side(card: Effect) -> bool:
-    """Whether an effect shows on a given way of the ring."""
-    return card.block in BLOCKS and not card.at_rest

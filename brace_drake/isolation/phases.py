@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from brace_drake.devices.declaration import MotionSignals
 
 PHASES = (
     "reversal",
@@ -23,25 +23,6 @@ _SLOW = 0.1
 _AROUND_S = 0.15
 # A breath is smoothed over so long before its direction is taken.
 _BREATH_S = 0.5
-
-
-@dataclass(frozen=True)
-class MotionSignals:
-    """What phases of a motion are read from.
-
-    Attributes:
-        position: Reference along the motion (N,), m.
-        force: Column of the measured force along it, N; None without.
-        touching: Whether each pad touches (N, pads); None where not known.
-        travel: What the force answers to (N,), m.
-        travel_name: In words.
-    """
-
-    position: np.ndarray
-    force: int | None
-    touching: np.ndarray | None
-    travel: np.ndarray
-    travel_name: str
 
 
 def motion_phases(

@@ -9,9 +9,6 @@ a large gap is shared out as well as a small one. A block's share is its
 Shapley value, the mean of what its repair adds over all orders of repairing;
 what all repairs together leave is a share of its own, so that all of them add
 up to 1.
-
-Source: Shapley, A value for n-person games, Contributions to the Theory of
-Games II, 1953.
 """
 
 from __future__ import annotations
@@ -24,17 +21,15 @@ import numpy as np
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.whitening import in_time
+from brace_drake.identification.whitening import in_pieces
 from brace_drake.isolation.shapley import (
-    UNEXPLAINED,
     coalitions,
     shapley_values,
+    share_rows,
 )
 from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 
-_PIECE_S = 1.0
-_RESAMPLES = 300
 _STEPS = 5
 
 
@@ -61,53 +56,60 @@ def share_repairs(
     """
     blocks = list(dict.fromkeys(e.block for e in winner.effects))
     pieces = _excess_pieces(evaluator, nominal, winner, blocks)
-    if pieces[frozenset()].sum() <= 0.0:
-        return []
-    shares, alone = _shares(pieces, np.ones(len(pieces[frozenset()])), blocks)
-    draws = _resampled(pieces, blocks, seed)
-    low, high = np.quantile(np.vstack([draws, shares]), [0.025, 0.975], axis=0)
-    others = _blocks_of(evaluator, rivals)
-    rows = [
-        {
-            "block": block,
-            "share": float(shares[i]),
-            "lower95": float(low[i]),
-            "upper95": float(high[i]),
-            "alone": float(alone[i]),
-            "or": [b for b in others if b not in blocks] if i == 0 else [],
+    count = len(pieces[frozenset()])
+
+    def taken(weights):
+        gap = float(weights @ pieces[frozenset()])
+        if gap <= 0.0:
+            return None
+        return {
+            coalition: float(np.clip(1.0 - weights @ excess / gap, 0.0, 1.0))
+            for coalition, excess in pieces.items()
         }
-        for i, block in enumerate([*blocks, UNEXPLAINED])
-    ]
-    return rows
 
+    def shares(weights):
+        values = taken(weights)
+        if values is None:
+            return None
+        left = 1.0 - values[frozenset(range(len(blocks)))]
+        return np.append(shapley_values(values, len(blocks)), left)
 
-def _blocks_of(evaluator, rivals) -> list[str]:
+    whole = taken(np.ones(count))
+    if whole is None:
+        return []
+    alone = [whole[frozenset({i})] for i in range(len(blocks))]
+    left = 1.0 - whole[frozenset(range(len(blocks)))]
     cards = effects_for(evaluator.twin.device).values()
-    block = {card.name: card.block for card in cards}
-    names = itertools.chain.from_iterable(r.split("+") for r in rivals)
-    return list(dict.fromkeys(block[n] for n in names if n in block))
+    named = set(itertools.chain.from_iterable(r.split("+") for r in rivals))
+    others = dict.fromkeys(c.block for c in cards if c.name in named)
+    return share_rows(
+        blocks,
+        shares,
+        count,
+        [seed, 43],
+        [*alone, left],
+        {0: [b for b in others if b not in blocks]},
+    )
 
 
-def _excess_pieces(evaluator, nominal, winner, blocks) -> dict:
+def _excess_pieces(
+    evaluator, nominal, winner, blocks
+) -> dict[frozenset[int], np.ndarray]:
     """Squares above noise of every coalition, piece by piece of time (n,)."""
-    everyone = frozenset(range(len(blocks)))
-    residuals = {
-        frozenset(): (nominal.solution.residual, 1.0),
-        everyone: (
-            winner.solution.residual,
-            evaluator.noise_level(winner.uses),
-        ),
-    }
+    found = {}
     for coalition in coalitions(len(blocks)):
-        if coalition not in residuals:
+        residual, noise = nominal.solution.residual, 1.0
+        if len(coalition) == len(blocks):
+            residual = winner.solution.residual
+            noise = evaluator.noise_level(winner.uses)
+        elif coalition:
             kept = [blocks[i] for i in coalition]
-            residuals[coalition] = _repaired_in(
-                evaluator, nominal, winner, kept
-            )
-    return {
-        s: _pieces(evaluator, residual[: evaluator.ends[-1]], noise)
-        for s, (residual, noise) in residuals.items()
-    }
+            residual, noise = _repaired_in(evaluator, nominal, winner, kept)
+        pieces = in_pieces(evaluator, residual[: evaluator.ends[-1]])
+        found[coalition] = np.array(
+            [np.sum(p**2) - noise * np.count_nonzero(p) for p in pieces]
+        )
+    return found
 
 
 def _repaired_in(
@@ -134,44 +136,3 @@ def _repaired_in(
     best.step(base, _STEPS)
     uses = tuple(zip(effects, values, strict=True))
     return best.residual, evaluator.noise_level(uses, coarse=True)
-
-
-def _pieces(
-    evaluator: Evaluator, residual: np.ndarray, noise: float
-) -> np.ndarray:
-    """Squares above noise of that mean square over pieces of time of all
-    runs.
-    """
-    out = []
-    edges = itertools.pairwise([0, *evaluator.ends])
-    for run, (begin, end) in zip(evaluator.prepared, edges, strict=True):
-        series = in_time(run, residual[begin:end])
-        duration = run.run.time_s[-1] - run.run.time_s[0]
-        parts = np.array_split(series, max(1, round(duration / _PIECE_S)))
-        out += [float(np.sum(p**2)) - noise * p.size for p in parts]
-    return np.array(out)
-
-
-def _shares(pieces, weights, blocks) -> tuple[np.ndarray, np.ndarray]:
-    """Shares and what each takes alone, what is left behind (n + 1,)."""
-    gap = float(weights @ pieces[frozenset()])
-    everyone = frozenset(range(len(blocks)))
-    taken = {
-        s: float(np.clip(1.0 - weights @ excess / gap, 0.0, 1.0))
-        for s, excess in pieces.items()
-    }
-    left = 1.0 - taken[everyone]
-    alone = [taken[frozenset({i})] for i in range(len(blocks))]
-    shares = shapley_values(taken, len(blocks))
-    return np.append(shares, left), np.append(alone, left)
-
-
-def _resampled(pieces, blocks, seed) -> np.ndarray:
-    """Shares over resampled pieces of time (draws, blocks + 1)."""
-    generator = np.random.default_rng([seed, 43])
-    n, draws = len(pieces[frozenset()]), []
-    for _ in range(_RESAMPLES):
-        weights = generator.multinomial(n, np.full(n, 1.0 / n)).astype(float)
-        if weights @ pieces[frozenset()] > 0.0:
-            draws.append(_shares(pieces, weights, blocks)[0])
-    return np.array(draws).reshape(len(draws), len(blocks) + 1)

@@ -14,15 +14,16 @@ the twin lacks acts like.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 
 import numpy as np
 
-from brace_drake.design.separation import beyond, orthonormal_basis
-from brace_drake.identification.evaluation import Evaluator
+from brace_drake.core.block_bootstrap import interval_of
+from brace_drake.devices.declaration import MotionSignals
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.whitening import in_time
-from brace_drake.isolation.phases import MotionSignals
+from brace_drake.identification.subspace import beyond, orthonormal_basis
+from brace_drake.identification.whitening import in_pieces
 
 # Shapes, and what acts so.
 SHAPES = {
@@ -39,7 +40,6 @@ SHAPES = {
 _SLOW = 0.1
 # The level of noise is trusted to so much of its mean square.
 _TRUST = 0.1
-_PIECE_S, _RESAMPLES = 1.0, 300
 _MOST_ROWS = 5
 # Relative length of a shape that is gone; least share that is worth a word.
 _GONE, _LEAST = 1e-3, 0.1
@@ -68,10 +68,10 @@ def motion_shapes(position: np.ndarray, rate: float) -> dict[str, np.ndarray]:
     return dict(zip(SHAPES, shapes, strict=True))
 
 
-def describe_left(
+def describe_rest(
     evaluator: Evaluator,
     fit: CandidateFit,
-    signals: Sequence[MotionSignals],
+    signals_of: Callable[[PreparedRun, np.ndarray], MotionSignals],
     rate: float,
     seed: int,
 ) -> list[dict]:
@@ -80,7 +80,7 @@ def describe_left(
     Args:
         evaluator: Over the runs of the fit.
         fit: With its residual and Jacobian.
-        signals: The motion of each run.
+        signals_of: From a run and the subject's values to its motion.
         rate: Hz.
         seed: Of the bootstrap over pieces of time.
 
@@ -93,8 +93,10 @@ def describe_left(
     rows = evaluator.ends[-1]
     residual = fit.solution.residual[:rows]
     basis = orthonormal_basis(fit.solution.jacobian[:rows])
-    rests = _in_pieces(evaluator, residual, rate)
+    rests = in_pieces(evaluator, residual)
     noise = evaluator.noise_level(fit.uses)
+    signals = [signals_of(run, fit.subject) for run in evaluator.prepared]
+    motions = [motion_shapes(s.position, rate) for s in signals]
     found = []
     for c, name in enumerate(evaluator.twin.channels):
         rest = np.array([p[:, c] @ p[:, c] for p in rests])
@@ -103,9 +105,10 @@ def describe_left(
         spread = 4.0 * np.sqrt(2.0 * chance)
         if chance == 0.0 or total < chance * (1.0 + _TRUST) + spread:
             continue
-        shapes = _shapes_in(evaluator, signals, c, rate, basis)
-        best = int(np.argmax([_taken(residual, s) for s in shapes]))
-        parts = _in_pieces(evaluator, shapes[best], rate)
+        shapes = _shapes_in(evaluator, motions, c, basis)
+        taken = [(residual @ s) ** 2 / max(s @ s, 1e-300) for s in shapes]
+        best = int(np.argmax(taken))
+        parts = in_pieces(evaluator, shapes[best])
         pairs = list(zip(rests, parts, strict=True))
         across = [np.sum(r * s) for r, s in pairs]
         own = [np.sum(s * s) for _, s in pairs]
@@ -125,13 +128,12 @@ def describe_left(
     return found[:_MOST_ROWS]
 
 
-def _shapes_in(evaluator, signals, channel, rate, basis) -> list[np.ndarray]:
+def _shapes_in(evaluator, motions, channel, basis) -> list[np.ndarray]:
     """Weighted shapes in one channel of all runs, beyond a basis (rows,)."""
-    per_run = [motion_shapes(s.position, rate) for s in signals]
     found = []
     for shape in SHAPES:
         parts = []
-        for run, shapes in zip(evaluator.prepared, per_run, strict=True):
+        for run, shapes in zip(evaluator.prepared, motions, strict=True):
             column = np.zeros_like(run.measured)
             column[:, channel] = shapes[shape]
             parts.append(run.weigh(column))
@@ -144,49 +146,22 @@ def _shapes_in(evaluator, signals, channel, rate, basis) -> list[np.ndarray]:
     return found
 
 
-def _taken(residual: np.ndarray, shape: np.ndarray) -> float:
-    """Sum of squares that a shape takes."""
-    own = shape @ shape
-    return float((residual @ shape) ** 2 / own) if own > 0.0 else 0.0
-
-
-def _in_pieces(evaluator, weighted, rate) -> list[np.ndarray]:
-    """Series of unit variance, piece by piece of time of all runs (N, C)."""
-    edges = [0, *evaluator.ends]
-    found = []
-    for run, begin, end in zip(
-        evaluator.prepared, edges[:-1], edges[1:], strict=True
-    ):
-        series = in_time(run, weighted[begin:end])
-        whole = np.zeros((len(series), len(run.used)))
-        whole[:, run.used] = series
-        duration = len(run.measured) / rate
-        found += np.array_split(whole, max(1, round(duration / _PIECE_S)))
-    return found
-
-
 def _share_of(table: np.ndarray, shape: str, seed: int) -> dict:
     """Share that a shape takes, from sums over pieces (n, 4)."""
-    generator = np.random.default_rng([seed, 53])
-    count = len(table)
-    draws = generator.multinomial(
-        count, np.full(count, 1.0 / count), size=_RESAMPLES
-    )
-    share = _share(table.sum(axis=0))
-    drawn = [_share(d @ table) for d in draws]
-    low, high = np.quantile([*drawn, share], [0.025, 0.975])
+
+    def share(weights):
+        rest, noise, across, own = weights @ table
+        if rest <= noise or own <= 0.0:
+            return 0.0
+        taken = (across**2 / own - 1.0) / (rest - noise)
+        return float(np.clip(taken, 0.0, 1.0))
+
+    low, high = interval_of(share, len(table), [seed, 53])
     is_found = low > _LEAST
     return {
         "shape": shape if is_found else None,
         "acts_like": SHAPES[shape] if is_found else None,
-        "takes": share,
+        "takes": share(np.ones(len(table))),
         "lower95": float(low),
         "upper95": float(high),
     }
-
-
-def _share(total: np.ndarray) -> float:
-    rest, noise, across, own = total
-    if rest <= noise or own <= 0.0:
-        return 0.0
-    return float(np.clip((across**2 / own - 1.0) / (rest - noise), 0.0, 1.0))

@@ -18,6 +18,7 @@ import numpy as np
 
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.whitening import in_frequency
 from brace_drake.selection import thresholds
 
 # Directions of less than this part of their columns are copies of others.
@@ -82,18 +83,8 @@ def loses_to_surrogates(
 
 def _products(prepared: PreparedRun, first, second) -> np.ndarray:
     """Inner products over channels at each frequency, (F, n, m), complex."""
-    a, b = (_spectra(prepared, columns) for columns in (first, second))
+    a, b = (in_frequency(prepared, columns) for columns in (first, second))
     return np.einsum("fcn,fcm->fnm", np.conj(a), b, optimize=True)
-
-
-def _spectra(prepared: PreparedRun, columns: np.ndarray) -> np.ndarray:
-    """Columns (rows, n) as transforms (F, C, n), see `PreparedRun.weigh`."""
-    bins, channels = len(prepared.weights), int(prepared.used.sum())
-    real = bins * channels
-    out = np.zeros((bins, channels, columns.shape[1]), dtype=complex)
-    out.real = columns[:real].reshape(out.shape)
-    out.imag[1:] = columns[real:].reshape(out[1:].shape)
-    return out
 
 
 def _turned(products: np.ndarray, generator) -> np.ndarray:

@@ -14,14 +14,14 @@ import numpy as np
 from brace_drake.core.errors import BraceError
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.run_parameters import has_run_parameters
-from brace_drake.validation.shrinkage import (
+from brace_drake.identification.gap import (
     RunComparison,
     is_repaired,
     repair_runs,
+    rms_gap,
     rms_interval,
-    total_gap,
 )
+from brace_drake.identification.run_parameters import has_run_parameters
 
 # A replay of each costs little, of all the pairs that were tried much.
 _MOST = 8
@@ -47,7 +47,6 @@ def predict_runs(
     compared: Sequence[RunComparison],
     winner: CandidateFit | None,
     fits: Sequence[CandidateFit],
-    rate: float,
     seed: int,
 ) -> list[Prediction]:
     """Predictions by the winner and by causes that leave least on the fit runs.
@@ -59,14 +58,13 @@ def predict_runs(
         fits: Of causes. Who was not searched predicts nothing, nor who has
             parameters of single runs, which would have to be fitted to these
             runs, nor whose twin breaks down.
-        rate: Hz.
         seed: Of the intervals.
     """
     if not compared:
         return []
     found = []
     if winner is not None and is_repaired(compared):
-        found.append(_measure(winner, compared, rate, seed))
+        found.append(_measure(winner, compared, seed))
     able = [
         f
         for f in sorted(fits, key=lambda f: f.excess)
@@ -79,13 +77,13 @@ def predict_runs(
             replayed = repair_runs(validation, compared, fit)
         except BraceError:
             continue
-        prediction = _measure(fit, replayed, rate, seed)
+        prediction = _measure(fit, replayed, seed)
         if np.isfinite(prediction.gap):
             found.append(prediction)
     return found
 
 
-def _measure(fit, replayed, rate, seed) -> Prediction:
-    squares = [c.normalised("after") for c in replayed]
-    interval = rms_interval(squares, rate, seed)
-    return Prediction(fit, total_gap(list(replayed), "after"), interval)
+def _measure(fit, replayed, seed) -> Prediction:
+    squares = [c.squares("after") for c in replayed]
+    interval = rms_interval(replayed, squares, seed)
+    return Prediction(fit, rms_gap(replayed, "after"), interval)

@@ -3,189 +3,123 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
-from brace_drake.identification.evaluation import (
-    NUM_DITHERS,
-    Evaluator,
-    PreparedRun,
-    is_dithered,
-)
+from brace_drake.core.errors import BraceError
+from brace_drake.devices.declaration import Device
+from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-
-_BLOCK_S = 1.0
-_RESAMPLES = 1000
-
-
-@dataclass(frozen=True)
-class RunComparison:
-    """One run replayed by the nominal and by the repaired twin.
-
-    Attributes:
-        prepared: The run.
-        before, after: Simulated channels (N, C); `after` None where nothing
-            was added.
-        dither: Share of the floor's variance that `after` still carries.
-    """
-
-    prepared: PreparedRun
-    before: np.ndarray
-    after: np.ndarray | None
-    dither: float = 0.0
-
-    def normalised(self, which: str) -> np.ndarray:
-        """Squared residuals in floors (N, used channels)."""
-        simulated = getattr(self, which)
-        used = self.prepared.used
-        residual = (self.prepared.measured - simulated)[:, used]
-        squares = (residual / self.prepared.floor.rms[used]) ** 2
-        return squares - (self.dither if which == "after" else 0.0)
+from brace_drake.identification.gap import (
+    RunComparison,
+    closed_interval,
+    closed_share,
+    compare_runs,
+    is_repaired,
+    repair_runs,
+    rms_gap,
+    rms_interval,
+)
+from brace_drake.identification.run_parameters import (
+    adapt_to_runs,
+    has_run_parameters,
+)
 
 
-def compare_runs(
-    evaluator: Evaluator, nominal: CandidateFit, winner: CandidateFit | None
+def compare_new_runs(
+    validation: Evaluator, nominal: CandidateFit, winner: CandidateFit | None
 ) -> list[RunComparison]:
-    """Replays every run of an evaluator before and after the repair."""
-
-    def one(prepared):
-        before = evaluator.simulate(prepared, nominal.subject, ())
-        return RunComparison(prepared, before, None)
-
-    compared = evaluator.map(one, [(p,) for p in evaluator.prepared])
-    if winner is None:
+    """Runs that no fit has seen, before the repair and after it; before it
+    alone where the repaired twin breaks down on them.
+    """
+    compared = compare_runs(validation, nominal, None)
+    if winner is None or not compared:
         return compared
-    return repair_runs(evaluator, compared, winner)
+    try:
+        if has_run_parameters(winner):
+            winner = adapt_to_runs(validation, winner)
+        return repair_runs(validation, compared, winner)
+    except BraceError:
+        return compared
 
 
-def repair_runs(
-    evaluator: Evaluator, compared: Sequence[RunComparison], fit: CandidateFit
-) -> list[RunComparison]:
-    """The same runs, with a fit's replays as those after the repair.
+def measure_shrinkage(
+    device: Device,
+    compared: Sequence[RunComparison],
+    subject: np.ndarray,
+    seed: int,
+) -> dict | None:
+    """Before, after and closed share on validation runs; None without.
 
-    Raises:
-        BraceError: Its twin breaks down in one of them.
+    Args:
+        device: Of the campaign.
+        compared: Validation runs, from `compare_new_runs`.
+        subject: Values of the nominal fit.
+        seed: Of the intervals.
     """
-    is_noisy = is_dithered(evaluator.twin, fit.uses)
-    dither = 1.0 / NUM_DITHERS if is_noisy else 0.0
-
-    def one(prepared):
-        return evaluator.simulate(prepared, fit.subject, fit.uses)
-
-    replays = evaluator.map(one, [(c.prepared,) for c in compared])
-    return [
-        replace(c, after=after, dither=dither)
-        for c, after in zip(compared, replays, strict=True)
-    ]
-
-
-def is_repaired(comparisons: Sequence[RunComparison]) -> bool:
-    """Whether runs were replayed after a repair, and not only before it."""
-    return any(c.after is not None for c in comparisons)
-
-
-def _rms(squares: np.ndarray) -> float:
-    return float(np.sqrt(max(0.0, float(np.mean(squares)))))
-
-
-def closed_share(before: float, after: float) -> float | None:
-    """(before - after) / (before - floor), None without a gap before."""
-    return (before - after) / (before - 1.0) if before > 1.0 else None
-
-
-def total_gap(comparisons: list[RunComparison], which: str) -> float:
-    """Normalised root mean square over runs, channels and time."""
-    squares = np.concatenate([c.normalised(which).ravel() for c in comparisons])
-    return _rms(squares)
-
-
-def channel_gaps(
-    comparisons: list[RunComparison], channels: tuple[str, ...], which: str
-) -> dict[str, float]:
-    """Normalised root mean square of each channel over the runs."""
-    found = {
-        name: channel_squares(comparisons, c, which)
-        for c, name in enumerate(channels)
-    }
-    return {
-        name: _rms(np.concatenate(parts))
-        for name, parts in found.items()
-        if parts
-    }
-
-
-def channel_squares(
-    comparisons: list[RunComparison], channel: int, which: str
-) -> list[np.ndarray]:
-    """Normalised squares of a channel, of each run that has it (N,)."""
-    parts = []
-    for comparison in comparisons:
-        used = np.flatnonzero(comparison.prepared.used)
-        if channel in used:
-            at = int(np.flatnonzero(used == channel)[0])
-            parts.append(comparison.normalised(which)[:, at])
-    return parts
-
-
-def closed_interval(
-    comparisons: list[RunComparison], rate: float, seed: int
-) -> tuple[float, float] | None:
-    """95 % interval of the closed share by resampling blocks of time."""
-    before, after = (
-        _blocks([c.normalised(which) for c in comparisons], rate)
-        for which in ("before", "after")
-    )
-    shares = []
-    sums = np.column_stack([before[:, 0], after])
-    for before, after in np.sqrt(_resampled(sums, seed)):
-        share = closed_share(before, after)
-        if share is not None:
-            shares.append(share)
-    if not shares:
+    if not compared:
         return None
-    low, high = np.quantile(shares, [0.025, 0.975])
-    return float(low), float(high)
+    repaired = is_repaired(compared)
+    which = "after" if repaired else "before"
+    before, after = rms_gap(compared, "before"), rms_gap(compared, which)
+    channels = []
+    for c, name in enumerate(device.twin.channels):
+        mine, then = (rms_gap(compared, w, c) for w in ("before", which))
+        if mine is None:
+            continue
+        squares = [run.squares(which)[:, c] for run in compared]
+        row = {"channel": name, "unit": name.rsplit("_", 1)[-1]}
+        row |= {"before": mine, "after": then, "floor": 1.0}
+        row["after_interval"] = rms_interval(compared, squares, seed)
+        row["closed"] = closed_share(mine, then) if repaired else None
+        channels.append(row)
+    return {
+        "runs": [c.prepared.run.name for c in compared],
+        "before": before,
+        "after": after,
+        "floor": 1.0,
+        "closed": closed_share(before, after) if repaired else None,
+        "closed_interval": closed_interval(compared, seed)
+        if repaired
+        else None,
+        "channels": channels,
+        **_quantities(device, compared, subject, seed),
+    }
 
 
-def rms_interval(
-    squares: list[np.ndarray], rate: float, seed: int
-) -> tuple[float, float]:
-    """95 % interval of a root mean square by resampling blocks of time.
+def _quantities(device, compared, subject, seed) -> dict:
+    """Errors in the units a user thinks in, over the validation runs.
 
-    Args:
-        squares: Of each run (N,) or (N, channels).
-        rate: Hz.
-        seed: Of the draws.
+    Root mean squares before and after, of the floor, and of the measured
+    signal itself; 95 % intervals of the first two.
     """
-    draws = np.sqrt(_resampled(_blocks(squares, rate), seed))
-    low, high = np.quantile(draws, [0.025, 0.975])
-    return float(low), float(high)
-
-
-def _blocks(series: list[np.ndarray], rate: float) -> np.ndarray:
-    """Sum and number of the values in each block of time of all runs (n, 2).
-
-    The last block of a run is shorter, and runs may have more channels than
-    others: a value counts as much wherever it is.
-    """
-    length = max(1, round(_BLOCK_S * rate))
-    parts = [
-        values[at : at + length]
-        for values in series
-        for at in range(0, len(values), length)
-    ]
-    return np.array([(part.sum(), part.size) for part in parts])
-
-
-def _resampled(blocks: np.ndarray, seed: int) -> np.ndarray:
-    """Means over drawn blocks, no less than 0 (draws, columns).
-
-    Args:
-        blocks: Sums, and in the last column numbers of values (n, columns + 1).
-        seed: Of the draws.
-    """
-    generator = np.random.default_rng([seed, 23])
-    picks = generator.integers(len(blocks), size=(_RESAMPLES, len(blocks)))
-    sums = blocks[picks].sum(axis=1)
-    return np.maximum(sums[:, :-1] / sums[:, -1:], 0.0)
+    twin, squares = device.twin, {}
+    for c in compared:
+        prepared = c.prepared
+        generator = np.random.default_rng([seed, 31, prepared.seed])
+        exact = twin.simulate(prepared.motion, subject)
+        noisy = twin.simulate(prepared.motion, subject, (), generator)
+        after = c.before if c.after is None else c.after
+        pairs = {
+            "before": (prepared.measured, c.before),
+            "after": (prepared.measured, after),
+            "floor": (exact, noisy),
+            "signal": (prepared.measured, None),
+        }
+        for which, (first, second) in pairs.items():
+            values = device.quantities(first)
+            others = None if second is None else device.quantities(second)
+            for name, series in values.items():
+                error = series - others[name] if others else series
+                row = squares.setdefault(name, {})
+                row.setdefault(which, []).append(np.sum(error**2, axis=1))
+    found = {}
+    for name, row in squares.items():
+        found[name] = {
+            which: float(np.sqrt(np.mean(np.concatenate(values))))
+            for which, values in row.items()
+        }
+        for which in ("before", "after"):
+            interval = rms_interval(compared, row[which], seed)
+            found[name][f"{which}_interval"] = interval
+    return found

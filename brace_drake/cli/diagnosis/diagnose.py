@@ -120,7 +120,7 @@ def folder_names(campaigns: Sequence[str]) -> list[str]:
 def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
     """Diagnoses one campaign, writes its files, returns the document."""
     # Numba and Drake are slow to import: only once the input is good.
-    from brace_drake.design.next_run import WriteNextRun, choose_next_run
+    from brace_drake.design.next_run import WriteNextRun
     from brace_drake.diagnose import diagnose
     from brace_drake.document.document import MakeDocument
     from brace_drake.document.traces import MakeTraces
@@ -132,12 +132,10 @@ def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
             found = diagnose(
                 campaign, workers, args.seed, scenario, progress=progress
             )
-            progress("where", 0.96)
-            next_run = choose_next_run(found)
-            document = MakeDocument(found, next_run)
+        document = MakeDocument(found)
         WriteReport(document, MakeTraces(found), out / "report.html")
-        WriteRepairedScenario(found, out)
-        WriteNextRun(next_run, out)
+        WriteRepairedScenario(found.device.twin, found.verdict.winner, out)
+        WriteNextRun(found.next_run, out)
         WriteJson(out / "diagnosis.json", document)
     return document
 

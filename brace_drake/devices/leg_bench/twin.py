@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,8 @@ POINTS = ("drive", "sensing")
 _SPREAD = 4.0
 _OFFSET_LIMIT = 20.0  # N
 _OFFSET_SCALE = 10.0  # N
+# Stands for no limit of a command, N: a file holds finite numbers.
+_NO_LIMIT = 1e12
 
 # Samples from which the initial position and velocity are taken.
 _START = 16
@@ -139,6 +141,8 @@ class LegBenchTwin(ReplayTwin):
         """The scenario with a drive's numbers, a copy."""
         out = copy.deepcopy(self.scenario)
         out.mass, out.viscous, out.offset = (float(v) for v in subject)
+        limit = min(out.control.force_limit, _NO_LIMIT)
+        out.control = replace(out.control, force_limit=limit)
         return out
 
     def with_subject(self, values: np.ndarray) -> LegBenchNumbers:

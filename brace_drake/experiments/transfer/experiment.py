@@ -148,9 +148,10 @@ def repair_twin(
         WriteCampaign(campaign, recorded)
     found = diagnose(LoadCampaign(recorded), workers, seed)
     WriteJson(folder / "diagnosis.json", MakeDocument(found))
-    if found.verdict.winner is None:
-        return found.device.twin.scenario_of(found.nominal.subject), found
-    return MakeRepairedScenario(found), found
+    twin, winner = found.device.twin, found.verdict.winner
+    if winner is None:
+        return twin.scenario_of(found.nominal.subject), found
+    return MakeRepairedScenario(twin, winner), found
 
 
 def MakeBenchTask(

@@ -11,7 +11,6 @@ import numpy as np
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.isolation.imposed_motion import is_on_contact_side
 from brace_drake.selection.criterion import Criterion, make_criterion
 from brace_drake.selection.null_bootstrap import draw_null
 from brace_drake.selection.search.candidate import Candidate
@@ -122,8 +121,8 @@ def search_causes(
             return Searched([*fits, *flexible], criterion, False, shown)
         if not shown:
             # Nor is a second effect one that would show there.
-            _, effects = _divide(effects, is_on_contact_side)
-            _, many = _divide(many, is_on_contact_side)
+            _, effects = _divide(effects, lambda e: e.answers_motion)
+            _, many = _divide(many, lambda e: e.answers_motion)
             found = [c for c in found if c.added in effects]
     singles = [f for f in fits if len(f.effects) == 1]
     second = SecondEffects(base, effects, singles, found, criterion, seed)

@@ -7,11 +7,10 @@ that the reading adds. What the balance lacks is compared with them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from brace_drake.devices.bench.force_balance import RingWay, slope
+from brace_drake.devices.bench.ring_way import RingWay, slope
+from brace_drake.devices.declaration import Term
 from brace_drake.laws.loop.disturbance import LEG_SPEED, PRESLIDING
 
 # Slower than this the ring's sign is not yet one, m/s.
@@ -22,21 +21,6 @@ _AXES = "xyz"
 _FORCE_UNITS = "N", "N/m", "N s/m"
 _MOMENT_UNITS = "N m", "N m/rad", "N m s/rad"
 _Y = 1
-
-
-@dataclass(frozen=True)
-class Term:
-    """One error.
-
-    Attributes:
-        title: In words.
-        unit: Of its size.
-        shape: Leg forces that go with it (N, 6), for a size of one.
-    """
-
-    title: str
-    unit: str
-    shape: np.ndarray
 
 
 def drive_terms(way: RingWay) -> list[Term]:

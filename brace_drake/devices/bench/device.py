@@ -1,0 +1,74 @@
+"""The bench, one stage of the brace on a torso, as diagnoses see it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.devices.bench.block_tests import FORCE_Y, MARKER_Y, bench_tests
+from brace_drake.devices.bench.errors import bench_errors
+from brace_drake.devices.bench.force_balance import balance_of_run
+from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
+from brace_drake.devices.bench.recorded_motion import ring_poses
+from brace_drake.devices.bench.rollout import FORCE, LENGTHS
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.declaration import Device, MotionSignals
+from brace_drake.devices.motions.library import (
+    MOTIONS,
+    RATE_HZ,
+    MakeMotion,
+    MotionSet,
+)
+from brace_drake.devices.motions.limits import exceeded_limit
+from brace_drake.recording.recording import Campaign, Run
+from brace_drake.scenario.bench import BenchScenario
+
+
+class Bench(Device):
+    """Device of bench campaigns."""
+
+    def __init__(self, campaign: Campaign, scenario=None):
+        twin = BenchTwin(scenario or BenchScenario())
+        rate = campaign.rate_hz
+        super().__init__(twin, rate, bench_tests(twin, rate))
+        self.imposed = GuidedBenchTwin(twin.scenario, twin.time_step)
+
+    def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:
+        """What a therapist asks for: pad force, N, and ring position, mm."""
+        poses, _ = ring_poses(self.twin.numbers, x[:, LENGTHS])
+        ring = 1e3 * poses[:, 0:3]
+        return {"force_error_N": x[:, FORCE], "ring_error_mm": ring}
+
+    def motion_signals(self, prepared, subject: np.ndarray) -> MotionSignals:
+        """Signals along the push; a pad has lost touch where the force of the
+        other one alone, 2 k d_0 and more, is measured.
+        """
+        twin, x = self.twin, prepared.measured
+        poses, _ = ring_poses(twin.numbers, x[:, LENGTHS])
+        travel, name, touching = poses[:, 1], "ring", None
+        if prepared.run.contact:
+            if prepared.run.has([twin.channels[MARKER_Y]]).all():
+                travel, name = travel - x[:, MARKER_Y], "ring against torso"
+            names = [p.name for p in twin.subject]
+            values = dict(zip(names, subject, strict=True))
+            k, preload = values["contact_stiffness_N_m"], values["preload_m"]
+            alone, force = 2.0 * k * preload, x[:, FORCE_Y]
+            touching = np.column_stack([force > -alone, force < alone])
+        desired = prepared.run.channels["ring2_y_desired_m"]
+        return MotionSignals(desired, FORCE_Y, touching, travel, name)
+
+    def motions(self, runs: Sequence[Run]) -> MotionSet:
+        """The library's with and without the torso, as far as recorded."""
+        recorded = {run.contact for run in runs}
+        library = [MakeMotion(name) for name in MOTIONS]
+        chosen = [m for m in library if m.contact in recorded]
+        return MotionSet(RATE_HZ, chosen, exceeded_limit)
+
+    def small_errors(self):
+        """Any small error of each block, and of the places of anchors."""
+        return bench_errors()
+
+    def force_balance(self, prepared):
+        """The balance of the leg forces along the recorded way."""
+        return balance_of_run(self.twin, prepared, self.rate)

@@ -1,0 +1,133 @@
+"""What a device declares of itself: its twin, its blocks, its signals."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from brace_drake.devices.motions.library import MotionSet
+from brace_drake.effects.stack import Use
+from brace_drake.recording.recording import Run
+
+Residual = Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class BlockTest:
+    """A block fed its recorded inputs, against its recorded outputs.
+
+    Attributes:
+        block: Its name.
+        given, found: What it is fed and what is compared, in words.
+        residual: From (prepared run, recording (N, C)) to the residual (M,)
+            as a function of the subject's values, or None where the run says
+            nothing about it.
+        needs: Channels without which a run says nothing about it.
+        own: Names of the subject's parameters that are the block's.
+    """
+
+    block: str
+    given: str
+    found: str
+    residual: Callable[[Any, np.ndarray], Residual | None]
+    needs: tuple[str, ...] = ()
+    own: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class MotionSignals:
+    """What phases of a motion are read from.
+
+    Attributes:
+        position: Reference along the motion (N,), m.
+        force: Column of the measured force along it, N; None without.
+        touching: Whether each pad touches (N, pads); None where not known.
+        travel: What the force answers to (N,), m.
+        travel_name: In words.
+    """
+
+    position: np.ndarray
+    force: int | None
+    touching: np.ndarray | None
+    travel: np.ndarray
+    travel_name: str
+
+
+@dataclass(frozen=True)
+class SmallError:
+    """One small error of a block, as effects of the twin.
+
+    Attributes:
+        block: That errs.
+        uses: From a prepared run to the effects that make the error; none
+            where it does nothing in the run.
+        is_own: Whether every run has an error of its own.
+    """
+
+    block: str
+    uses: Callable[[Any], Sequence[Use]]
+    is_own: bool = False
+
+
+@dataclass(frozen=True)
+class Term:
+    """One error as it shows in a force balance.
+
+    Attributes:
+        title: In words.
+        unit: Of its size.
+        shape: Forces that go with it (N, n), for a size of one.
+    """
+
+    title: str
+    unit: str
+    shape: np.ndarray
+
+
+class Device(ABC):
+    """A nominal twin and the views on its recordings.
+
+    Attributes:
+        twin: The nominal twin.
+        rate: Of the recordings, Hz.
+        block_tests: In the order of the signal.
+        imposed: The twin with its motion imposed as recorded, so that no loop
+            hides what answers to it; None where the device has none.
+    """
+
+    imposed: Any = None
+
+    def __init__(self, twin, rate: float, block_tests: Sequence[BlockTest]):
+        self.twin, self.rate = twin, rate
+        self.block_tests = list(block_tests)
+
+    @abstractmethod
+    def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:
+        """What users ask for, as series (N, n), of a recording (N, C)."""
+
+    @abstractmethod
+    def motion_signals(self, prepared, subject: np.ndarray) -> MotionSignals:
+        """What phases of a prepared run's motion are read from."""
+
+    @abstractmethod
+    def motions(self, runs: Sequence[Run]) -> MotionSet | None:
+        """Motions that the device may be asked for after recorded runs; None
+        where none is known to be safe.
+        """
+
+    def small_errors(self) -> list[SmallError]:
+        """Small errors of its blocks; none where they are not known."""
+        return []
+
+    def force_balance(
+        self, prepared
+    ) -> tuple[np.ndarray, dict[str, list[Term]]] | None:
+        """What a run's forces lack to be in balance (M,), and errors of each
+        block that would make it; None where the run or the device has no such
+        balance.
+        """
+        return None
