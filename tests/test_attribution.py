@@ -12,12 +12,9 @@ from brace_drake.identification.fits import fit_nominal
 from brace_drake.identification.noise_floor import NoiseFloor
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.whitening import in_time
-from brace_drake.isolation.attribution import (
-    attribute,
-    attribute_errors,
-    gather,
-)
+from brace_drake.isolation.attribution import attribute, gather
 from brace_drake.isolation.shapley import UNEXPLAINED, shapley_values
+from brace_drake.isolation.small_errors import attribute_errors
 from brace_drake.recording import LoadCampaign
 from tests.shared_data import EXAMPLE
 

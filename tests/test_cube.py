@@ -50,7 +50,7 @@ class TestCube(unittest.TestCase):
     def test_a_gap_in_one_cell_has_its_share_there(self):
         residual = self.noise.copy()
         wave = np.sqrt(2.0) * np.sin(2.0 * np.pi * 4.0 * self.time)
-        residual[:, 1] += 3.0 * wave * (self.phase == 1)
+        residual[:, 1] += 3.0 * wave * (self.phase == PHASES.index("loading"))
         first, *others = self.cube(residual)
         self.assertEqual(first["channel"], "position_m")
         self.assertEqual(first["phase"], "loading")

@@ -13,8 +13,8 @@ from brace_drake.identification.fits import fit_effects, fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.isolation.repair_shares import share_repairs
 from brace_drake.isolation.shapley import UNEXPLAINED
-from brace_drake.selection.search.candidate import make_runner
-from brace_drake.selection.search.linearisation import Ground
+from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.linearisation import Linearisation
 from tests.pad_recordings import make_campaign, relaxing
 from tests.synthetic_bench import SyntheticBench
 
@@ -77,9 +77,9 @@ class TestShares(unittest.TestCase):
         bench, card = SyntheticBench(), find_effect("force_deadzone")
         evaluator = bench.evaluator(())
         nominal = fit_nominal(evaluator)
-        ground, values = Ground(evaluator, nominal), card.starts()[0]
+        base, values = Linearisation(evaluator, nominal), card.starts()[0]
         runners = [
-            make_runner(ground, [card], [values], nominal.subject, spread)
+            make_candidate(base, [card], [values], nominal.subject, spread)
             for spread in (None, 1e-4)
         ]
         np.testing.assert_array_equal(runners[0].residual, runners[1].residual)

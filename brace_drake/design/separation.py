@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.identification.subspace import beyond, orthonormal_basis
+from brace_drake.identification.least_squares import beyond, orthonormal_basis
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ import numpy as np
 from brace_drake.design.planned import predict, subject_columns
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator, is_dithered
-from brace_drake.identification.subspace import beyond, orthonormal_basis
+from brace_drake.identification.least_squares import beyond, orthonormal_basis
 
 # Sizes at which a gap counts as one floor, and tries to find them.
 _NEAR, _TRIES = 1.25, 12

@@ -16,7 +16,6 @@ from brace_drake.document.rows import (
 )
 from brace_drake.document.verdict_text import verdict_sentence
 from brace_drake.identification.gap import is_repaired
-from brace_drake.identification.run_parameters import has_run_parameters
 from brace_drake.isolation.block_tests import describe_unchecked
 from brace_drake.recording.recording import Campaign
 
@@ -79,7 +78,7 @@ def _warnings(d: Diagnosis) -> list[str]:
             "the repaired twin breaks down on the validation runs: how far the"
             " gap shrinks is unknown"
         )
-    if has_run_parameters(d.verdict.winner):
+    if winner is not None and winner.has_run_parameters:
         found.append(
             "what each run has of its own, such as the phase of a breath, was"
             " estimated on the validation runs themselves; all else was not"

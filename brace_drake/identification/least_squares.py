@@ -9,6 +9,9 @@ from typing import Protocol
 import numpy as np
 from scipy.optimize import lsq_linear
 
+# Columns whose singular values are smaller, relative to the largest of unit
+# columns, are copies of others.
+_COPY = 1e-8
 # Rows at a time that stay in a processor's cache, with dozens of columns.
 _ROWS = 2000
 # A Jacobian is kept while steps bring this share of what it promised, and take
@@ -251,3 +254,18 @@ def _least(points, residuals, best=None):
 def _cost_of(point_and_residual) -> float:
     residual = point_and_residual[1]
     return float(residual @ residual)
+
+
+def orthonormal_basis(columns: np.ndarray) -> np.ndarray:
+    """An orthonormal basis of the span of columns (rows, n): (rows, rank)."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns[:, size > 0.0] / size[size > 0.0]
+    if columns.shape[1] == 0:
+        return columns
+    left, values, _ = np.linalg.svd(columns, full_matrices=False)
+    return left[:, values > _COPY * values[0]]
+
+
+def beyond(vectors: np.ndarray, basis: np.ndarray) -> np.ndarray:
+    """What of vectors (rows,) or (rows, n) lies outside a basis."""
+    return vectors - basis @ (basis.T @ vectors)

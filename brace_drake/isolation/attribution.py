@@ -28,18 +28,11 @@ Source: Groemping, The American Statistician 61, 2007.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.core.block_bootstrap import pieces_of
-from brace_drake.core.errors import BraceError
-from brace_drake.devices.declaration import SmallError
-from brace_drake.identification.evaluation import Evaluator, PreparedRun
-from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.whitening import in_time
 from brace_drake.isolation.shapley import (
     coalitions,
     shapley_values,
@@ -52,8 +45,6 @@ _HIGHEST_PRICE = 0.1
 # Coalitions that explain this much less of the gap are as good.
 _TIED = 0.015
 _RIDGE = 1e-9
-# Recording that is looked at: enough to tell blocks apart, at a bounded cost.
-_MOST_S = 26.0
 
 
 class Moments(NamedTuple):
@@ -237,98 +228,3 @@ def attribute(moments: Moments, seed: int) -> list[dict]:
         [*alone, 1.0 - values[frozenset()]],
         {i: [blocks[j] for j in js] for i, js in imitators(values).items()},
     )
-
-
-def attribute_errors(
-    evaluator: Evaluator,
-    nominal: CandidateFit,
-    errors: Sequence[SmallError],
-    seed: int,
-) -> list[dict]:
-    """Shares of the blocks in the gap of the fitted nominal twin.
-
-    Args:
-        evaluator: Over the fit runs.
-        nominal: The nominal fit.
-        errors: Of the device; without any nothing is known.
-        seed: Of the bootstrap over pieces of time.
-    """
-    if not errors:
-        return []
-    parts = [slice(a, b) for a, b in itertools.pairwise([0, *evaluator.ends])]
-    residual = nominal.solution.residual
-    picked = pick_runs(evaluator, [residual[p] for p in parts])
-    runs = [evaluator.prepared[i] for i in picked]
-    answers = _responses(evaluator, nominal.subject, errors, runs)
-    blocks = list(dict.fromkeys(block for block, _ in answers))
-    owner = [-2, *[-1] * len(nominal.subject)]
-    # Columns of one block stand together.
-    answers.sort(key=lambda answer: blocks.index(answer[0]))
-    owner += [blocks.index(block) for block, _ in answers]
-    pieces = []
-    for place, run in enumerate(runs):
-        rows, zero = parts[picked[place]], np.zeros(run.num_weighted)
-        columns = [residual[rows], *nominal.solution.jacobian[rows].T]
-        columns += [changes.get(place, zero) for _, changes in answers]
-        series = np.array([in_time(run, column) for column in columns])
-        pieces += pieces_of(run.run, series, axis=1)
-    return attribute(gather(blocks, owner, pieces), seed)
-
-
-def _responses(
-    evaluator: Evaluator,
-    subject: np.ndarray,
-    errors: Sequence[SmallError],
-    runs: Sequence[PreparedRun],
-) -> list[tuple[str, dict[int, np.ndarray]]]:
-    """What small errors change in runs, by the coarse twin in closed loop.
-
-    Returns:
-        Block and weighted change by place of the run; an error that every run
-        has of its own comes apart for each of them.
-    """
-    twin = evaluator.twin.coarse()
-    bases = [twin.simulate(run.motion, subject) for run in runs]
-
-    def respond(error, place):
-        run = runs[place]
-        uses = error.uses(run)
-        if not uses:
-            return None
-        try:
-            moved = twin.simulate(run.motion, subject, uses)
-        except BraceError:
-            return None
-        return run.weigh(moved - bases[place])
-
-    tasks = [(error, place) for error in errors for place in range(len(runs))]
-    changes = evaluator.map(respond, tasks)
-    found: list[tuple[str, dict[int, np.ndarray]]] = []
-    for (error, place), change in zip(tasks, changes, strict=True):
-        if place == 0 and not error.is_own:
-            found.append((error.block, {}))
-        if change is None:
-            continue
-        if error.is_own:
-            found.append((error.block, {}))
-        found[-1][1][place] = change
-    return found
-
-
-def pick_runs(evaluator: Evaluator, residuals: list[np.ndarray]) -> list[int]:
-    """Runs to look at: those of the largest gap, with and without contact."""
-    prepared = evaluator.prepared
-    excess = [r @ r / p.count for r, p in zip(residuals, prepared, strict=True)]
-    order = [int(i) for i in np.argsort(excess)[::-1]]
-    free = [i for i in order if not prepared[i].run.contact]
-    touching = [i for i in order if prepared[i].run.contact]
-    # One of each kind comes first: what a free run does not show is contact's.
-    order = touching[:1] + free[:1] + touching[1:] + free[1:]
-    picked, total = [], 0.0
-    for i in order:
-        time = prepared[i].run.time_s
-        total += float(time[-1] - time[0])
-        if picked and total > _MOST_S:
-            break
-        picked.append(i)
-    return sorted(picked)

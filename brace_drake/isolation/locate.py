@@ -10,8 +10,6 @@ from brace_drake.devices.declaration import Device, MotionSignals
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison
-from brace_drake.identification.run_parameters import has_run_parameters
-from brace_drake.isolation.attribution import attribute_errors
 from brace_drake.isolation.budget import (
     band_budget,
     channel_budget,
@@ -22,6 +20,7 @@ from brace_drake.isolation.force_balance import DRIVES, explain_imbalance
 from brace_drake.isolation.imposed_motion import ImposedMotionFit
 from brace_drake.isolation.phases import motion_phases
 from brace_drake.isolation.repair_shares import share_repairs
+from brace_drake.isolation.small_errors import attribute_errors
 from brace_drake.selection.decision import Verdict
 
 
@@ -89,7 +88,8 @@ def _phases_of(
     rate: float,
 ) -> np.ndarray:
     run, breath = c.prepared.run, None
-    if has_run_parameters(winner) and signals.force is not None:
+    is_breathing = winner is not None and winner.has_run_parameters
+    if is_breathing and signals.force is not None:
         # What its repair changes while the brace holds still is the breath.
         breath = (c.after - c.before)[:, signals.force]
     measured = c.prepared.measured

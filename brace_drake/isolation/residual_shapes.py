@@ -22,7 +22,7 @@ from brace_drake.core.block_bootstrap import interval_of
 from brace_drake.devices.declaration import MotionSignals
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.subspace import beyond, orthonormal_basis
+from brace_drake.identification.least_squares import beyond, orthonormal_basis
 from brace_drake.identification.whitening import in_pieces
 
 # Shapes, and what acts so.

@@ -14,8 +14,8 @@ import numpy as np
 
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.least_squares import beyond
 from brace_drake.identification.prepare import noise_replicates
-from brace_drake.identification.subspace import beyond
 from brace_drake.selection import thresholds
 
 

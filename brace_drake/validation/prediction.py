@@ -21,7 +21,6 @@ from brace_drake.identification.gap import (
     rms_gap,
     rms_interval,
 )
-from brace_drake.identification.run_parameters import has_run_parameters
 
 # A replay of each costs little, of all the pairs that were tried much.
 _MOST = 8
@@ -68,7 +67,7 @@ def predict_runs(
     able = [
         f
         for f in sorted(fits, key=lambda f: f.excess)
-        if f.is_searched and not has_run_parameters(f)
+        if f.is_searched and not f.has_run_parameters
     ]
     for fit in able[:_MOST]:
         if fit is winner:

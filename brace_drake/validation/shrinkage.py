@@ -20,10 +20,7 @@ from brace_drake.identification.gap import (
     rms_gap,
     rms_interval,
 )
-from brace_drake.identification.run_parameters import (
-    adapt_to_runs,
-    has_run_parameters,
-)
+from brace_drake.validation.run_parameters import adapt_to_runs
 
 
 def compare_new_runs(
@@ -36,7 +33,7 @@ def compare_new_runs(
     if winner is None or not compared:
         return compared
     try:
-        if has_run_parameters(winner):
+        if winner.has_run_parameters:
             winner = adapt_to_runs(validation, winner)
         return repair_runs(validation, compared, winner)
     except BraceError:

@@ -8,8 +8,8 @@ from scipy.optimize import lsq_linear
 from brace_drake.core.errors import BraceError
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.least_squares import beyond
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.identification.subspace import beyond
 from brace_drake.selection import thresholds
 
 # Relative to the largest, what is added to the diagonal of small systems.

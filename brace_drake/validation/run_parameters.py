@@ -19,11 +19,6 @@ from brace_drake.identification.problem import CandidateProblem
 _STEPS = 6
 
 
-def has_run_parameters(fit: CandidateFit | None) -> bool:
-    """Whether a fit holds parameters of single runs."""
-    return fit is not None and any(e.run_parameters for e in fit.effects)
-
-
 def adapt_to_runs(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """The fit with run parameters of an evaluator's runs, nothing else moved.
 
