@@ -59,6 +59,7 @@ def MakeDocument(d: Diagnosis) -> dict:
 
 def _warnings(d: Diagnosis) -> list[str]:
     """What a reader has to know beside the verdict, sentence by sentence."""
+    winner = d.verdict.winner
     found = [str(p) for p in d.campaign.warnings]
     tests = d.device.block_tests
     found += describe_unchecked(d.evaluator, tests, d.block_tests)
@@ -73,7 +74,7 @@ def _warnings(d: Diagnosis) -> list[str]:
         )
     if not d.validation_runs:
         found.append("no validation run: how far the gap shrinks is unknown")
-    elif d.verdict.winner is not None and not is_repaired(d.validation_runs):
+    elif winner is not None and not is_repaired(d.validation_runs):
         found.append(
             "the repaired twin breaks down on the validation runs: how far the"
             " gap shrinks is unknown"
@@ -83,7 +84,6 @@ def _warnings(d: Diagnosis) -> list[str]:
             "what each run has of its own, such as the phase of a breath, was"
             " estimated on the validation runs themselves; all else was not"
         )
-    winner = d.verdict.winner
     if winner is not None:
         rest = d.criterion.misfit(winner)
         if rest > d.criterion.null.misfit_threshold:
