@@ -43,6 +43,15 @@ class TestStart(unittest.TestCase):
         )
         self.assertEqual(done.stdout, "[]\n", done.stderr)
 
+    def test_without_arguments_it_prints_the_commands(self):
+        text = io.StringIO()
+        with contextlib.redirect_stdout(text):
+            with self.assertRaises(SystemExit) as caught:
+                main([])
+        self.assertEqual(caught.exception.code, 0)
+        for name, _ in commands():
+            self.assertIn(name.split()[0], text.getvalue())
+
 
 class TestBadInput(unittest.TestCase):
     def setUp(self):

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import os
 import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 # Two threads of ours and BLAS's own would fight over the cores; this must be
@@ -17,30 +21,8 @@ from brace_drake.core.output import ReleaseFolders
 if TYPE_CHECKING:
     import argparse
 
-_COMMANDS = (
-    "data.check",
-    "diagnosis.fit",
-    "diagnosis.validate",
-    "diagnosis.diagnose",
-    "diagnosis.simulate",
-    "learning.compare",
-    "diagnosis.plan",
-    "diagnosis.personalize",
-    "learning.train",
-    "learning.predict",
-    "learning.evaluate",
-    "learning.payoff",
-    "diagnosis.withheld",
-    "machine.emulate",
-    "machine.record",
-    "machine.campaign",
-    "machine.deploy",
-    "diagnosis.twin",
-    "data.import_",
-    "learning.export",
-    "data.doctor",
-    "completion",
-)
+# Folders of commands, in the order in which the help lists them.
+_GROUPS = ("data", "diagnosis", "learning", "machine")
 _EPILOG = """\
 exit codes:
   0    done
@@ -55,14 +37,15 @@ examples:
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Runs one command.
+    """Runs one command; without arguments prints what there is.
 
     Returns:
         0 when it went well, 2 with one line on standard error otherwise, 130
         after Ctrl-C.
     """
     try:
-        args = make_parser().parse_args(argv)
+        given = sys.argv[1:] if argv is None else argv
+        args = make_parser().parse_args(given or ["--help"])
         status = args.run(args)
         if sys.stdout is not None:
             # What cannot be printed is found out here, and not at exit.
@@ -117,10 +100,21 @@ def make_parser() -> argparse.ArgumentParser:
         version=importlib.metadata.version("brace_drake"),
     )
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in _COMMANDS:
-        module = importlib.import_module(f"brace_drake.cli.{command}")
+    for module in _find_commands():
         module.AddParser(subparsers)
     return parser
+
+
+def _find_commands() -> Iterator[ModuleType]:
+    """The modules that add a command, group by group."""
+    for group in _GROUPS:
+        folder = Path(__file__).parent / group
+        for file in sorted(folder.glob("[a-z]*.py")):
+            name = f"brace_drake.cli.{group}.{file.stem}"
+            module = importlib.import_module(name)
+            if hasattr(module, "AddParser"):
+                yield module
+    yield importlib.import_module("brace_drake.cli.completion")
 
 
 if __name__ == "__main__":
