@@ -19,8 +19,8 @@ from brace_drake.model.articulated import GetClosures
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.model.systems.brace_controllers import MakeController
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.recording.columns import BRACE
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 from brace_drake.scenario.load import LoadScenario, Scenario
 
@@ -150,7 +150,7 @@ def MakeDrawnDiagram(
         The diagram; its plant, where it has one; and pairs of bodies that
         constraints hold together.
     """
-    if isinstance(scenario, BraceScenario):
+    if scenario.device == BRACE:
         controller = MakeController(scenario.control, pack_rings(scenario))
         station = MakeBraceStation(scenario, controller)
         plant, closures = station.plant, []

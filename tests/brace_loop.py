@@ -7,13 +7,12 @@ from brace_drake.laws.control import brace_control
 from brace_drake.laws.loop import kernels
 from brace_drake.laws.loop.blocks import read_instruments
 from brace_drake.laws.rigid_body import step_free_body
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.bench_numbers import (
     BenchNumbers,
     pack_bench,
     pack_bench_brace,
 )
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.control_numbers import BraceRings, pack_control
 from brace_drake.scenario.controllers import BraceControl
 
@@ -64,7 +63,7 @@ def push(
     """
     bench = paper_bench()
     numbers = pack_control(control, bench_rings(bench))
-    law = pack_bench_brace(brace_of_bench(BenchScenario()), bench).force_law
+    law = pack_bench_brace(BenchScenario(), bench).force_law
     state = np.zeros(26)
     state[0] = state[7] = 1.0
     state[4:7] = state[11:14] = bench.rest

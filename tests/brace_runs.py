@@ -15,7 +15,7 @@ from tests.brace_servo import BraceServo
 def brace(mechanism="task_space", contact="none", **changes):
     """A scenario whose rings have all the same contact; "none": no torso."""
     scenario = BraceScenario(mechanism=mechanism, **changes)
-    for pads in vars(scenario.contact).values():
+    for pads in scenario.contact:
         pads.model = contact
     scenario.torso.present = contact != "none"
     return scenario

@@ -14,7 +14,7 @@ from brace_drake.link.emulator.device import EmulatedDevice
 from brace_drake.link.operation.recorder import Recorder
 from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.words import DeviceState
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 SCENARIO = BenchScenario(time_step=5e-4)
 # A machine that tests share is late at times.

@@ -16,7 +16,7 @@ from brace_drake.link.protocol.codec import Decoder, make_codec
 from brace_drake.link.protocol.limits import DEFAULT, shared_values
 from brace_drake.link.protocol.sequence import SequenceWatch
 from brace_drake.link.protocol.words import Mode
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 SCENARIO = BenchScenario(time_step=5e-4)
 

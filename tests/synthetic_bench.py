@@ -14,7 +14,7 @@ from brace_drake.identification.least_squares import beyond
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.selection.search.screening import screen, search_best
 from brace_drake.selection.search.shortlist import best_fits
 

@@ -8,7 +8,7 @@ from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.identification.noise_floor import is_on_grid
 from brace_drake.identification.prepare import estimate_floors
 from brace_drake.recording import LoadCampaign
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from tests.shared_data import SHARED, needs_shared
 
 

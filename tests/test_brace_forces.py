@@ -7,9 +7,8 @@ import numpy as np
 from brace_drake.laws import legs
 from brace_drake.laws.loop import blocks, kernels
 from brace_drake.laws.rotation import rotate_quaternion
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 
 

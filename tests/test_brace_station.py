@@ -12,7 +12,7 @@ from brace_drake.model.brace_plant import SetBracePose
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.simulate import SimulateBench
 from brace_drake.model.station import MakeBenchStation
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 from tests.brace_runs import brace, hold, replay, run, run_servo
 from tests.brace_servo import BraceServo

@@ -8,9 +8,8 @@ import numpy as np
 
 from brace_drake.core.errors import ScenarioError
 from brace_drake.laws.control import brace_control
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
-from brace_drake.scenario.check_controllers import check_control
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.control_numbers import (
     pack_control,
     parse_coordinates,
@@ -18,7 +17,8 @@ from brace_drake.scenario.control_numbers import (
 )
 from brace_drake.scenario.controllers import TAGS, BraceControl
 from brace_drake.scenario.load import LoadScenario
-from brace_drake.scenario.sampled_loops import (
+from brace_drake.scenario.stability import (
+    check_control,
     damping_range,
     filter_margin,
     highest_stiffness,
@@ -76,13 +76,13 @@ class TestLoad(unittest.TestCase):
     def test_bad_files_are_told_in_one_line(self):
         six = "[9e4, 9e4, 9e4, 9e4, 9e4, 9e4]"
         cases = {
-            "tag: pd": ("tag", "'pd'", "idc, pic", "did you mean"),
+            "tag: pd": ("tag", "'pd'", "pic or idc", "did you mean"),
             "npic: {kapa: 1}": ("npic.kapa", "kappa"),
             "npic: {kappa: 1}": ("npic.kappa is 1", "0 to 0.95"),
             "npic: {forgetting: 1.1}": ("npic.forgetting", "0.9 to 1"),
             "npic: {covariance_limit: 2}": ("npic.covariance_limit", "3"),
             "npic: {filter_hz: 100}": ("npic.filter_hz", "50 Hz"),
-            "rate: -5": ("control.rate is -5", "greater than 0"),
+            "rate: -5": ("control.rate is -5", "100 to 20000 Hz"),
             "rate: fast": ("rate", "'fast'", "a number"),
             "rate: .nan": ("rate", "nan", "finite"),
             "estimation: {velocity_cutoff_hz: 900}": ("500 Hz",),

@@ -18,7 +18,7 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.gap import compare_runs, rms_gap
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording import LoadCampaign, WriteCampaign
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import LoadScenario
 from tests.shared_data import EXAMPLE, SHARED, needs_shared
 

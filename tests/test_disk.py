@@ -37,7 +37,7 @@ from brace_drake.link.protocol.words import Cause
 from brace_drake.recording import CheckCampaign, LoadCampaign, WriteCampaign
 from brace_drake.report import WriteReport
 from brace_drake.report import page as report_page
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import SaveScenario
 from tests.emulated_devices import (
     PATIENT,

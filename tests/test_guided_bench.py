@@ -8,7 +8,7 @@ import numpy as np
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from tests.synthetic_bench import record
 
 STEP = 2e-4

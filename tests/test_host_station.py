@@ -9,8 +9,7 @@ from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.model.systems.device_station import DeviceStation
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 
 

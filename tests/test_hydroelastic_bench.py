@@ -8,7 +8,7 @@ import numpy as np
 from brace_drake.devices.motions.reference import MakeReference
 from brace_drake.model.simulate import SimulateBench
 from brace_drake.model.station import MakeBenchStation
-from brace_drake.scenario.bench import BenchScenario, Contact
+from brace_drake.scenario.brace import BenchScenario, Contact
 
 FORCE_Y = 13
 
@@ -26,7 +26,7 @@ def cubic_push(duration=2.0, depth=-0.01):
 def mapped(contact):
     """The contact with the hydroelastic numbers of its linear ones.
 
-    See `brace_drake.scenario.bench.Contact`; the working depth is the preload.
+    See `brace_drake.scenario.brace.Contact`; the working depth is the preload.
     """
     k, c = contact.stiffness, contact.damping
     area = contact.pad_size[0] * contact.pad_size[2]
@@ -39,9 +39,8 @@ def mapped(contact):
 
 def simulate(model, time_step, preload=1e-3):
     scenario = BenchScenario(time_step=time_step)
-    scenario.contact.model = model
-    scenario.contact.preload = preload
-    scenario.contact = mapped(scenario.contact)
+    contact = Contact(model=model, preload=preload)
+    scenario.contact.ring2 = mapped(contact)
     time, samples = cubic_push()
     station = MakeBenchStation(scenario, MakeReference(time, samples))
     return SimulateBench(station, time[-1])

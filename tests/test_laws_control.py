@@ -9,8 +9,8 @@ from brace_drake.laws.control import brace_control, pose_estimate
 from brace_drake.laws.control import impedance as control
 from brace_drake.laws.linear_solve import solve_in_place
 from brace_drake.laws.loop import bench_tick
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.scenario.brace import BenchScenario
 
 M_D, K_D = 2.0, 6000.0
 C_D = 2.0 * math.sqrt(M_D * K_D)

@@ -9,8 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 from brace_drake.laws.rigid_body import step_free_body
 from brace_drake.laws.rotation import quaternion_to_matrix
 from brace_drake.model.brace_plant import AddBracePlant
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.scenario.brace import BenchScenario
 
 BODY = np.array([2.0, 0.3, 0.4, 0.6])
 
@@ -74,7 +73,7 @@ class TestFreeBody(unittest.TestCase):
     def test_it_steps_as_drakes_plant_does(self):
         scenario = BenchScenario(time_step=1e-3)
         builder = DiagramBuilder()
-        plant = AddBracePlant(builder, brace_of_bench(scenario))
+        plant = AddBracePlant(builder, scenario)
         simulator = Simulator(builder.Build())
         context = plant.GetMyMutableContextFromRoot(
             simulator.get_mutable_context()

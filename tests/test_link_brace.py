@@ -11,7 +11,6 @@ from brace_drake.core.errors import (
     CampaignError,
     EffectError,
     LimitsError,
-    LinkError,
     ScenarioError,
 )
 from brace_drake.devices.motions.library import MakeMotion, SafeMotion
@@ -35,8 +34,7 @@ from brace_drake.link.protocol.limits import DEFAULT, SHARED, refuse_wider
 from brace_drake.link.protocol.limits import shared_values as values_of
 from brace_drake.link.protocol.words import Cause, DeviceState, Reason
 from brace_drake.model.simulate_brace import SimulateBrace
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 from tests.link_bench import Lockstep, begin, wave
 
@@ -341,10 +339,6 @@ class TestSession(unittest.TestCase):
         np.testing.assert_allclose(y[0], [0.003, -0.002, 0], atol=1e-5)
         self.assertLess(np.abs(forces[0]).max(), 1.0)
         np.testing.assert_allclose(y[-1], 0.0, atol=2e-5)
-
-    def test_a_bench_scenario_has_one_controller(self):
-        with self.assertRaisesRegex(LinkError, "there is pic"):
-            MakeControl(BenchScenario(), DEFAULT, "mraic")
 
 
 if __name__ == "__main__":

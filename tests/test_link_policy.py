@@ -29,7 +29,7 @@ from brace_drake.link.operation.motion import desired_at_ticks
 from brace_drake.link.operation.station import OpenDevice
 from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.model.systems.stiffness_limiter import StiffnessLimiter
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from tests.commands import run_command
 from tests.emulated_devices import PATIENT, PATIENT_LIMITS, emulated
 from tests.learning_tasks import random_policy, short_task

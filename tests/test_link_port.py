@@ -25,7 +25,7 @@ from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.sequence import SequenceWatch
 from brace_drake.link.protocol.words import Cause, DeviceState
 from brace_drake.recording import CheckCampaign, LoadCampaign
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from tests.commands import run_command
 from tests.emulated_devices import (
     PATIENT,

@@ -35,7 +35,7 @@ from brace_drake.devices.subject import bench_subject
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.least_squares import orthonormal_basis
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 
 def toy_run(x, y_of, slope=1.0):

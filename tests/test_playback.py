@@ -30,8 +30,7 @@ from brace_drake.playback.scales import (
 from brace_drake.playback.scene import leg_anchors
 from brace_drake.playback.write import StartLocalMeshcat
 from brace_drake.recording import LoadCampaign
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.torso.meshes import obj_text
 from tests.brace_runs import brace, run_servo

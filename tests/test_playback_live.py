@@ -14,8 +14,7 @@ from brace_drake.model.simulate_brace import RecordBrace
 from brace_drake.playback.live import LiveScene
 from brace_drake.playback.states import states_of_now, states_of_run
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from tests.commands import run_command
 from tests.meshcat_page import read_commands
 from tests.test_playback import write_reference

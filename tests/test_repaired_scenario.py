@@ -26,7 +26,7 @@ from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.model.simulate import SimulateBench
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.recording import LoadCampaign
-from brace_drake.scenario.bench import BenchScenario, EffectUse
+from brace_drake.scenario.brace import BenchScenario, EffectUse
 from brace_drake.scenario.effects import describe_use, scenario_uses
 from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.scenario.load import CheckScenario, LoadScenario, SaveScenario
@@ -182,13 +182,13 @@ class TestCarriedEffects(unittest.TestCase):
 
     def test_effects_of_the_linear_contact_need_it(self):
         scenario = self.repaired(use("hardening"))
-        scenario.contact.model = "hydroelastic"
-        with self.assertRaisesRegex(EffectError, "contact.model"):
+        scenario.contact.ring2.model = "hydroelastic"
+        with self.assertRaisesRegex(EffectError, "contact.*model"):
             MakeBenchStation(scenario, self.reference)
 
     def test_hydroelastic_numbers_follow_the_subject(self):
         scenario = BenchTwin(BenchScenario()).scenario_of(SUBJECT)
-        contact = scenario.contact
+        contact = scenario.contact.ring2
         k, c, p = contact.stiffness, contact.damping, contact.preload
         area = contact.pad_size[0] * contact.pad_size[2]
         modulus = k * contact.hydroelastic_thickness / area

@@ -9,7 +9,7 @@ from brace_drake.devices.bench.rollout import Motion
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.run_memory import RunMemory
 from brace_drake.effects.registry import effects_for
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from tests.synthetic_bench import reference, strength_of
 
 

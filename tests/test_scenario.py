@@ -12,7 +12,7 @@ import yaml
 
 from brace_drake.core.errors import ScenarioError
 from brace_drake.core.resources import scenario_path, sdf_path
-from brace_drake.scenario.bench import BenchScenario, EffectUse
+from brace_drake.scenario.brace import BenchScenario, EffectUse
 from brace_drake.scenario.load import CheckScenario, LoadScenario, SaveScenario
 
 BENCH = scenario_path("bench.scenario.yaml")
@@ -39,11 +39,11 @@ class TestBenchFile(unittest.TestCase):
     def test_the_file_is_complete(self):
         def missing(node, data, at):
             for f in fields(node):
+                child = getattr(node, f.name)
                 if f.name not in data:
                     yield f"{at}{f.name}"
-                elif is_dataclass(getattr(node, f.name)):
-                    child = getattr(node, f.name)
-                    yield from missing(child, data[f.name], f"{f.name}.")
+                elif is_dataclass(child):
+                    yield from missing(child, data[f.name], f"{at}{f.name}.")
 
         data = yaml.safe_load(BENCH.read_text())
         self.assertEqual(list(missing(BenchScenario(), data, "")), [])
@@ -54,26 +54,29 @@ class TestBenchFile(unittest.TestCase):
         # Its first key is prose.
         sheet = yaml.safe_load(text[text.index("\nbrace:") :])
         bench, scenario = sheet["bench"], BenchScenario()
-        for part in ("ring", "leg", "torso", "contact", "control", "sensors"):
-            for key, value in bench[part].items():
-                if (part, key) == ("torso", "gravity"):
+        equal = np.testing.assert_array_equal
+        parts = {
+            "ring": scenario.ring,
+            "leg": scenario.leg,
+            "torso": scenario.torso,
+            "contact": scenario.contact.ring2,
+            "sensors": scenario.sensors,
+        }
+        for name, part in parts.items():
+            for key, value in bench[name].items():
+                if (name, key) == ("torso", "gravity"):
                     continue
-                with self.subTest(key=f"{part}.{key}"):
-                    ours = getattr(getattr(scenario, part), key)
-                    np.testing.assert_array_equal(ours, value)
-        for side in ("lower", "upper"):
-            circle = getattr(scenario.stage, side)
+                with self.subTest(key=f"{name}.{key}"):
+                    equal(getattr(part, key), value)
+        heights = scenario.ring_heights[1:3]
+        for side, height in zip(("lower", "upper"), heights, strict=True):
+            circle = getattr(scenario.joints.stage2, side)
             anchors = bench["anchors"][side]
             self.assertEqual(circle.radius, anchors["radius"])
-            np.testing.assert_array_equal(
-                circle.angles_deg, anchors["angles_deg"]
-            )
-            height = getattr(scenario.stage, f"{side}_height")
+            equal(circle.angles_deg, anchors["angles_deg"])
             self.assertEqual(height, bench["ring_height"][side])
         self.assertEqual(scenario.gravity, bench["gravity"])
-        np.testing.assert_array_equal(
-            scenario.contact.pad_size, sheet["brace"]["pads"]["size"]
-        )
+        equal(scenario.contact.ring2.pad_size, sheet["brace"]["pads"]["size"])
 
     def test_models_have_the_masses_of_the_scenario(self):
         scenario = BenchScenario()
@@ -143,15 +146,25 @@ class TestLoad(unittest.TestCase):
             "torso: {inertia: [1, 1, 3]}": ("torso.inertia", "sum"),
             "torso: {present: 1}": ("torso.present", "true or false"),
             "torso: 3": ("torso is 3", "a map"),
-            "contact: {model: rubber}": ("contact.model", "hydroelastic"),
-            "contact: {preload: 0.2}": ("contact.preload", "0.15"),
+            "contact: {ring2: {model: rubber}}": (
+                "contact.ring2.model",
+                "linear or none or hydroelastic",
+            ),
+            "contact: {ring2: {preload: 0.2}}": (
+                "contact.ring2.preload",
+                "0.15",
+            ),
+            "contact: {model: linear}": ("it is contact.ring2.model",),
+            "control: {kp: 1600}": ("it is control.inner.kp",),
+            "stages: [3]": ("stages is [3]", "allowed: [2]"),
+            "control: {tag: idc}": ("control.tag is 'idc'", "pic"),
             "time_step: 3e-4": ("time_step", "control period"),
             "sensors: {log_period: 0.0015}": ("sensors.log_period", "multiple"),
             "sensors: {log_period: 1.0e+308}": (
                 "sensors.log_period",
                 "multiple",
             ),
-            "stage: {upper_height: 0.1}": ("stage.upper_height", "0.145"),
+            "stage: {upper_height: 0.1}": ("it is joints.stage2",),
             "ring: {inertia: [1, x, 3]}": ("ring.inertia[1]", "a number"),
             "effects: [{name: ''}]": ("effects[0].name",),
             "effects: [{nam: a}]": ("effects[0].nam", "name"),

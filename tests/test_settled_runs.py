@@ -15,7 +15,7 @@ from brace_drake.effects.registry import find_effect
 from brace_drake.link.operation.journal import Journal
 from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.recording.manifest import parse_manifest
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 EXAMPLE = Path(__file__).parent / "data" / "example"
 

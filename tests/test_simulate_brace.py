@@ -16,8 +16,7 @@ from brace_drake.model.simulate_brace import RecordBrace, SimulateBrace
 from brace_drake.recording import LoadCampaign
 from brace_drake.recording.manifest import parse_manifest
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import pack_geometry
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from tests.commands import run_command
@@ -130,7 +129,7 @@ class TestCommand(unittest.TestCase):
         )
         self.assertEqual(code, 0, error)
         scenario = LoadScenario(torso / "brace.scenario.yaml")
-        for pads in vars(scenario.contact).values():
+        for pads in scenario.contact:
             pads.model = "hydroelastic"
         SaveScenario(scenario, file)
         motion = self.folder / "push.csv"

@@ -19,7 +19,7 @@ from brace_drake.devices.motions.reference import (
 )
 from brace_drake.effects.registry import find_effect
 from brace_drake.recording import LoadCampaign
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.effects import describe_use
 from brace_drake.scenario.load import SaveScenario
 from tests.commands import run_command

@@ -18,9 +18,8 @@ from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.simulate import SimulateBench
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.model.systems.brace_controllers import MakeController
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import pack_bench
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 
 RATE, PIC = 1000.0, "pic_controller"
@@ -160,7 +159,7 @@ class TestStation(unittest.TestCase):
             own.get_mutable_numeric_parameter(0).SetAtIndex(45, 3200.0)
 
         scenario = bench()
-        scenario.contact.stiffness = 3200.0
+        scenario.contact.ring2.stiffness = 3200.0
         rebuilt = MakeBenchStation(scenario, self.reference)
         softened = self.run_with(station, soften)
         np.testing.assert_array_equal(softened, self.run_with(rebuilt))
@@ -178,7 +177,7 @@ class TestStation(unittest.TestCase):
                 law.SetAtIndex(brace_control.K_P * 6 + i, 3200.0)
 
         scenario = bench()
-        scenario.control.kp = 3200.0
+        scenario.control.inner.kp[:] = 3200.0
         rebuilt = MakeBenchStation(scenario, self.reference)
         np.testing.assert_array_equal(
             self.run_with(station, double), self.run_with(rebuilt)

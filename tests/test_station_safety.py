@@ -12,8 +12,7 @@ from brace_drake.link.protocol.limits import BY_STAGE, DEFAULT
 from brace_drake.link.protocol.words import Cause
 from brace_drake.model.simulate import RecordBench
 from brace_drake.model.simulate_brace import RecordBrace
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from tests.commands import run_command
 
 FORCE = "ring2_force_y_N"

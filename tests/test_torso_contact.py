@@ -21,8 +21,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from brace_drake.core.errors import TorsoError
-from brace_drake.scenario.bench import Contact
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BraceScenario, Contact
 from brace_drake.torso.contact import (
     AddTorsoContact,
     MakeTorsoGeometry,

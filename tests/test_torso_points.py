@@ -8,8 +8,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 
 from brace_drake.core.errors import ScenarioError, TorsoError
 from brace_drake.model.brace_station import MakeBraceStation
-from brace_drake.scenario.bench import BenchScenario, Contact
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario, Contact
 from brace_drake.scenario.check import CheckScenario
 from brace_drake.torso.contact import map_linear_contact
 from brace_drake.torso.faces import make_point_pad
@@ -84,7 +83,7 @@ class TestPoints(unittest.TestCase):
     def test_points_that_are_no_grid_are_refused(self):
         for points in ([2, 0], [2], [11, 2], [-1, -1]):
             scenario = BenchScenario()
-            scenario.contact.pad_points = points
+            scenario.contact.ring2.pad_points = points
             with self.assertRaisesRegex(ScenarioError, "pad_points.*1 to 10"):
                 CheckScenario(scenario)
 

@@ -269,7 +269,7 @@ class TestCommand(unittest.TestCase):
         )
         girl = make_parametric_loft(LoadMeasures(GIRL))
         self.assertAlmostEqual(
-            scenario.contact.pad_offset,
+            scenario.contact.ring2.pad_offset,
             np.mean(half_widths(girl, 0.0)),
             delta=0.004,
         )

@@ -8,7 +8,7 @@ import numpy as np
 
 from brace_drake.core.errors import TorsoError
 from brace_drake.core.resources import scenario_path
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.torso.faces import make_pads
 from brace_drake.torso.fitted import calc_inertia, fit_torso, loft_surface
 from brace_drake.torso.grid import make_grid
@@ -73,7 +73,7 @@ class TestSurface(unittest.TestCase):
         for height in RINGS:
             for width in half_widths(loft, height):
                 self.assertAlmostEqual(
-                    width, BenchScenario().contact.pad_offset, delta=1e-5
+                    width, BenchScenario().contact.ring2.pad_offset, delta=1e-5
                 )
 
     def test_the_file_of_the_nominal_torso_holds_the_defaults(self):

@@ -35,7 +35,7 @@ from brace_drake.experiments.transfer.table import (
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.policy import SavePolicy
 from brace_drake.learning.subjects import NOMINAL, Subject
-from brace_drake.scenario.bench import EffectUse
+from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.withheld.simulator import Decisions, Flaws, run_bench
 from brace_drake.withheld.simulator import Subject as Wearer

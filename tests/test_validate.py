@@ -7,7 +7,7 @@ from pathlib import Path
 from unittest import mock
 
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import SaveScenario
 from tests.commands import run_command
 
@@ -19,7 +19,7 @@ class TestValidate(unittest.TestCase):
         cls.folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         truth = BenchScenario(time_step=5e-4)
         truth.torso.posture_stiffness[1] = 1500.0
-        truth.contact.stiffness = 7000.0
+        truth.contact.ring2.stiffness = 7000.0
         file = cls.folder / "truth.scenario.yaml"
         SaveScenario(truth, file)
         cls.campaign = cls.folder / "made"

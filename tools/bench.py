@@ -40,8 +40,7 @@ from brace_drake.model.brace_plant import AddBraceBodies
 from brace_drake.model.simulate import SimulateBench
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.recording import LoadCampaign
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import SaveScenario
 from tests.learning_tasks import random_policy
 
@@ -65,7 +64,7 @@ def bare_plant(step):
     plant = builder.AddSystem(MultibodyPlant(step))
     scenario = BenchScenario()
     scenario.gravity = 0.0
-    AddBraceBodies(plant, brace_of_bench(scenario))
+    AddBraceBodies(plant, scenario)
     plant.SetUseSampledOutputPorts(False)
     plant.Finalize()
     diagram = builder.Build()

@@ -14,7 +14,7 @@ from brace_drake.model.brace_plant import AddBracePlant
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.simulate import without_garbage_collection
 from brace_drake.model.systems.brace_controllers import MakeController
-from brace_drake.scenario.bench import Contact
+from brace_drake.scenario.brace import Contact
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
 from brace_drake.torso.contact import MakeTorsoGeometry
 from brace_drake.torso.fitted import PAD_RESOLUTION, fit_torso

@@ -20,7 +20,7 @@ from brace_drake.link.emulator.describe import describe_device
 from brace_drake.link.emulator.device import EmulatedDevice
 from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.words import Cause, DeviceState
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 _HOST = """
 import sys, time

@@ -31,7 +31,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from brace_drake.core.resources import scenario_path
-from brace_drake.scenario.bench import Contact
+from brace_drake.scenario.brace import Contact
 from brace_drake.torso.contact import (
     AddTorsoContact,
     TorsoContact,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.scenario.brace import BraceScenario
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ def with_subject(numbers: BenchNumbers, values: np.ndarray) -> BenchNumbers:
 
 
 def scenario_of_subject(
-    scenario: BenchScenario, values: np.ndarray
-) -> BenchScenario:
+    scenario: BraceScenario, values: np.ndarray
+) -> BraceScenario:
     """A copy of a scenario with the numbers of a subject.
 
     The hydroelastic numbers, which stand for stiffness k, damping c and
@@ -88,7 +88,7 @@ def scenario_of_subject(
         values: In the order of `bench_subject`.
     """
     out = copy.deepcopy(scenario)
-    contact, torso = out.contact, out.torso
+    contact, torso = out.contacts[0], out.torso
     k, c, p = contact.stiffness, contact.damping, contact.preload
     contact.stiffness, contact.damping = float(values[0]), float(values[1])
     torso.posture_stiffness[1] = values[2]

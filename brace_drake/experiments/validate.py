@@ -23,7 +23,7 @@ from brace_drake.identification.nn_regression import (
 )
 from brace_drake.recording.columns import BENCH
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 FORMAT = "brace-validation/1"
 

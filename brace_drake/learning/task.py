@@ -12,7 +12,8 @@ from brace_drake.learning.actions import SCALES, ActionLaw, ActionNumbers
 from brace_drake.learning.rewards import EpisodeLimits, RewardNumbers, vector
 from brace_drake.learning.signals import OBSERVERS
 from brace_drake.learning.subjects import SubjectRanges, check_ranges
-from brace_drake.scenario.brace import DEVICE, BraceScenario
+from brace_drake.recording.columns import BRACE
+from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.control_numbers import parse_coordinates, spread
 from brace_drake.scenario.load import LoadScenario
 
@@ -90,10 +91,10 @@ def load_task_scenario(task: LearningTask) -> BraceScenario:
         path = scenario_path(task.scenario)
     scenario = LoadScenario(path)
     found = {"device": scenario.device}
-    if scenario.device == DEVICE:
+    if scenario.device == BRACE:
         found["mechanism"] = scenario.mechanism
         found["torso.present"] = scenario.torso.present
-    needed = DEVICE, "task_space", True
+    needed = BRACE, "task_space", True
     for (key, value), allowed in zip(found.items(), needed, strict=False):
         if value != allowed:
             raise ScenarioError(

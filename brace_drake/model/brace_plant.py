@@ -17,8 +17,7 @@ from pydrake.systems.framework import Context, DiagramBuilder
 from brace_drake.core.resources import sdf_path
 from brace_drake.model.articulated import AddArticulatedBrace, SetLegs
 from brace_drake.model.hydroelastic_pads import AddHalfSpacePads
-from brace_drake.scenario.bench import Ring, Torso
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BraceScenario, Ring, Torso
 from brace_drake.scenario.brace_numbers import pack_brace
 
 # Adds geometry to bodies (`ring1` ... `ring3`, `torso`) of a plant that is
@@ -40,9 +39,8 @@ def AddBracePlant(
     """Adds the finalized plant of rings and, where present, torso.
 
     All of them float (the paper's six-degree-of-freedom joint); they start at
-    the scenario's poses. The bench is its stage 2 alone, see
-    `scenario.bench_brace`. Gravity acts on rings and legs: the pelvis carries
-    the torso. `task_space` has no further bodies, and q holds the rings from
+    the scenario's poses. Gravity acts on rings and legs: the pelvis carries the
+    torso. `task_space` has no further bodies, and q holds the rings from
     the lowest up, then the torso; `articulated` has 18 legs of tube and rod,
     see `brace_drake.model.articulated`.
 

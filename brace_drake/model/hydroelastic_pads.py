@@ -27,7 +27,7 @@ from pydrake.multibody.plant import (
     MultibodyPlant,
 )
 
-from brace_drake.scenario.bench import Contact
+from brace_drake.scenario.brace import Contact
 
 
 def AddHalfSpacePads(

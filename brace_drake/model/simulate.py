@@ -23,7 +23,7 @@ from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_station import BraceStation
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 # Takes the station and the root context, when a run is over or as it goes on.
 AtEnd = Callable[[BraceStation, Context], None]

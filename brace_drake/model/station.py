@@ -30,14 +30,12 @@ from brace_drake.model.station_parts import (
 )
 from brace_drake.model.station_safety import Supervision
 from brace_drake.model.systems.brace_controllers import BracePic
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.bench_numbers import (
     pack_bench,
     pack_bench_brace,
     pack_bench_control,
 )
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import BraceNumbers, pack_rings
 from brace_drake.scenario.control_numbers import ControlNumbers
 from brace_drake.scenario.effects import scenario_uses
@@ -65,7 +63,7 @@ def MakeBenchStation(
 ) -> BraceStation:
     """Builds the bench of a scenario that follows a reference.
 
-    It is the brace of one stage, see `scenario.bench_brace`, with PIC along y;
+    It is the brace of one stage, with PIC along y;
     `sink` logs X_v, X_v', X_v'' (18,) behind the rest.
 
     Args:
@@ -81,7 +79,7 @@ def MakeBenchStation(
         EffectError: More effects than the twin carries, or effects of a
             contact that the plant resolves.
     """
-    uses, brace = (*scenario_uses(scenario), *uses), brace_of_bench(scenario)
+    uses, brace = (*scenario_uses(scenario), *uses), replace(scenario)
     _check_contact(brace, uses)
     bench = modify_numbers(pack_bench(scenario), uses)
     plug_ins = stack_effects(uses, bench)

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.core.errors import ScenarioError
-from brace_drake.kinematics import BraceGeometry, make_geometry
-from brace_drake.scenario.bench import BenchScenario, Contact
-from brace_drake.scenario.brace import BraceLeg, BraceRing, BraceScenario
+from brace_drake.kinematics import BraceGeometry
+from brace_drake.scenario.brace import (
+    BraceScenario,
+    Contact,
+    Leg,
+)
 from brace_drake.scenario.brace_numbers import pack_geometry
 from brace_drake.scenario.load import Scenario
 
@@ -32,7 +35,7 @@ class Look:
     rings: tuple[str, ...]
     clamped_height: float
     half_axes: np.ndarray
-    leg: BraceLeg
+    leg: Leg
     contacts: tuple[Contact | None, ...]
     torso_rest: float
 
@@ -40,25 +43,9 @@ class Look:
 def make_look(scenario: Scenario) -> Look:
     """Sizes for bench or brace.
 
-    The bench's scenario has no sizes that are for drawing alone: those are
-    the brace's.
-
     Raises:
         ScenarioError: The device has no rings.
     """
-    if isinstance(scenario, BenchScenario):
-        stage = scenario.stage
-        circles = [(c.radius, c.angles_deg) for c in (stage.lower, stage.upper)]
-        heights = [stage.lower_height, stage.upper_height]
-        return Look(
-            make_geometry([circles[0]], [circles[1]], heights),
-            ("ring2",),
-            stage.lower_height,
-            BraceRing().half_axes,
-            BraceLeg(),
-            (scenario.contact if scenario.torso.present else None,),
-            stage.upper_height,
-        )
     if isinstance(scenario, BraceScenario):
         return Look(
             pack_geometry(scenario),

@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.laws import rotation
 from brace_drake.playback.look import Look
 from brace_drake.playback.states import PlaybackStates
-from brace_drake.scenario.bench import Contact
+from brace_drake.scenario.brace import Contact
 
 _LONGEST_ARROW = 0.12  # m, the largest force's
 # sRGB of a pad that does not press, and of one with the scale's last pressure.

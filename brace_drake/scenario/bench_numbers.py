@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry, holding_leg_forces
-from brace_drake.laws.control.brace_control import C_D, ESTIMATOR, LOWER, UPPER
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.laws.control.brace_control import ESTIMATOR, LOWER, UPPER
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import (
     BraceNumbers,
@@ -80,7 +78,7 @@ class BenchNumbers:
         return replace(self, **arrays)
 
 
-def pack_bench(scenario: BenchScenario) -> BenchNumbers:
+def pack_bench(scenario: BraceScenario) -> BenchNumbers:
     """Arrays of the nominal twin that a scenario describes.
 
     They are those of the brace of one stage that the bench is.
@@ -88,18 +86,15 @@ def pack_bench(scenario: BenchScenario) -> BenchNumbers:
     Raises:
         KinematicsError: Legs without length, or a stage singular at rest.
     """
-    brace = brace_of_bench(scenario)
-    numbers, torso = pack_brace(brace), scenario.torso
-    control = pack_control(brace.control, pack_rings(brace)).law
-    # From a damping ratio it would come back rounded.
-    control[C_D, 0:3] = scenario.control.desired_damping
+    numbers, torso = pack_brace(scenario), scenario.torso
+    control = pack_control(scenario.control, pack_rings(scenario)).law
     return BenchNumbers(
         rest=numbers.geometry.rest[0],
         p_WB=numbers.geometry.lower[0],
         p_RT=numbers.geometry.upper[0],
         viscous=numbers.viscous,
         # The compiled twin knows the linear law alone, whatever the model.
-        contact=pack_contact(scenario.contact),
+        contact=pack_contact(scenario.contacts[0]),
         posture=numbers.posture,
         ring=numbers.ring,
         torso=np.array([torso.mass, *torso.inertia, 0.0]),
@@ -113,11 +108,11 @@ def pack_bench_brace(brace: BraceScenario, bench: BenchNumbers) -> BraceNumbers:
     """Arrays of the brace that a bench is, with the bench's, maybe changed.
 
     Args:
-        brace: As `brace_of_bench` makes it.
+        brace: A bench.
         bench: Of the same scenario; effects and subjects may have changed it.
     """
     numbers = pack_brace(brace)
-    is_linear = brace.contact.ring2.model == "linear"
+    is_linear = brace.contacts[0].model == "linear"
     return replace(
         numbers,
         geometry=BraceGeometry(

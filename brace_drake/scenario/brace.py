@@ -1,24 +1,34 @@
-"""The whole brace's scenario: three stages, or those that `stages` picks."""
+"""The scenario of a brace: every number of the twin, with unit and limits.
+
+A bench is a brace of which one stage moves. [P] stated in the paper; the
+sources of all numbers stand in `diagrams/brace.scenario.yaml`.
+"""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from brace_drake.scenario.bench import (
-    Contact,
-    JointCircle,
-    Leg,
-    Ring,
-    Sensors,
-    Torso,
-)
-from brace_drake.scenario.controllers import BraceControl
+from brace_drake.recording.columns import BENCH, BRACE
+from brace_drake.scenario.controllers import AXES, BraceControl
+from brace_drake.scenario.fields import items, number, vector, word
 
-DEVICE = "brace"
+_LOWER, _UPPER = (-13, 13, 107, 133, 227, 253), (-47, 47, 73, 167, 193, 287)
 
 
-def _vector(*values: float):
-    return field(default_factory=lambda: np.array(values, dtype=float))
+@dataclass(slots=True)
+class JointCircle:
+    """Anchors on a circle of a ring: angles from x towards y."""
+
+    radius: float = number(0.19, "m", above=0.0)
+    angles_deg: np.ndarray = vector(*_LOWER, unit="degrees")
+
+
+@dataclass(slots=True)
+class StageJoints:
+    """Joint circles of a stage; leg k joins lower to upper angle k."""
+
+    lower: JointCircle = field(default_factory=JointCircle)
+    upper: JointCircle = field(default_factory=JointCircle)
 
 
 def _joints(lower_radius, lower_deg, upper_radius, upper_deg):
@@ -30,18 +40,7 @@ def _joints(lower_radius, lower_deg, upper_radius, upper_deg):
     )
 
 
-_LOWER, _UPPER = (-13, 13, 107, 133, 227, 253), (-47, 47, 73, 167, 193, 287)
-
-
-@dataclass
-class StageJoints:
-    """Joint circles of a stage; leg k joins lower to upper angle k."""
-
-    lower: JointCircle = field(default_factory=JointCircle)
-    upper: JointCircle = field(default_factory=JointCircle)
-
-
-@dataclass
+@dataclass(slots=True)
 class BraceJoints:
     """Joint circles of stage i, on ring i - 1 below and ring i above."""
 
@@ -52,32 +51,40 @@ class BraceJoints:
     )
 
 
-@dataclass
-class BraceRing(Ring):
-    """A moving ring, about its centre, half of each adjoining leg lumped in.
+@dataclass(slots=True)
+class Ring:
+    """A moving ring, a rigid body about its centre Ro.
 
-    The articulated brace, whose legs have their own masses, takes these halves
-    off again.
+    Half of each adjoining leg is lumped in; the articulated brace, whose legs
+    have their own masses, takes these halves off again.
     """
 
-    half_axes: np.ndarray = _vector(0.205, 0.205)  # m, x and y, for drawing
+    mass: float = number(0.85, "kg", above=0.0)
+    inertia: np.ndarray = vector(
+        0.0105, 0.0105, 0.0205, unit="kg m^2", above=0.0
+    )
+    # x and y, for drawing.
+    half_axes: np.ndarray = vector(0.205, 0.205, unit="m", above=0.0)
 
 
-@dataclass
-class BraceLeg(Leg):
-    """A linear drive of tube, on the ring below, and rod, on that above.
+@dataclass(slots=True)
+class Leg:
+    """A linear drive: its force is the command minus viscous times rate.
 
-    Both are taken as uniform cylinders as long as the closed leg.
+    A tube on the ring below, a rod on that above; both are taken as uniform
+    cylinders as long as the closed leg.
     """
 
-    stroke: float = 0.050  # m, centred on the length at rest
-    tube_mass: float = 0.056  # kg
-    rod_mass: float = 0.030  # kg
-    tube_radius: float = 0.009  # m
-    rod_radius: float = 0.004  # m
+    viscous: float = number(40.0, "N s/m", least=0.0)
+    force_limit: float = number(120.0, "N", above=0.0)  # of the command
+    stroke: float = number(0.050, "m", above=0.0)  # centred on rest
+    tube_mass: float = number(0.056, "kg", above=0.0)
+    rod_mass: float = number(0.030, "kg", above=0.0)
+    tube_radius: float = number(0.009, "m", above=0.0)
+    rod_radius: float = number(0.004, "m", above=0.0)
 
 
-@dataclass
+@dataclass(slots=True)
 class WorkspaceLimits:
     """What a pose of the brace has to keep to, beside the strokes.
 
@@ -85,46 +92,127 @@ class WorkspaceLimits:
     the radius of its upper joints; 0 is a singularity.
     """
 
-    singular_value: float = 0.3
+    singular_value: float = number(0.3, above=0.0)
 
 
-@dataclass
+@dataclass(slots=True)
+class StartPoses:
+    """Each ring's pose at time 0: displacement, m, rotation vector, rad."""
+
+    ring1: np.ndarray = vector(0, 0, 0, 0, 0, 0)
+    ring2: np.ndarray = vector(0, 0, 0, 0, 0, 0)
+    ring3: np.ndarray = vector(0, 0, 0, 0, 0, 0)
+
+
+@dataclass(slots=True)
+class Torso:
+    """A rigid body whose posture a bushing holds; To is at R2 at rest."""
+
+    present: bool = True
+    mass: float = number(40.0, "kg", above=0.0)
+    inertia: np.ndarray = vector(1.05, 0.95, 0.42, unit="kg m^2", above=0.0)
+    # Along the axes of W.
+    posture_stiffness: np.ndarray = vector(
+        2500, 1800, 20000, unit="N/m", least=0.0
+    )
+    posture_damping: np.ndarray = vector(250, 220, 600, unit="N s/m", least=0.0)
+    posture_rot_stiffness: np.ndarray = vector(
+        180, 180, 90, unit="N m/rad", least=0.0
+    )
+    posture_rot_damping: np.ndarray = vector(
+        12, 12, 8, unit="N m s/rad", least=0.0
+    )
+
+
+@dataclass(slots=True)
+class Contact:
+    """Pads of a ring against the torso.
+
+    The linear law's numbers are always given; the hydroelastic ones are used
+    where `model` says so. A rigid pad of area A that sinks by d into a layer of
+    modulus E and thickness H meets N = (E A / H) d (1 + D d'), so that
+    E = k H / A and, at a working depth d_0, D = c / (k d_0) give the linear k
+    and c. Two pads that share a preload d_0 damp as the linear law does while
+    both touch: their depths add up to 2 d_0.
+    """
+
+    model: str = word("linear", "none", "hydroelastic")
+    stiffness: float = number(6400.0, "N/m", above=0.0)  # of one pad
+    damping: float = number(150.0, "N s/m", least=0.0)
+    friction: float = number(0.35, least=0.0)
+    friction_regularization: float = number(0.005, "m/s", above=0.0)
+    pad_offset: float = number(0.15, "m", above=0.0)  # of the face, along y
+    preload: float = number(0.001, "m", least=0.0)  # of each pad at rest
+    pad_size: np.ndarray = vector(0.060, 0.020, 0.080, unit="m", above=0.0)
+    # On a torso's mesh, hydroelastic: points of a pad, across and up, that
+    # stand for its face, see brace_drake.torso.faces; 0, 0: the whole face.
+    pad_points: list[int] = items(2, 4)
+    # These give the stiffness and damping above at the preload.
+    hydroelastic_modulus: float = number(26666.666666666668, "Pa", above=0.0)
+    hydroelastic_thickness: float = number(0.02, "m", above=0.0)
+    hydroelastic_dissipation: float = number(23.4375, "s/m", least=0.0)
+
+
+@dataclass(slots=True)
 class RingContacts:
-    """Pads of each moving ring: `none`, `linear` or `hydroelastic`."""
+    """Pads of each moving ring."""
 
     ring1: Contact = field(default_factory=Contact)
     ring2: Contact = field(default_factory=Contact)
     ring3: Contact = field(default_factory=Contact)
 
-
-@dataclass
-class StartPoses:
-    """Each ring's pose at time 0: displacement, m, rotation vector, rad."""
-
-    ring1: np.ndarray = _vector(0, 0, 0, 0, 0, 0)
-    ring2: np.ndarray = _vector(0, 0, 0, 0, 0, 0)
-    ring3: np.ndarray = _vector(0, 0, 0, 0, 0, 0)
+    def __iter__(self):
+        yield from (self.ring1, self.ring2, self.ring3)
 
 
-@dataclass
+@dataclass(slots=True)
+class Sensors:
+    """Instruments: standard deviations of noise, and resolutions."""
+
+    leg_length_noise: float = number(5.0e-6, "m", least=0.0)
+    leg_length_resolution: float = number(1.0e-5, "m", least=0.0)
+    force_noise: float = number(0.03, "N", least=0.0)
+    force_resolution: float = number(0.0244140625, "N", least=0.0)
+    marker_noise: float = number(5.0e-5, "m", least=0.0)
+    log_period: float = number(0.005, "s", above=0.0)
+
+
+@dataclass(slots=True)
+class EffectUse:
+    """An effect that the twin carries, with the values of its parameters.
+
+    `form` tells apart several laws of one effect; empty for the first.
+    """
+
+    name: str = ""
+    parameters: dict[str, float] = field(default_factory=dict)
+    form: str = ""
+
+
+@dataclass(slots=True)
 class BraceScenario:
-    """Stacked stages with torso, contact, drives and instruments."""
+    """Stacked stages with torso, contact, drives and instruments.
 
-    device: str = DEVICE
-    mechanism: str = "task_space"  # or articulated
-    stages: list[int] = field(default_factory=lambda: [1, 2, 3])
-    time_step: float = 0.0005  # s, of the plant
-    gravity: float = 9.81  # m/s^2
-    ring_heights: np.ndarray = _vector(0.0, 0.145, 0.235, 0.295)  # m, in W
+    The torso's bushing is at rest at ring 2. Effects are always on.
+    """
+
+    device: str = BRACE
+    mechanism: str = word("task_space", "articulated")
+    stages: list[int] = items(1, 2, 3)  # those that move, neighbours
+    time_step: float = number(0.0005, "s", above=0.0)  # of the plant
+    gravity: float = number(9.81, "m/s^2", least=0.0)
+    # z in W, the clamped ring's first.
+    ring_heights: np.ndarray = vector(0.0, 0.145, 0.235, 0.295, unit="m")
     joints: BraceJoints = field(default_factory=BraceJoints)
-    ring: BraceRing = field(default_factory=BraceRing)
-    leg: BraceLeg = field(default_factory=BraceLeg)
+    ring: Ring = field(default_factory=Ring)
+    leg: Leg = field(default_factory=Leg)
     workspace: WorkspaceLimits = field(default_factory=WorkspaceLimits)
     start: StartPoses = field(default_factory=StartPoses)
     torso: Torso = field(default_factory=Torso)
     contact: RingContacts = field(default_factory=RingContacts)
     control: BraceControl = field(default_factory=BraceControl)
     sensors: Sensors = field(default_factory=Sensors)
+    effects: list[EffectUse] = items()
 
     @property
     def rings(self) -> tuple[str, ...]:
@@ -135,3 +223,17 @@ class BraceScenario:
     def contacts(self) -> tuple[Contact, ...]:
         """Of each moving ring, bottom to top."""
         return tuple(getattr(self.contact, name) for name in self.rings)
+
+    @property
+    def push_axis(self) -> int:
+        """Of W, 0 to 2: that of the first coordinate with an impedance."""
+        return AXES.index(self.control.impedance.coordinates[0][0])
+
+
+@dataclass(slots=True)
+class BenchScenario(BraceScenario):
+    """The paper's bench: stage 2 of the brace alone, ring 1 clamped."""
+
+    device: str = BENCH
+    stages: list[int] = items(2)
+    time_step: float = number(0.0002, "s", above=0.0)

@@ -7,8 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry, Workspace, make_geometry
-from brace_drake.scenario.bench import Contact, Sensors, Torso
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import (
+    BraceScenario,
+    Contact,
+    Sensors,
+    Torso,
+)
 from brace_drake.scenario.control_numbers import BraceRings
 
 

@@ -1,48 +1,24 @@
-"""What a scenario may hold: kinds, ranges, and how values fit together."""
+"""What only makes sense together in a scenario; limits stand at the fields."""
 
 from __future__ import annotations
 
 import math
-import re
 
 import numpy as np
 
-from brace_drake.scenario.bench import BenchScenario, Contact
-from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.check_brace import check_brace
+from brace_drake.core.errors import KinematicsError
+from brace_drake.recording.columns import BENCH
+from brace_drake.scenario.brace import BraceScenario, Contact
+from brace_drake.scenario.brace_numbers import (
+    pack_brace,
+    pack_geometry,
+    pack_rings,
+)
 from brace_drake.scenario.effects import check_effects
-from brace_drake.scenario.leaves import check_kind, walk
-from brace_drake.scenario.messages import fail
+from brace_drake.scenario.fields import check_fields, fail
+from brace_drake.scenario.stability import check_control
 
-_POSITIVE = (
-    "time_step ring.mass ring.inertia leg.force_limit torso.mass torso.inertia"
-    " stage.lower.radius stage.upper.radius contact.stiffness"
-    " contact.friction_regularization contact.pad_offset contact.pad_size"
-    " contact.hydroelastic_modulus contact.hydroelastic_thickness control.rate"
-    " control.kp control.velocity_cutoff_hz control.force_filter_tau"
-    " control.desired_mass control.desired_stiffness control.desired_damping"
-    " sensors.log_period mass control.force_limit stiffness depth_scale"
-    " rate_scale joints.lower.radius joints.upper.radius ring.half_axes"
-    " leg.stroke leg.tube_mass leg.rod_mass leg.tube_radius leg.rod_radius"
-    " workspace.singular_value"
-).split()
-_NOT_NEGATIVE = (
-    "gravity leg.viscous torso.posture_stiffness torso.posture_damping"
-    " torso.posture_rot_stiffness torso.posture_rot_damping contact.damping"
-    " contact.friction contact.preload contact.hydroelastic_dissipation"
-    " control.kd control.kv sensors.leg_length_noise"
-    " sensors.leg_length_resolution sensors.force_noise"
-    " sensors.force_resolution sensors.marker_noise viscous position_noise"
-    " damping force_noise displacement_noise"
-).split()
-_WORDS = {
-    "contact.model": ("linear", "hydroelastic"),
-    "contact.ring.model": ("none", "linear", "hydroelastic"),
-    "mechanism": ("task_space", "articulated"),
-}
 _MOST_POINTS = 10  # of a pad, in a row
-# What holds of one ring or stage holds of each.
-_ONE_OF_MANY = re.compile(r"\.(ring|stage)[1-3]")
 
 
 def CheckScenario(scenario, source: str = "scenario") -> None:
@@ -51,91 +27,106 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
     Raises:
         ScenarioError: One line: source, key path, value, what is allowed.
     """
-    defaults = dict(walk(type(scenario)()))
-    values = dict(walk(scenario))
-    is_brace, rate = isinstance(scenario, BraceScenario), "control.rate"
-    for path, value in values.items():
-        # A brace's controller may have a number for each ring: check_control.
-        free = is_brace and path.startswith("control.") and path != rate
-        default = value if free else defaults.get(path, value)
-        check_kind(source, path, value, default)
-        rule = _ONE_OF_MANY.sub("", path)
-        if rule in _POSITIVE and not np.all(np.asarray(value) > 0.0):
-            fail(source, path, value, "greater than 0")
-        if rule in _NOT_NEGATIVE and not np.all(np.asarray(value) >= 0.0):
-            fail(source, path, value, "0 or more")
-        words = _WORDS.get(_ONE_OF_MANY.sub(r".\1", path), (value,))
-        if value not in words:
-            fail(source, path, value, " or ".join(words))
-    if rate in values:
-        _check_period(source, values, "time_step", 1.0 / values[rate])
-    if is_brace:
-        _check_parts(source, scenario)
-        for name, contact in vars(scenario.contact).items():
-            _check_contact(source, f"contact.{name}", contact)
-        check_brace(source, scenario)
-        return
+    check_fields(scenario, source, num_rings=_num_rings(scenario))
     check_effects(source, scenario.effects, scenario.device)
-    if isinstance(scenario, BenchScenario):
-        _check_bench(source, scenario)
+    if hasattr(scenario, "control"):
+        period = 1.0 / scenario.control.rate
+        _check_period(source, "time_step", scenario.time_step, period)
+    if isinstance(scenario, BraceScenario):
+        _check_bodies(source, scenario)
+        _check_stages(source, scenario)
+        _check_geometry(source, scenario)
+        control, rings = scenario.control, pack_rings(scenario)
+        check_control(control, rings, source, "control")
 
 
-def _check_bench(source: str, scenario: BenchScenario) -> None:
-    """Checks what only makes sense together."""
-    stage, contact = scenario.stage, scenario.contact
-    if not stage.upper_height > stage.lower_height:
-        path = "stage.upper_height"
-        fail(
-            source,
-            path,
-            stage.upper_height,
-            f"more than stage.lower_height, {stage.lower_height}",
-        )
-    _check_parts(source, scenario)
-    _check_contact(source, "contact", contact)
+def _num_rings(scenario) -> int:
+    stages = getattr(scenario, "stages", None)
+    return len(stages) if isinstance(stages, list) else 1
 
 
-def _check_parts(source: str, scenario: BenchScenario | BraceScenario) -> None:
-    """Checks moments of inertia, and the period of the log."""
+def _check_period(source: str, path: str, value: float, period: float) -> None:
+    if not _is_whole(period / value):
+        allowed = f"a whole part of the control period, {period:g} s"
+        fail(source, path, value, allowed)
+
+
+def _is_whole(ratio: float) -> bool:
+    """Whether a ratio is 1, 2, 3 ..., rounding aside."""
+    return 0.5 <= ratio < math.inf and abs(ratio - round(ratio)) <= 1e-6
+
+
+def _check_bodies(source: str, scenario: BraceScenario) -> None:
+    """Checks moments of inertia, pads, and the period of the log."""
     for path, body in (("ring", scenario.ring), ("torso", scenario.torso)):
         moments = np.sort(body.inertia)
         if moments[2] > moments[0] + moments[1]:
             allowed = "no moment above the others' sum"
             fail(source, f"{path}.inertia", body.inertia, allowed)
-    period = 1.0 / scenario.control.rate
-    ratio = scenario.sensors.log_period / period
-    whole = math.isfinite(ratio) and abs(ratio - round(ratio)) <= 1e-6
-    if ratio < 0.5 or not whole:
-        fail(
-            source,
-            "sensors.log_period",
-            scenario.sensors.log_period,
-            f"a multiple of the control period, {period:g} s",
-        )
+    for name in ("ring1", "ring2", "ring3"):
+        contact = getattr(scenario.contact, name)
+        _check_contact(source, f"contact.{name}", contact)
+    period, log = 1.0 / scenario.control.rate, scenario.sensors.log_period
+    if not _is_whole(log / period):
+        allowed = f"a multiple of the control period, {period:g} s"
+        fail(source, "sensors.log_period", log, allowed)
 
 
 def _check_contact(source: str, path: str, contact: Contact) -> None:
     points = contact.pad_points
-    whole = all(type(n) is int and 0 <= n <= _MOST_POINTS for n in points)
-    if len(points) != 2 or not whole or (0 in points and any(points)):
+    within = all(0 <= n <= _MOST_POINTS for n in points)
+    if len(points) != 2 or not within or (0 in points and any(points)):
         allowed = f"two whole numbers of 1 to {_MOST_POINTS}, or 0, 0"
         fail(source, f"{path}.pad_points", points, allowed)
     if contact.preload >= contact.pad_offset:
-        fail(
-            source,
-            f"{path}.preload",
-            contact.preload,
-            f"less than {path}.pad_offset, {contact.pad_offset}",
-        )
+        allowed = f"less than {path}.pad_offset, {contact.pad_offset}"
+        fail(source, f"{path}.preload", contact.preload, allowed)
 
 
-def _check_period(source: str, values: dict, path: str, period: float) -> None:
-    ratio = period / values[path]
-    whole = math.isfinite(ratio) and abs(ratio - round(ratio)) <= 1e-6
-    if ratio < 0.5 or not whole:
+def _check_stages(source: str, scenario: BraceScenario) -> None:
+    stages, heights = scenario.stages, scenario.ring_heights
+    first = stages[0] if stages else 0
+    if not stages or stages != list(range(first, first + len(stages))):
+        fail(source, "stages", stages, "neighbours, from the lowest up")
+    if first < 1 or stages[-1] > 3:
+        fail(source, "stages", stages, "of 1, 2, 3")
+    if scenario.device == BENCH and stages != [2]:
+        fail(source, "stages", stages, f"[2], as the device is {BENCH}")
+    if scenario.device == BENCH and scenario.control.tag != "pic":
+        # The compiled twin of the bench has no other; a brace has them all.
+        fail(source, "control.tag", scenario.control.tag, "pic on the bench")
+    if not (np.diff(heights) > 0.0).all():
+        fail(source, "ring_heights", heights, "each above the one before")
+
+
+def _check_geometry(source: str, scenario: BraceScenario) -> None:
+    """Checks anchors, strokes, and poses at the start.
+
+    The stroke, centred on the rest, has to leave a closed leg a length: a rod
+    inside its tube lengthens a leg to no more than twice its closed length.
+    """
+    try:
+        geometry = pack_geometry(scenario)
+    except KinematicsError as error:
+        stages = [
+            getattr(scenario.joints, f"stage{i}") for i in scenario.stages
+        ]
+        radii = [[s.lower.radius, s.upper.radius] for s in stages]
+        fail(source, "joints", radii, f"legs that reach: {error}")
+    stroke, shortest = scenario.leg.stroke, geometry.rest_lengths.min()
+    most = 2.0 / 3.0 * shortest
+    if not stroke < most:
         fail(
             source,
-            path,
-            values[path],
-            f"a whole part of the control period, {period:g} s",
+            "leg.stroke",
+            stroke,
+            f"less than {most:.4g} m: the shortest leg is {shortest:.4g} m at"
+            " rest, and open no longer than twice its closed length",
         )
+    numbers = pack_brace(scenario)
+    for i, name in enumerate(scenario.rings):
+        try:
+            numbers.workspace.check_stage(geometry, numbers.start, i)
+        except KinematicsError as error:
+            own = numbers.start[6 * i : 6 * i + 6]
+            fail(source, f"start.{name}", own, f"a pose in reach: {error}")

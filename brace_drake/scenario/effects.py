@@ -11,8 +11,8 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import Use
 from brace_drake.laws.hooks import MAX_EFFECTS
-from brace_drake.scenario.bench import EffectUse
-from brace_drake.scenario.messages import fail
+from brace_drake.scenario.brace import EffectUse
+from brace_drake.scenario.fields import fail
 
 # A value may pass its limit by this part of the range: fits scale parameters,
 # and rounding brings a value at its limit back a little beside it.

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from brace_drake.recording.columns import LEG_BENCH
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.scenario.bench import EffectUse
-
-DEVICE = "leg bench"
+from brace_drake.scenario.brace import EffectUse
+from brace_drake.scenario.fields import items, number
 
 # A plant step is no longer than this, s.
 _LONGEST_STEP = 2e-4
@@ -17,7 +17,7 @@ _LONGEST_STEP = 2e-4
 _NOISE_BAND = 0.6
 
 
-@dataclass
+@dataclass(slots=True)
 class DriveControl:
     """Position control: f = kv (kp (y_d - y) - y'), held between ticks.
 
@@ -25,24 +25,25 @@ class DriveControl:
     With kv = 0 there is none, and the recorded command drives the bench.
     """
 
-    rate: float = 1000.0  # Hz
-    kp: float = 160.18  # 1/s
-    kv: float = 8557.27  # N s/m
-    force_limit: float = 351.5  # N, of the command
+    rate: float = number(1000.0, "Hz", above=0.0)
+    kp: float = number(160.18, "1/s", least=0.0)
+    kv: float = number(8557.27, "N s/m", least=0.0)
+    force_limit: float = number(351.5, "N", above=0.0)  # of the command
 
 
-@dataclass
+@dataclass(slots=True)
 class LegBenchScenario:
     """One linear drive: m y'' = u - b y' - offset."""
 
-    device: str = DEVICE
-    time_step: float = 0.0002  # s, of the plant
-    mass: float = 95.0  # kg
-    viscous: float = 200.0  # N s/m
-    offset: float = 0.0  # N, load that the command has to hold
-    position_noise: float = 0.0  # m, standard deviation of a reading
+    device: str = LEG_BENCH
+    time_step: float = number(0.0002, "s", above=0.0)  # of the simulation
+    mass: float = number(95.0, "kg", above=0.0)
+    viscous: float = number(200.0, "N s/m", least=0.0)
+    offset: float = number(0.0, "N")  # load that the command has to hold
+    # Standard deviation of a reading.
+    position_noise: float = number(0.0, "m", least=0.0)
     control: DriveControl = field(default_factory=DriveControl)
-    effects: list[EffectUse] = field(default_factory=list)
+    effects: list[EffectUse] = items()
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The pad bench's scenario: one pad pressed into tissue along a given path."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,8 +9,10 @@ from brace_drake.laws.loop.pad_path import (
     noise_gain,
     path_slopes,
 )
+from brace_drake.recording.columns import PAD_BENCH
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.scenario.bench import EffectUse
+from brace_drake.scenario.brace import EffectUse
+from brace_drake.scenario.fields import items, number, vector
 from brace_drake.scenario.pad_noise import (
     NOISE_EDGES_HZ,
     estimate_displacement_noise,
@@ -18,33 +20,32 @@ from brace_drake.scenario.pad_noise import (
 )
 from brace_drake.scenario.pad_start import estimate_contact
 
-DEVICE = "pad bench"
 
-
-def _silent() -> np.ndarray:
-    return np.zeros(len(NOISE_EDGES_HZ))
-
-
-@dataclass
+@dataclass(slots=True)
 class PadBenchScenario:
     """One pad: N = max(0, k d + c d') where d = displacement - offset > 0."""
 
-    device: str = DEVICE
-    time_step: float = 0.0005  # s, longest step of the effects' states
-    stiffness: float = 6400.0  # N/m
-    damping: float = 150.0  # N s/m
-    contact_offset: float = 0.0  # m, displacement at which the pad touches
-    # N, standard deviation that a reading would have were its noise at all
-    # frequencies as strong as from this one of NOISE_EDGES_HZ on
-    force_noise: np.ndarray = field(default_factory=_silent)
-    displacement_noise: float = 0.0  # m, standard deviation of a reading
-    # Excursion of the pad, m, and rate, m/s, that the fit's steps go by.
-    depth_scale: float = 0.01
-    rate_scale: float = 0.01
+    device: str = PAD_BENCH
+    # Longest step of the effects' states.
+    time_step: float = number(0.0005, "s", above=0.0)
+    stiffness: float = number(6400.0, "N/m", above=0.0)
+    damping: float = number(150.0, "N s/m", least=0.0)
+    # Displacement at which the pad touches.
+    contact_offset: float = number(0.0, "m")
+    # Standard deviation that a reading would have were its noise at all
+    # frequencies as strong as from this one of NOISE_EDGES_HZ on.
+    force_noise: np.ndarray = vector(
+        *[0.0] * len(NOISE_EDGES_HZ), unit="N", least=0.0
+    )
+    # Standard deviation of a reading.
+    displacement_noise: float = number(0.0, "m", least=0.0)
+    # Excursion of the pad and its rate that the fit's steps go by.
+    depth_scale: float = number(0.01, "m", above=0.0)
+    rate_scale: float = number(0.01, "m/s", above=0.0)
     has_corners: bool = False  # whether the path has corners on samples
     # Of the jump of the rate at such a corner, what counts beyond its mean.
-    corner_share: float = 0.0
-    effects: list[EffectUse] = field(default_factory=list)
+    corner_share: float = number(0.0)
+    effects: list[EffectUse] = items()
 
 
 @dataclass(frozen=True)

@@ -39,8 +39,7 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import RigidBody
 
 from brace_drake.core.errors import TorsoError
-from brace_drake.scenario.bench import Contact
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BraceScenario, Contact
 from brace_drake.torso.faces import SHARE, make_point_pad
 from brace_drake.torso.fitted import FittedTorso
 from brace_drake.torso.meshes import obj_text, vtk_text

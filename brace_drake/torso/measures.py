@@ -42,8 +42,8 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from brace_drake.core.errors import ScenarioError, TorsoError
+from brace_drake.scenario.fields import fail
 from brace_drake.scenario.load import LoadRecord
-from brace_drake.scenario.messages import fail
 from brace_drake.torso.loft import Loft
 
 

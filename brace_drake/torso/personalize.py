@@ -11,8 +11,7 @@ import numpy as np
 
 from brace_drake.core.errors import TorsoError
 from brace_drake.core.output import MakeFolder, WriteBytes
-from brace_drake.scenario.bench import BenchScenario, Contact
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BraceScenario, Contact
 from brace_drake.scenario.load import SaveScenario
 from brace_drake.torso.contact import TorsoContact, map_linear_contact
 from brace_drake.torso.fitted import (
@@ -37,8 +36,6 @@ PICTURE = "torso.png"
 _MEASURES = (".yaml", ".yml")
 _AS_IS = ScanFrame()
 
-WithTorso = BenchScenario | BraceScenario
-
 
 @dataclass(frozen=True)
 class Personal:
@@ -54,7 +51,7 @@ class Personal:
     loft: Loft
     torso: FittedTorso
     contact: TorsoContact
-    scenarios: dict[str, WithTorso]
+    scenarios: dict[str, BraceScenario]
 
 
 def LoadSurfaceOf(path: str | Path, frame: ScanFrame = _AS_IS) -> Loft:
@@ -76,7 +73,7 @@ def LoadSurfaceOf(path: str | Path, frame: ScanFrame = _AS_IS) -> Loft:
 
 def personalize(
     loft: Loft,
-    scenarios: Mapping[str, WithTorso],
+    scenarios: Mapping[str, BraceScenario],
     resolution: float = RESOLUTION,
     pad_resolution: float = PAD_RESOLUTION,
 ) -> Personal:
@@ -113,21 +110,17 @@ def personalize(
     )
 
 
-def ring_contacts(scenario: WithTorso) -> dict[int, Contact]:
-    """Contacts of a scenario by the number of their ring; the bench has 2."""
-    if isinstance(scenario, BenchScenario):
-        return {2: scenario.contact}
+def ring_contacts(scenario: BraceScenario) -> dict[int, Contact]:
+    """Contacts of a scenario by the number of their ring."""
     return {i: getattr(scenario.contact, f"ring{i}") for i in (1, 2, 3)}
 
 
-def ring_heights(scenario: WithTorso) -> np.ndarray:
+def ring_heights(scenario: BraceScenario) -> np.ndarray:
     """z in T of the moving rings at rest (3,), m."""
-    if isinstance(scenario, BenchScenario):
-        return np.array(RING_HEIGHTS)
     return scenario.ring_heights[1:] - scenario.ring_heights[2]
 
 
-def put_torso(scenario: WithTorso, torso: FittedTorso) -> WithTorso:
+def put_torso(scenario: BraceScenario, torso: FittedTorso) -> BraceScenario:
     """A copy of a scenario with the torso's mass, inertia and widths.
 
     A scenario's torso has its centre of mass at To and principal axes along T:

@@ -17,7 +17,7 @@ from brace_drake.link.operation.session import Session
 from brace_drake.link.protocol.codec import Decoder
 from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.words import Cause, DeviceState
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 from link_fuzz.damage import KINDS, Fuzz
 
 # The host's readings have no real time here.

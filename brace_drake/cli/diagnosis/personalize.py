@@ -105,13 +105,13 @@ def _load_scenarios(path: str | None) -> dict:
     """The one that was given, else those of the package, by file name."""
     from brace_drake.core.errors import TorsoError
     from brace_drake.core.resources import scenario_path
+    from brace_drake.scenario.brace import BraceScenario
     from brace_drake.scenario.load import LoadScenario
-    from brace_drake.torso.personalize import WithTorso
 
     if path is None:
         return {name: LoadScenario(scenario_path(name)) for name in _SCENARIOS}
     scenario = LoadScenario(path)
-    if not isinstance(scenario, WithTorso):
+    if not isinstance(scenario, BraceScenario):
         raise TorsoError(
             f"{path}: device is {scenario.device!r}, which has no torso;"
             " allowed: a bench or a brace"

@@ -72,12 +72,13 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.devices.bench.twin import BenchTwin
     from brace_drake.devices.motions.reference import common_rate
     from brace_drake.effects.registry import find_effect
-    from brace_drake.scenario.bench import DEVICE, BenchScenario
+    from brace_drake.recording.columns import BENCH
+    from brace_drake.scenario.brace import BenchScenario
 
     scenario = scenario or BenchScenario()
-    if scenario.device != DEVICE:
+    if scenario.device != BENCH:
         raise CampaignError(
-            f"{args.scenario}: plans are made for {DEVICE!r}, this is a"
+            f"{args.scenario}: plans are made for {BENCH!r}, this is a"
             f" {scenario.device!r}"
         )
     effects = None

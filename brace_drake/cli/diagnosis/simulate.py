@@ -75,12 +75,11 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Simulates and writes a campaign; prints where."""
-    from brace_drake.scenario.bench import DEVICE
-    from brace_drake.scenario.brace import DEVICE as BRACE_DEVICE
+    from brace_drake.recording.columns import BENCH, BRACE
     from brace_drake.scenario.load import LoadScenario
 
     scenario = LoadScenario(args.scenario)
-    record = {DEVICE: _record_bench, BRACE_DEVICE: _record_brace}
+    record = {BENCH: _record_bench, BRACE: _record_brace}
     if scenario.device not in record:
         names = " or ".join(repr(name) for name in record)
         raise ScenarioError(
@@ -138,7 +137,7 @@ def _load_limits(scenario, args):
     """Of --limits, for the scenario's rings; None without."""
     from brace_drake.link.device.limits_file import LoadLimits
 
-    rings = getattr(scenario, "stages", [2])
+    rings = scenario.stages
     return LoadLimits(args.limits, rings) if args.limits else None
 
 
@@ -146,7 +145,7 @@ def _states(scenario, recorded, station, context):
     """What a playback shows of a run that has just ended."""
     from brace_drake.playback import states_of_run
 
-    rings = tuple(f"ring{i}" for i in getattr(scenario, "stages", [2]))
+    rings = tuple(f"ring{i}" for i in scenario.stages)
     force = [
         recorded.channels[f"{ring}_force_{axis}_N"]
         for ring in rings

@@ -137,7 +137,7 @@ def _make_device(args: argparse.Namespace):
     from brace_drake.link.device.limits_file import LoadLimits
     from brace_drake.link.emulator.describe import describe_device, moving_rings
     from brace_drake.link.emulator.device import EmulatedDevice
-    from brace_drake.scenario.bench import BenchScenario
+    from brace_drake.scenario.brace import BenchScenario
 
     scenario = load_link_scenario(args.scenario)
     uses = tuple(parse_effect(text) for text in args.effect)

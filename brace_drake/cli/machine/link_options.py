@@ -165,7 +165,7 @@ def load_link_scenario(path: str | None):
     Raises:
         ScenarioError: It cannot be read, or is of something else.
     """
-    from brace_drake.scenario.bench import BenchScenario
+    from brace_drake.scenario.brace import BenchScenario
     from brace_drake.scenario.load import LoadScenario
 
     scenario = LoadScenario(path) if path else BenchScenario()

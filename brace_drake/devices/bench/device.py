@@ -22,7 +22,7 @@ from brace_drake.devices.motions.library import (
 )
 from brace_drake.devices.motions.limits import exceeded_limit
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.scenario.bench import BenchScenario
+from brace_drake.scenario.brace import BenchScenario
 
 
 class Bench(Device):

@@ -25,8 +25,8 @@ from brace_drake.devices.subject import (
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
+from brace_drake.scenario.brace import BenchScenario
 
 # Three plant steps in a control period: long enough to save a third of the
 # cost, well inside the limit that the regularised friction sets (see

@@ -15,9 +15,9 @@ from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.loop.leg_rollout import NUM_LOGGED, rollout_leg
 from brace_drake.laws.plug_in import PlugIn, idle
+from brace_drake.recording.columns import LEG_BENCH
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.leg_bench import (
-    DEVICE,
     LegBenchNumbers,
     LegBenchScenario,
     estimate_position_noise,
@@ -123,7 +123,7 @@ class LegBenchTwin(ReplayTwin):
     """
 
     channels = CHANNELS
-    device = DEVICE
+    device = LEG_BENCH
     instruments_known = False
     has_loop = True
 

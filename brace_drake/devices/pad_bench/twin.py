@@ -15,9 +15,9 @@ from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.loop.pad_rollout import rollout_pad
 from brace_drake.laws.plug_in import PlugIn, idle
+from brace_drake.recording.columns import PAD_BENCH
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.pad_bench import (
-    DEVICE,
     PadBenchNumbers,
     PadBenchScenario,
     pack_pad_bench,
@@ -96,7 +96,7 @@ class PadBenchTwin(ReplayTwin):
     """Presses a pad along recorded displacements."""
 
     channels = CHANNELS
-    device = DEVICE
+    device = PAD_BENCH
     instruments_known = False
     has_loop = False
 

@@ -30,8 +30,8 @@ from brace_drake.learning.rewards import improved
 from brace_drake.learning.subjects import EffectRange, SubjectRanges
 from brace_drake.learning.task import LearningTask
 from brace_drake.recording import LoadCampaign, WriteCampaign
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_brace import brace_of_bench
+from brace_drake.recording.columns import BRACE
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import LoadRecord, LoadScenario, SaveScenario
 from brace_drake.validation.repaired import FILE, MakeRepairedScenario
 from brace_drake.withheld.cases import Case, draw_decoy, draw_subject
@@ -164,8 +164,8 @@ def MakeBenchTask(
         file: Where the brace that has its numbers is written.
         force_limit: F_max of the reward, which is the improved one, N.
     """
-    brace = brace_of_bench(bench)
-    brace.control.tag = "vpic"
+    control = replace(bench.control, tag="vpic")
+    brace = replace(bench, device=BRACE, control=control, effects=[])
     SaveScenario(brace, file)
     effects = [
         EffectRange(

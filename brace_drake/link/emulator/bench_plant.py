@@ -12,12 +12,12 @@ from brace_drake.link.emulator.plant import (
     PlantNumbers,
     PlantTiming,
 )
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.bench_numbers import (
     BenchNumbers,
     hold_forces,
     pack_bench,
 )
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.effects import scenario_uses
 
 

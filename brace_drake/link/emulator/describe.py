@@ -6,8 +6,6 @@ import numpy as np
 
 from brace_drake.link.device.ticks import Identity
 from brace_drake.recording.columns import BENCH, BRACE
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_geometry
 
@@ -15,16 +13,12 @@ FIRMWARE = "emulated 1.0"
 _FORCE_RANGE = 50.0
 
 
-def moving_rings(
-    scenario: BenchScenario | BraceScenario,
-) -> tuple[int, ...]:
+def moving_rings(scenario: BraceScenario) -> tuple[int, ...]:
     """Numbers of a device's moving rings, bottom to top."""
-    return tuple(getattr(scenario, "stages", (2,)))
+    return tuple(scenario.stages)
 
 
-def describe_device(
-    scenario: BenchScenario | BraceScenario, serial: str = ""
-) -> Identity:
+def describe_device(scenario: BraceScenario, serial: str = "") -> Identity:
     """What the device of a scenario says of itself; stage 2 is the bench.
 
     The length servo's gains are those of the bench: a device of several stages
@@ -50,15 +44,10 @@ def describe_device(
 
 
 def _describe_geometry(
-    scenario: BenchScenario | BraceScenario,
+    scenario: BraceScenario,
 ) -> dict[str, np.ndarray]:
     """Rest (S, 3), lower and upper anchors (6 S, 3) in their rings, m."""
-    if isinstance(scenario, BraceScenario):
-        geometry = pack_geometry(scenario)
-        lower = geometry.lower.copy()
-        lower[0, :, 2] -= scenario.ring_heights[scenario.stages[0] - 1]
-        return {"rest": geometry.rest, "lower": lower, "upper": geometry.upper}
-    numbers = pack_bench(scenario)
-    lower = numbers.p_WB_known.copy()
-    lower[:, 2] -= scenario.stage.lower_height
-    return {"rest": numbers.rest, "lower": lower, "upper": numbers.p_RT_known}
+    geometry = pack_geometry(scenario)
+    lower = geometry.lower.copy()
+    lower[0, :, 2] -= scenario.ring_heights[scenario.stages[0] - 1]
+    return {"rest": geometry.rest, "lower": lower, "upper": geometry.upper}

@@ -6,12 +6,11 @@ from brace_drake.effects.stack import Use
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.brace_plant import BracePlant
 from brace_drake.link.emulator.plant import EmulatedPlant
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.brace import BenchScenario, BraceScenario
 
 
 def MakePlant(
-    scenario: BenchScenario | BraceScenario,
+    scenario: BraceScenario,
     uses: tuple[Use, ...] = (),
     seed: int | None = 0,
 ) -> EmulatedPlant:

@@ -14,7 +14,6 @@ from brace_drake.link.operation.motion import RING
 from brace_drake.link.operation.rows import Row, reading_names
 from brace_drake.link.operation.station import MakeControl
 from brace_drake.link.protocol.limits import DEFAULT, Limits
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 
 # The floor is measured on the twin itself, with noise, at rest: so many ticks
@@ -38,7 +37,7 @@ class TwinBeside:
 
     def __init__(
         self,
-        scenario: BenchScenario | BraceScenario,
+        scenario: BraceScenario,
         band: float = 3.0,
         memory: float = 20.0,
         limits: Limits = DEFAULT,

@@ -19,8 +19,6 @@ from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.model.systems.device_station import DeviceStation
 from brace_drake.model.systems.stiffness_limiter import StiffnessLimiter
 from brace_drake.model.systems.ticks import TICK_LEAD
-from brace_drake.scenario.bench import BenchScenario
-from brace_drake.scenario.bench_brace import brace_of_bench
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
 from brace_drake.scenario.control_numbers import pack_control
@@ -101,7 +99,7 @@ class HostControl:
 
     def __init__(
         self,
-        scenario: BenchScenario | BraceScenario,
+        scenario: BraceScenario,
         limits: Limits | None = None,
         stiffness: LeafSystem | None = None,
     ):
@@ -115,8 +113,6 @@ class HostControl:
         Raises:
             ScenarioError: Numbers that are not allowed.
         """
-        if isinstance(scenario, BenchScenario):
-            scenario = brace_of_bench(scenario)
         numbers, rings = pack_brace(scenario), pack_rings(scenario)
         self._controller = MakeController(scenario.control, rings)
         control = pack_control(scenario.control, rings)

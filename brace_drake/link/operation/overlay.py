@@ -10,7 +10,6 @@ from brace_drake.playback.look import make_look
 from brace_drake.playback.scene import AddScene
 from brace_drake.playback.states import states_of_readings
 from brace_drake.playback.write import LookAtBrace, StartLocalMeshcat
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 
 DEVICE, TWIN = "/device", "/twin"
@@ -26,9 +25,7 @@ class Overlay:
         meshcat: Where it is shown.
     """
 
-    def __init__(
-        self, scenario: BenchScenario | BraceScenario, host: str = "127.0.0.1"
-    ):
+    def __init__(self, scenario: BraceScenario, host: str = "127.0.0.1"):
         """Begins to serve, with both at rest.
 
         Args:

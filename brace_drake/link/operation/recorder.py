@@ -31,7 +31,6 @@ from brace_drake.link.operation.session import Session
 from brace_drake.link.operation.station import MakeControl, OpenDevice
 from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.messages import BAUD
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 
 # A recording begins at rest, as its twin does: torso and pads that were pressed
@@ -50,7 +49,7 @@ class Recorder:
     def __init__(
         self,
         port: str,
-        scenario: BenchScenario | BraceScenario,
+        scenario: BraceScenario,
         limits: Limits,
         out: str | Path,
         subject: str = "",

@@ -12,7 +12,6 @@ from brace_drake.link.operation.control import HostControl
 from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.messages import BAUD
 from brace_drake.link.protocol.words import Cause, DeviceState, cause_name
-from brace_drake.scenario.bench import BenchScenario
 from brace_drake.scenario.brace import BraceScenario
 
 # How far an anchor of device and twin may lie apart, m.
@@ -21,7 +20,7 @@ _SAME_PLACE = 5e-5
 
 def OpenDevice(
     path: str,
-    scenario: BenchScenario | BraceScenario,
+    scenario: BraceScenario,
     limits: Limits,
     baud: int = BAUD,
     clear: bool = False,
@@ -66,7 +65,7 @@ def _TreatStop(link: Link, clear: bool) -> None:
     link.Clear(Cause(state.cause))
 
 
-def CheckDevice(link: Link, scenario: BenchScenario | BraceScenario) -> None:
+def CheckDevice(link: Link, scenario: BraceScenario) -> None:
     """Refuses a device that is not the scenario's: kind, rate, geometry.
 
     Raises:
@@ -98,7 +97,7 @@ def CheckDevice(link: Link, scenario: BenchScenario | BraceScenario) -> None:
 
 
 def MakeControl(
-    scenario: BenchScenario | BraceScenario,
+    scenario: BraceScenario,
     limits: Limits,
     tag: str | None = None,
 ) -> HostControl:
@@ -110,16 +109,9 @@ def MakeControl(
         tag: Of the controller; None: the scenario's own.
 
     Raises:
-        LinkError: No such controller for this device.
         ScenarioError: The scenario's numbers do not suit it.
     """
-    if isinstance(scenario, BenchScenario):
-        if tag not in (None, "pic"):
-            raise LinkError(
-                f"no controller {tag!r} in a scenario of the bench; there is"
-                " pic (a scenario of a brace has them all)"
-            )
-    elif tag is not None:
+    if tag is not None:
         control = dataclasses.replace(scenario.control, tag=tag)
         scenario = dataclasses.replace(scenario, control=control)
     return HostControl(scenario, limits)

@@ -11,9 +11,9 @@ import numpy as np
 from pydrake.systems.framework import Context
 
 from brace_drake.model.systems.brace_controller import BraceController
-from brace_drake.scenario.check_controllers import check_control
 from brace_drake.scenario.control_numbers import BraceRings, pack_control
 from brace_drake.scenario.controllers import BraceControl
+from brace_drake.scenario.stability import check_control
 
 
 class BraceIdc(BraceController):

@@ -1,12 +1,12 @@
-"""What a controller's numbers may be, and with which it is stable."""
+"""What a controller's numbers have to be together, to be stable above all."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
-from brace_drake.core.errors import suggest
 from brace_drake.laws.control.impedance import low_pass_gain_cutoff
 from brace_drake.laws.control.vpic import highest_next_stiffness
 from brace_drake.scenario.control_numbers import (
@@ -15,48 +15,8 @@ from brace_drake.scenario.control_numbers import (
     spread,
     vpic_alpha,
 )
-from brace_drake.scenario.controllers import TAGS, BraceControl
-from brace_drake.scenario.leaves import check_kind, walk
-from brace_drake.scenario.messages import fail
-from brace_drake.scenario.sampled_loops import (
-    damping_range,
-    filter_margin,
-    highest_stiffness,
-    spectral_radius,
-)
-
-_POSITIVE = (
-    "estimation.velocity_cutoff_hz estimation.force_filter_tau inner.kp"
-    " impedance.mass impedance.stiffness impedance.damping_ratio"
-    " mraic.error_scale mraic.filter_hz npic.initial_covariance npic.filter_hz"
-    " vpic.lower vpic.error_scale vpic.slide vpic.forgetting"
-).split()
-_NOT_NEGATIVE = (
-    "inner.kd mraic.rates npic.excitation pid.kp pid.ki pid.kd"
-    " pid.integral_limit pid.force_kp pid.force_ki"
-).split()
-_RANGES = {
-    "rate": (100.0, 20000.0),
-    "impedance.damping_ratio": (0.05, 10.0),
-    "mraic.leak": (0.0, 1.0),
-    "mraic.lower": (0.01, 1.0),
-    "mraic.upper": (1.0, 100.0),
-    "npic.kappa": (0.0, 0.95),
-    "npic.forgetting": (0.9, 1.0),
-    "npic.lower": (0.01, 1.0),
-    "npic.upper": (1.0, 100.0),
-    "vpic.alpha_share": (0.01, 0.99),
-}
-# Values for one ring or for all, along this many coordinates of a ring.
-_PER_RING = {
-    "inner.kp": 6, "inner.kd": 6, "impedance.mass": 3,
-    "impedance.stiffness": 3, "pid.kp": 6, "pid.ki": 6, "pid.kd": 6,
-    "pid.integral_limit": 6, "pid.desired_force": 3,
-}  # fmt: skip
-_COORDINATES = (
-    "inner.force_feedforward", "impedance.coordinates",
-    "pid.force_coordinates",
-)  # fmt: skip
+from brace_drake.scenario.controllers import BraceControl
+from brace_drake.scenario.fields import check_fields, fail
 
 
 def check_control(
@@ -76,7 +36,18 @@ def check_control(
     Raises:
         ScenarioError: One line: source, key path, value, what is allowed.
     """
-    _Check(control, rings, source, f"{at}." if at else "").run()
+    check_fields(control, source, at, rings.num_rings)
+    check = _Check(control, rings, source, f"{at}." if at else "")
+    check.names()
+    check.pairs()
+    if control.tag == "pid":
+        check.pid()
+    else:
+        check.inner()
+    if control.tag in ("pic", "npic", "mraic", "vpic"):
+        check.filter()
+    if control.tag in ("mraic", "vpic"):
+        getattr(check, control.tag)()
 
 
 @dataclasses.dataclass
@@ -85,18 +56,6 @@ class _Check:
     rings: BraceRings
     source: str
     prefix: str
-
-    def run(self) -> None:
-        self._check_values()
-        tag = self.control.tag
-        if tag == "pid":
-            self._check_pid()
-        else:
-            self._check_inner()
-        if tag in ("pic", "npic", "mraic", "vpic"):
-            self._check_filter()
-        if tag in ("mraic", "vpic"):
-            getattr(self, f"_check_{tag}")()
 
     @property
     def period(self) -> float:
@@ -110,55 +69,21 @@ class _Check:
     def fail(self, path: str, value, allowed: str):
         fail(self.source, self.prefix + path, value, allowed)
 
-    def _check_values(self) -> None:
-        defaults = dict(walk(BraceControl()))
-        values = dict(walk(self.control))
-        for path, value in values.items():
-            where = self.prefix + path
-            if path in _PER_RING:
-                self._check_size(path, value)
-                default = value
-            else:
-                default = defaults.get(path, value)
-            check_kind(self.source, where, value, default)
-            self._check_range(path, value)
-        if self.control.tag not in TAGS:
-            hint = suggest(self.control.tag, TAGS)
-            self.fail("tag", self.control.tag, f"{', '.join(TAGS)}{hint}")
-        for path in _COORDINATES:
-            part, name = path.split(".")
-            self._check_names(path, getattr(getattr(self.control, part), name))
-        self._check_pairs()
+    def names(self) -> None:
+        """Refuses coordinates that are not there."""
+        c, n = self.control, self.rings.num_rings
+        for path, names in (
+            ("inner.force_feedforward", c.inner.force_feedforward),
+            ("impedance.coordinates", c.impedance.coordinates),
+            ("pid.force_coordinates", c.pid.force_coordinates),
+        ):
+            try:
+                parse_coordinates(names, n)
+            except ValueError as error:
+                allowed = f"x, y, z, with a ring, 1 to {n}, behind it or none"
+                self.fail(path, error.args[0], allowed)
 
-    def _check_size(self, path: str, value) -> None:
-        one = _PER_RING[path]
-        sizes = {one, one * self.rings.num_rings}
-        words = " or ".join(str(size) for size in sorted(sizes))
-        if not isinstance(value, np.ndarray) or value.shape not in {
-            (size,) for size in sizes
-        }:
-            self.fail(path, value, f"{words} numbers")
-
-    def _check_range(self, path: str, value) -> None:
-        numbers = np.asarray(value)
-        if path in _POSITIVE and not np.all(numbers > 0.0):
-            self.fail(path, value, "greater than 0")
-        if path in _NOT_NEGATIVE and not np.all(numbers >= 0.0):
-            self.fail(path, value, "0 or more")
-        if path in _RANGES:
-            low, high = _RANGES[path]
-            if not np.all((numbers >= low) & (numbers <= high)):
-                self.fail(path, value, f"{low:g} to {high:g}")
-
-    def _check_names(self, path: str, names: list[str]) -> None:
-        try:
-            parse_coordinates(names, self.rings.num_rings)
-        except ValueError as error:
-            n = self.rings.num_rings
-            allowed = f"x, y, z, with a ring, 1 to {n}, behind it or none"
-            self.fail(path, error.args[0], allowed)
-
-    def _check_pairs(self) -> None:
+    def pairs(self) -> None:
         """Checks what only makes sense together."""
         c = self.control
         nyquist = c.rate / 2.0
@@ -185,14 +110,14 @@ class _Check:
             allowed = f"more than vpic.lower, {c.vpic.lower:g} N/m"
             self.fail("vpic.upper", c.vpic.upper, allowed)
 
-    def _check_inner(self) -> None:
+    def inner(self) -> None:
         """Refuses gains that the sampled inner loop does not carry."""
         n, inner = self.rings.num_rings, self.control.inner
         gains = zip(spread(inner.kp, n), spread(inner.kd, n), strict=True)
         for kp, kd in sorted(set(gains)):
             self._check_loop("inner", inner.kd, kp, kd, 0.0, 1.0)
 
-    def _check_pid(self) -> None:
+    def pid(self) -> None:
         """Refuses gains that PID on a bare ring does not carry."""
         n, numbers = self.rings.num_rings, self.control.pid
         rows = [spread(g, n) for g in (numbers.kp, numbers.kd, numbers.ki)]
@@ -224,7 +149,7 @@ class _Check:
             for values in (target.mass, target.stiffness)
         )
 
-    def _check_filter(self) -> None:
+    def filter(self) -> None:
         """Refuses stiffness that the stepped filter does not carry."""
         target = self.control.impedance
         M, K = self._selected()
@@ -234,7 +159,7 @@ class _Check:
                 allowed = f"less than {most:.4g} N/m, for a stable filter"
                 self.fail("impedance.stiffness", target.stiffness, allowed)
 
-    def _check_mraic(self) -> None:
+    def mraic(self) -> None:
         numbers, ratio = self.control.mraic, self.control.impedance
         most = 0.2 * 2.0 * np.pi * numbers.filter_hz
         if np.any(numbers.rates > most):
@@ -252,7 +177,7 @@ class _Check:
                     f" {self.control.rate:g} Hz and the lowest mass",
                 )
 
-    def _check_vpic(self) -> None:
+    def vpic(self) -> None:
         numbers, target = self.control.vpic, self.control.impedance
         M, K = self._selected()
         if np.any((numbers.lower > K) | (numbers.upper < K)):
@@ -268,3 +193,66 @@ class _Check:
                 if highest_next_stiffness(law[0], k, *law[1:]) <= k:
                     allowed = f"less than {k:.4g} N/m, where energy may grow"
                     self.fail("vpic.upper", numbers.upper, allowed)
+
+
+def spectral_radius(
+    kp: float, kd: float, ki: float, velocity_gain: float, period: float
+) -> float:
+    """Largest magnitude of a pole of PID on a unit mass, sampled and held.
+
+    x'' = -kp x - kd v - I between ticks; at a tick v is the backward difference
+    of x through the estimator's low pass, and I grows by period ki x. Nothing
+    but the controller damps the mass. Below 1 the loop is stable; gains beyond
+    floating point give inf.
+    """
+    h, g = period, velocity_gain
+    # x, x', x of the last tick, v, I.
+    v = np.array([g / h, 0.0, -g / h, 1.0 - g, 0.0])
+    integral = np.array([h * ki, 0.0, 0.0, 0.0, 1.0])
+    position = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
+    rate = np.array([0.0, 1.0, 0.0, 0.0, 0.0])
+    with np.errstate(all="ignore"):
+        a = -kp * position - kd * v - integral
+        step = [position + h * rate + 0.5 * h * h * a, rate + h * a]
+    step = np.array([*step, position, v, integral])
+    if not np.isfinite(step).all():
+        return math.inf
+    if ki == 0.0:
+        step = step[:4, :4]
+    return float(np.abs(np.linalg.eigvals(step)).max())
+
+
+def damping_range(
+    kp: float, ki: float, velocity_gain: float, period: float
+) -> tuple[float, float] | None:
+    """Lowest and highest kd, on a unit mass, that leave the loop stable.
+
+    Looked for between 0.01 and 100 over the period; None where there is none.
+    """
+    tried = np.geomspace(1e-5, 10.0, 400) / period
+    good = [
+        kd
+        for kd in tried
+        if spectral_radius(kp, kd, ki, velocity_gain, period) < 1.0
+    ]
+    return (float(min(good)), float(max(good))) if good else None
+
+
+def highest_stiffness(
+    mass: float, damping_ratio: float, period: float
+) -> float:
+    """K, N/m, below which the stepped impedance filter is stable.
+
+    4 - 2 h C / M - h^2 K / M > 0 with C = 2 ratio sqrt(M K), solved for K.
+    """
+    root = 2.0 * (math.sqrt(damping_ratio**2 + 1.0) - damping_ratio)
+    return mass * (root / period) ** 2
+
+
+def filter_margin(M: float, C: float, K: float, period: float) -> float:
+    """4 - 2 h C / M - h^2 K / M; above 0 the impedance filter is stable.
+
+    The filter's pole polynomial is z^2 - (2 - h c - h^2 k) z + 1 - h c with
+    c = C / M, k = K / M: by Jury's test its value at z = -1 has to be positive.
+    """
+    return 4.0 - (2.0 * period * C + period**2 * K) / M
