@@ -52,6 +52,7 @@ from tests.test_campaign_read import make_campaign
 
 ROOT = Path(__file__).resolve().parents[1]
 DEVICE = "bench stage 2"
+HEAD = {"device": DEVICE, "rate_hz": 200.0, "subject": "x", "recorded": {}}
 
 
 @contextlib.contextmanager
@@ -165,7 +166,7 @@ class TestFullDiskOfARecording(Folder):
     def setUp(self):
         super().setUp()
         self.columns = columns_of((2,))
-        self.journal = Journal(self.folder, DEVICE, 200.0, "x", {})
+        self.journal = Journal(self.folder, HEAD)
         self.run_file = self.new_run()
         self.path = self.folder / "push.csv"
 
@@ -279,7 +280,7 @@ class TestReadOnly(Folder):
             "campaign": lambda: WriteCampaign(make_campaign(), path),
             "report": lambda: WriteReport({}, [], path),
             "scenario": lambda: SaveScenario(BenchScenario(), path),
-            "journal": lambda: Journal(path, DEVICE, 200.0, "x", {}),
+            "journal": lambda: Journal(path, HEAD),
         }
         # Who has no rights may not even read the page's template.
         page = mock.patch.object(report_page, "render_page", return_value="x")
@@ -312,7 +313,7 @@ sys.stdin.read()
 _JOURNAL = """
 import sys
 from brace_drake.link.operation.journal import Journal
-journal = Journal(sys.argv[1], "bench stage 2", 200.0, "x", {})
+journal = Journal(sys.argv[1], {"device": "bench stage 2", "rate_hz": 200.0})
 print("held", flush=True)
 sys.stdin.read()
 """
@@ -361,10 +362,10 @@ class TestTwoProcesses(Folder):
         other = self.start(_JOURNAL, self.folder)
         other.stdout.readline()
         with self.assertRaisesRegex(OutputError, "another process"):
-            Journal(self.folder, DEVICE, 200.0, "x", {})
+            Journal(self.folder, HEAD)
         other.stdin.close()
         other.wait()
-        Journal(self.folder, DEVICE, 200.0, "x", {}).Close()
+        Journal(self.folder, HEAD).Close()
 
     def test_one_process_may_hold_a_folder_twice_and_gives_it_back(self):
         HoldFolder(self.folder)
@@ -469,7 +470,7 @@ class TestClock(Folder):
             np.testing.assert_allclose(np.diff(run.time_s), 0.005, atol=1e-9)
 
     def test_only_notes_of_when_look_at_a_clock_that_can_be_set_back(self):
-        notes = {"link/operation/record.py", "withheld/seals.py"}
+        notes = {"link/operation/recorder.py", "withheld/seals.py"}
         looks = {
             *(("time", n) for n in ("time", "time_ns", "localtime", "ctime")),
             *(("datetime", n) for n in ("now", "utcnow", "today")),

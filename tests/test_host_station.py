@@ -48,10 +48,9 @@ class TestHostStation(unittest.TestCase):
     def test_its_controller_is_connected_as_in_simulation(self):
         scenario = BraceScenario(stages=[2])
         rings = pack_rings(scenario)
-        station = MakeHostStation(
+        diagram, _ = MakeHostStation(
             MakeController(scenario.control, rings), 1, 1e-3
         )
-        diagram = station.diagram
         self.assertEqual(diagram.num_input_ports(), 1)
         self.assertEqual(diagram.GetInputPort("desired").size(), 18)
         simulated = MakeBraceStation(

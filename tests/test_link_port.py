@@ -192,7 +192,11 @@ class TestRecording(unittest.TestCase):
                 recorder.Record(short_push(), "fit", 0, NoKeys())
                 recorder.Record(short_push(), "fit", 0, NoKeys())
             text = (out / "campaign.yaml").read_text()
-            for words in ("identity: test-1", "firmware: emulated 1.0"):
+            for words in (
+                "identity: test-1",
+                "firmware: emulated 1.0",
+                "settled_s: 4.0",
+            ):
                 self.assertIn(words, text)
             errors = [p for p in CheckCampaign(out) if p.severity == "error"]
             self.assertEqual(errors, [])
@@ -227,7 +231,8 @@ import sys
 from brace_drake.link.operation.journal import Journal
 from brace_drake.link.operation.rows import columns_of
 columns = columns_of((2,))
-run = Journal(sys.argv[1], "bench stage 2", 200.0, "x", {}).NewRun(
+head = {"device": "bench stage 2", "rate_hz": 200.0}
+run = Journal(sys.argv[1], head).NewRun(
     "push", columns, True, "push", "fit")
 print("ready", flush=True)
 i = 0
@@ -268,7 +273,9 @@ class TestKill(unittest.TestCase):
 
     def test_rows_never_cross_a_page(self):
         with tempfile.TemporaryDirectory() as folder:
-            journal = Journal(folder, "bench stage 2", 200.0, "x", {})
+            journal = Journal(
+                folder, {"device": "bench stage 2", "rate_hz": 200.0}
+            )
             columns = columns_of((2,))
             run = journal.NewRun("push", columns, True, "push", "fit")
             for i in range(40):

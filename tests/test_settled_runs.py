@@ -6,13 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from brace_drake.cli.options import load_motion
 from brace_drake.devices.bench.block_tests import bench_tests
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.link.operation.journal import Journal
 from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.recording.manifest import parse_manifest
 from brace_drake.scenario.brace import BenchScenario
@@ -93,12 +91,3 @@ class TestFiles(unittest.TestCase):
             data = f"settled_s: {value}\n{text}".encode()
             _, problems = parse_manifest(data)
             self.assertRegex(str(problems[0]), "settled_s must be a number")
-
-    def test_a_recording_of_a_device_says_how_long_it_held(self):
-        with tempfile.TemporaryDirectory() as folder:
-            journal = Journal(
-                folder, "bench stage 2", 200.0, "", {}, settled_s=4.0
-            )
-            self.assertEqual(journal.head["settled_s"], 4.0)
-            journal.Close()
-            self.assertTrue(yaml.safe_dump(journal.head))

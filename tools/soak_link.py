@@ -24,9 +24,8 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.cli.machine.link_options import load_link_scenario
+from brace_drake.cli.machine.link_options import load_device_options
 from brace_drake.devices.motions.library import MakeMotion
-from brace_drake.link.device.limits_file import LoadLimits
 from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.operation.motion import desired_at_ticks, place_motion
 from brace_drake.link.operation.session import Session
@@ -89,9 +88,10 @@ def main() -> int:
         " late by more than 0.05",
     )
     parser.add_argument("--scenario", help="bench or brace (nominal bench)")
+    parser.set_defaults(limits=None)
     args = parser.parse_args()
-    scenario = load_link_scenario(args.scenario)
-    limits = LoadLimits(None, moving_rings(scenario))._replace(
+    scenario, limits = load_device_options(args)
+    limits = limits._replace(
         stale=args.stale, lost_messages=1000.0, watchdog=args.watchdog
     )
     command = [sys.executable, "-m", "brace_drake.cli.main", "emulate"]

@@ -63,12 +63,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         " a policy, that of its training)",
     )
     AddRing(parser)
-    parser.add_argument(
-        "--dry-run", action="store_true", help="end before the device is armed"
-    )
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder for log and timing"
-    )
+    add = parser.add_argument
+    add("--dry-run", action="store_true", help="end before the device is armed")
+    add("--out", metavar="DIR", help="folder for log and timing")
     AddCountdown(parser)
 
 

@@ -43,19 +43,18 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         " without one.",
         epilog=_EPILOG,
     )
-    parser.add_argument(
-        "--link", metavar="PATH", help="symbolic link to make to the terminal"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("--link", metavar="PATH", help="symbolic link to make to the terminal")
+    add(
         "--scenario",
         metavar="FILE",
         help="file of the bench, or of a brace in task space with linear pads"
         " (default: nominal bench)",
     )
-    parser.add_argument(
+    add(
         "--limits", metavar="FILE", help="the device's own (default: package's)"
     )
-    parser.add_argument(
+    add(
         "--effect",
         action="append",
         default=[],
@@ -64,29 +63,27 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         " brace alike on every stage, but none that changes the bench's"
         " numbers",
     )
-    parser.add_argument(
+    add(
         "--subject",
         metavar="N=V,...",
         default="",
         help="subject on the bench, such as torso_mass_kg=35",
     )
-    parser.add_argument(
+    add(
         "--serial",
         default="emulated-1",
         metavar="TEXT",
         help="serial number that it tells (default: emulated-1)",
     )
-    parser.add_argument(
+    add(
         "--seed",
         type=not_negative,
         default=0,
         metavar="S",
         help="start of its instruments' noise (default: 0)",
     )
-    parser.add_argument(
-        "--free", action="store_true", help="begin without the torso"
-    )
-    parser.add_argument(
+    add("--free", action="store_true", help="begin without the torso")
+    add(
         "--host-paced",
         type=positive_real,
         nargs="?",
@@ -96,13 +93,13 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="device time waits up to S (default: 1) for each answer of an"
         " armed host, for a computer too busy to keep real time",
     )
-    parser.add_argument(
+    add(
         "--duration",
         type=positive_real,
         metavar="S",
         help="seconds until it ends by itself (default: it serves on)",
     )
-    parser.add_argument(
+    add(
         "--fault",
         action="append",
         default=[],
@@ -133,58 +130,44 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def _make_device(args: argparse.Namespace):
-    from brace_drake.cli.machine.link_options import load_link_scenario
-    from brace_drake.link.device.limits_file import LoadLimits
-    from brace_drake.link.emulator.describe import describe_device, moving_rings
-    from brace_drake.link.emulator.device import EmulatedDevice
-    from brace_drake.scenario.brace import BenchScenario
+    from brace_drake.cli.machine.link_options import load_device_options
+    from brace_drake.link.emulator import EmulatedDevice, describe_device
 
-    scenario = load_link_scenario(args.scenario)
-    uses = tuple(parse_effect(text) for text in args.effect)
-    is_bench = isinstance(scenario, BenchScenario)
-    make = _make_bench if is_bench else _make_brace
-    plant = make(scenario, uses, args)
+    scenario, limits = load_device_options(args)
+    plant = _make_plant(scenario, args)
     plant.with_torso = scenario.torso.present and not args.free
     return EmulatedDevice(
-        plant,
-        describe_device(scenario, args.serial),
-        LoadLimits(args.limits, moving_rings(scenario)),
-        args.link,
-        args.host_paced,
-        args.seed,
-    )
+        plant, describe_device(scenario, args.serial), limits, args.link,
+        args.host_paced, args.seed,
+    )  # fmt: skip
 
 
-def _make_bench(scenario, uses, args: argparse.Namespace):
+def _make_plant(scenario, args: argparse.Namespace):
     import numpy as np
 
     from brace_drake.devices.subject import bench_subject
-    from brace_drake.link.emulator.bench_plant import BenchPlant
+    from brace_drake.link.emulator import BenchPlant, BracePlant
     from brace_drake.scenario.bench_numbers import pack_bench
+    from brace_drake.scenario.brace import BenchScenario
 
-    subject = bench_subject(pack_bench(scenario))
-    values = {p.name: p.nominal for p in subject}
-    for name, value in parse_numbers(args.subject).items():
+    uses = tuple(parse_effect(text) for text in args.effect)
+    changes = parse_numbers(args.subject)
+    if not isinstance(scenario, BenchScenario):
+        if changes:
+            raise BraceError(
+                f"--subject {args.subject}: of a brace the subject is in its"
+                " scenario, under torso and contact"
+            )
+        return BracePlant(scenario, uses, args.seed)
+    values = {p.name: p.nominal for p in bench_subject(pack_bench(scenario))}
+    for name in changes:
         if name not in values:
             raise BraceError(
                 f"no parameter {name!r} of a subject; there are"
                 f" {', '.join(values)}"
             )
-        values[name] = value
-    return BenchPlant(
-        scenario, uses, np.array(list(values.values())), args.seed
-    )
-
-
-def _make_brace(scenario, uses, args: argparse.Namespace):
-    from brace_drake.link.emulator.brace_plant import BracePlant
-
-    if args.subject:
-        raise BraceError(
-            f"--subject {args.subject}: of a brace the subject is in its"
-            " scenario, under torso and contact"
-        )
-    return BracePlant(scenario, uses, args.seed)
+    subject = np.array(list((values | changes).values()))
+    return BenchPlant(scenario, uses, subject, args.seed)
 
 
 def parse_numbers(text: str) -> dict[str, float]:
@@ -252,10 +235,9 @@ def carry_out(device, line: str) -> None:
                 faults.frozen_legs = (_leg(leg, plant),)
             case ["free"]:
                 faults.stuck_legs = faults.frozen_legs = ()
-            case ["to-host", name, value]:
-                faults.to_host.set(name, float(value))
-            case ["to-device", name, value]:
-                faults.to_device.set(name, float(value))
+            case ["to-host" | "to-device" as way, name, value]:
+                line_faults = getattr(faults, way.replace("-", "_"))
+                line_faults.set(name, float(value))
             case ["noise", number]:
                 faults.noise_before_hello = int(number)
             case ["unplug" | "plug" as word]:

@@ -18,25 +18,26 @@ from brace_drake.recording.columns import BENCH, BRACE
 
 def AddDevice(parser: argparse.ArgumentParser) -> None:
     """Adds --port, --baud, --clear, --limits and --scenario."""
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "--port",
         required=True,
         metavar="P",
         help="serial port, such as /dev/ttyACM0",
     )
-    parser.add_argument(
+    add(
         "--baud",
         type=positive,
         default=BAUD,
         metavar="N",
         help=f"speed of the port, bits a second (default: {BAUD})",
     )
-    parser.add_argument(
+    add(
         "--clear",
         action="store_true",
         help="end a latched stop of the device first",
     )
-    parser.add_argument(
+    add(
         "--limits",
         metavar="FILE",
         help="limits to agree on (default: diagrams/limits.yaml)",
@@ -71,13 +72,14 @@ def AddCountdown(parser: argparse.ArgumentParser) -> None:
 
 def AddRecording(parser: argparse.ArgumentParser) -> None:
     """Adds --out, --subject, --ring and --countdown."""
-    parser.add_argument(
+    add = parser.add_argument
+    add(
         "--out",
         required=True,
         metavar="DIR",
         help="folder of the campaign, made or gone on with",
     )
-    parser.add_argument(
+    add(
         "--subject",
         default="",
         metavar="TEXT",
@@ -94,20 +96,14 @@ def OpenRecorder(args: argparse.Namespace):
         BraceError: As `load_device_options`, or the device or the folder is
             not what it should be.
     """
+    from brace_drake.link.operation import Recorder
     from brace_drake.link.operation.motion import RING
-    from brace_drake.link.operation.recorder import Recorder
 
     scenario, limits = load_device_options(args)
     return Recorder(
-        args.port,
-        scenario,
-        limits,
-        args.out,
-        args.subject,
-        args.baud,
-        args.clear,
-        args.ring or RING,
-    )
+        args.port, scenario, limits, args.out, args.subject, args.baud,
+        args.clear, args.ring or RING,
+    )  # fmt: skip
 
 
 def load_device_motion(
@@ -147,31 +143,22 @@ def load_device_motion(
 
 
 def load_device_options(args: argparse.Namespace):
-    """Scenario and limits of the options.
+    """Scenario and limits of the options; the nominal bench by default.
 
     Raises:
-        ScenarioError, LimitsError: A file is not what it should be.
+        ScenarioError, LimitsError: A file is not what it should be, or of
+            something else.
     """
-    from brace_drake.link.device.limits_file import LoadLimits
+    from brace_drake.link.device import LoadLimits
     from brace_drake.link.emulator.describe import moving_rings
-
-    scenario = load_link_scenario(args.scenario)
-    return scenario, LoadLimits(args.limits, moving_rings(scenario))
-
-
-def load_link_scenario(path: str | None):
-    """The scenario of a device on the link, the nominal bench by default.
-
-    Raises:
-        ScenarioError: It cannot be read, or is of something else.
-    """
     from brace_drake.scenario.brace import BenchScenario
     from brace_drake.scenario.load import LoadScenario
 
+    path = args.scenario
     scenario = LoadScenario(path) if path else BenchScenario()
     if scenario.device not in (BENCH, BRACE):
         raise ScenarioError(
             f"{path}: on the link there is a {BENCH!r} or a {BRACE!r}, this is"
             f" a {scenario.device!r}"
         )
-    return scenario
+    return scenario, LoadLimits(args.limits, moving_rings(scenario))

@@ -10,7 +10,7 @@ from brace_drake.cli.machine.link_options import (
     AddRecording,
     OpenRecorder,
     load_device_motion,
-    load_link_scenario,
+    load_device_options,
 )
 from brace_drake.cli.options import AddCommand, AddMotion
 from brace_drake.core.errors import CampaignError
@@ -61,11 +61,10 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.console import ReadKeys
 
-    rings = moving_rings(load_link_scenario(args.scenario))
-    motion = load_device_motion(args.motion, rings, args.ring)
-    split = args.split or "fit"
+    scenario, _ = load_device_options(args)
+    motion = load_device_motion(args.motion, moving_rings(scenario), args.ring)
     with ReadKeys() as keys, OpenRecorder(args) as recorder:
-        run = recorder.Record(motion, split, args.countdown, keys)
+        run = recorder.Record(motion, args.split or "fit", args.countdown, keys)
     print(f"recorded: {Path(args.out) / run.entry['file']}, {run.rows} rows")
     return 0
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
@@ -29,27 +27,18 @@ _ALONG = 1
 _ROTATION_FIRST = [3, 4, 5, 0, 1, 2]
 
 
-@dataclass
-class HostStation:
-    """A built station: the diagram, and the device in it.
-
-    The controller is connected as in the stations of simulation. Exported
-    ports of the diagram: input `desired` (18 S,); outputs `leg_command`,
-    `virtual`, `impedance`, `estimate` of the controller.
-    """
-
-    diagram: Diagram
-    device: DeviceStation
-
-
 def MakeHostStation(
     controller: BraceController,
     num_rings: int,
     period: float,
     stiffness: LeafSystem | None = None,
     limits: Limits | None = None,
-) -> HostStation:
-    """Builds a station around a controller.
+) -> tuple[Diagram, DeviceStation]:
+    """Builds a controller's station with a device in the plant's place.
+
+    The controller is connected as in the stations of simulation. Exported
+    ports of the diagram: input `desired` (18 S,); outputs `leg_command`,
+    `virtual`, `impedance`, `estimate` of the controller.
 
     Args:
         controller: With an input `stiffness` where something sets it.
@@ -58,6 +47,9 @@ def MakeHostStation(
         stiffness: With the ports of `learning.deployment.PolicySystem`:
             estimate and desired in, stiffness out; or None.
         limits: Of the stiffness and its rate, held behind `stiffness`.
+
+    Returns:
+        The diagram, and the device in it.
     """
     builder = DiagramBuilder()
     device = builder.AddNamedSystem("device", DeviceStation(num_rings))
@@ -81,7 +73,7 @@ def MakeHostStation(
         builder.ExportOutput(port, name)
     diagram = builder.Build()
     diagram.set_name("host_station")
-    return HostStation(diagram, device)
+    return diagram, device
 
 
 class HostControl:
@@ -126,22 +118,20 @@ class HostControl:
         self.hold = tuple(held.tolist())
         self.period = control.period
         self.expected = np.zeros(3 * self._rings)
-        station = MakeHostStation(
+        diagram, self._device = MakeHostStation(
             self._controller, self._rings, self.period, stiffness, limits
         )
-        self._device = station.device
-        self._simulator = Simulator(station.diagram)
+        self._simulator = Simulator(diagram)
         self._context = self._simulator.get_mutable_context()
         # A callback finds its context's Python object faster than it makes one.
         self._contexts = [
             system.GetMyContextFromRoot(self._context)
-            for system in station.diagram.GetSystems()
+            for system in diagram.GetSystems()
         ]
         self._own = self._device.GetMyMutableContextFromRoot(self._context)
-        self._desired = station.diagram.GetInputPort("desired")
+        self._desired = diagram.GetInputPort("desired")
         self._outputs = [
-            station.diagram.GetOutputPort(name)
-            for name in ("virtual", "impedance")
+            diagram.GetOutputPort(name) for name in ("virtual", "impedance")
         ]
         self._WarmUp()
 

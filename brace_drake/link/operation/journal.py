@@ -16,7 +16,6 @@ import errno
 import os
 import time
 from collections import deque
-from collections.abc import Sequence
 from pathlib import Path
 
 import yaml
@@ -37,28 +36,16 @@ class Journal:
     Attributes:
         folder: Where it is.
         head: Keys of campaign.yaml beside `runs`.
-        stages: Of a brace, those recorded; none: all.
     """
 
-    def __init__(
-        self,
-        folder: str | Path,
-        device: str,
-        rate_hz: float,
-        subject: str,
-        recorded: dict,
-        stages: Sequence[int] = (),
-        settled_s: float = 0.0,
-    ):
+    def __init__(self, folder: str | Path, head: dict):
         """Opens or makes a campaign folder.
 
         Args:
             folder: An existing campaign of the same device and rate, an empty
                 folder, or one to be made.
-            device, rate_hz, subject: Of the campaign.
-            recorded: With what: identity, firmware and the like.
-            stages: Of a brace, those that are recorded; none: all.
-            settled_s: How long rings are held at rest before each run.
+            head: Of campaign.yaml: `device`, `rate_hz`, `subject`, `recorded`
+                (with what), and `stages` and `settled_s` where they are told.
 
         Raises:
             OutputError: The folder cannot be written, or another process
@@ -67,18 +54,7 @@ class Journal:
         """
         self._is_new = not os.path.exists(folder)
         self.folder = HoldFolder(Path(folder))
-        self.head = {
-            "format": FORMAT,
-            "device": device,
-            "rate_hz": float(rate_hz),
-            "subject": subject,
-            "recorded": recorded,
-        }
-        if settled_s > 0.0:
-            self.head["settled_s"] = float(settled_s)
-        self.stages = tuple(stages)
-        if stages:
-            self.head["stages"] = list(stages)
+        self.head = {"format": FORMAT} | head
         self._runs: list[dict] = []
         path = self.folder / MANIFEST
         if path.exists():

@@ -79,15 +79,17 @@ class Recorder:
             hello, rate = self.link.hello, 1.0 / scenario.sensors.log_period
             self._every = round(hello.rate_hz / rate)
             device, stages = campaign_device(self._rings)
-            recorded = {
-                "model": hello.model,
-                "identity": hello.identity,
-                "firmware": hello.firmware,
-                "rate_hz": float(hello.rate_hz),
+            who = ("model", "identity", "firmware", "rate_hz")
+            head = {
+                "device": device,
+                "rate_hz": rate,
+                "subject": subject,
+                "recorded": {name: getattr(hello, name) for name in who},
+                "settled_s": SETTLE,
             }
-            self.journal = Journal(
-                out, device, rate, subject, recorded, stages, SETTLE
-            )
+            if stages:
+                head["stages"] = list(stages)
+            self.journal = Journal(out, head)
         except BaseException:
             self.link.Close()
             raise
