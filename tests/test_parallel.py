@@ -110,7 +110,7 @@ class TestParcels(unittest.TestCase):
 class Cluster:
     """A scheduler and workers on loopback, each a process."""
 
-    def __init__(self, folder, count=2):
+    def __init__(self, folder, count=2, **settings):
         self.folder = folder
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))
@@ -120,6 +120,7 @@ class Cluster:
             "PYTHONPATH": str(REPOSITORY),
             "OPENBLAS_NUM_THREADS": "1",
             "PYTHONWARNINGS": "ignore",
+            **settings,
         }
         self.processes = [
             self.start(
@@ -273,11 +274,13 @@ class TestCluster(unittest.TestCase):
         def end():
             os.kill(os.getpid(), signal.SIGKILL)
 
-        cluster = Cluster(self.folder, 4)
+        # Of four workers in a row by default; one shows the same.
+        once = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+        cluster = Cluster(self.folder, 1, **once)
         self.addCleanup(cluster.end)
         remote = open_workers(cluster=cluster.address)
         self.addCleanup(remote.close)
-        remote._client.wait_for_workers(4, timeout=120)
+        remote._client.wait_for_workers(1, timeout=120)
         with self.assertRaisesRegex(ClusterError, "one after the other"):
             remote.map(end, [()])
 
