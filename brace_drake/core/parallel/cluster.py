@@ -23,7 +23,7 @@ from distributed import Client, KilledWorker, as_completed
 from distributed.client import FutureCancelledError
 from numba.core.dispatcher import Dispatcher
 
-from brace_drake.core.errors import ClusterError
+from brace_drake.core.errors import ClusterError, reason
 from brace_drake.core.parallel import Workers
 from brace_drake.core.versions import installed_versions
 
@@ -171,16 +171,14 @@ class ClusterWorkers(Workers):
         tasks = list(tasks)
         if not tasks:
             return []
-        parcel = Parcel(function)
-        data, size = self._send(parcel), self._size_of_part(len(tasks))
+        threads = max(1, sum(self._client.nthreads().values()))
+        size = math.ceil(len(tasks) / (_PARTS * threads))
         parts = [tasks[i : i + size] for i in range(0, len(tasks), size)]
+        parcel = Parcel(function)
+        data = self._send(parcel)
         futures = {
             self._client.submit(
-                run_parcel,
-                parcel.key,
-                data,
-                parcel.pack(part),
-                pure=False,
+                run_parcel, parcel.key, data, parcel.pack(part), pure=False
             ): i
             for i, part in enumerate(parts)
         }
@@ -189,11 +187,20 @@ class ClusterWorkers(Workers):
         try:
             for future in as_completed(list(futures), loop=self._client.loop):
                 i = futures[future]
-                results[i] = _result_of(future, self.address)
+                results[i] = future.result()
                 done += len(parts[i])
                 future.release()
                 if progress is not None:
                     progress(done)
+        except KilledWorker as error:
+            raise ClusterError(
+                f"--cluster {self.address}: workers were lost on one task, one"
+                f" after the other: {error}"
+            ) from error
+        except FutureCancelledError as error:
+            raise ClusterError(
+                f"--cluster {self.address}: the scheduler has gone"
+            ) from error
         finally:
             self._client.cancel(list(futures))
         return [result for part in results for result in part]
@@ -213,54 +220,34 @@ class ClusterWorkers(Workers):
             )
         return self._functions[parcel.key]
 
-    def _size_of_part(self, count: int) -> int:
-        threads = max(1, sum(self._client.nthreads().values()))
-        return math.ceil(count / (_PARTS * threads))
-
 
 def _connect(address: str):
     """A client of a scheduler whose workers run what this process runs."""
+    place = f"--cluster {address}"
     try:
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise ClusterError(
-            f"--cluster {address}: no Dask scheduler answers there"
+            f"{place}: no Dask scheduler answers there"
         ) from error
     try:
         client.wait_for_workers(1, timeout=_WORKERS_S)
         there = client.run(installed_versions, PACKAGES)
-    except (OSError, TimeoutError) as error:
-        client.close()
-        raise ClusterError(
-            f"--cluster {address}: there are no workers"
-        ) from error
+        here = installed_versions(PACKAGES)
+        for worker, found in there.items():
+            for name, value in here.items():
+                if found[name] != value:
+                    raise ClusterError(
+                        f"{place}: {worker} has {name} {found[name]}, here is"
+                        f" {value}: results would differ"
+                    )
     except Exception as error:
         client.close()
-        line = " ".join(str(error).split())
+        if isinstance(error, ClusterError):
+            raise
+        if isinstance(error, OSError | TimeoutError):
+            raise ClusterError(f"{place}: there are no workers") from error
         raise ClusterError(
-            f"--cluster {address}: a worker cannot run brace_drake: {line}"
+            f"{place}: a worker cannot run brace_drake: {reason(error)}"
         ) from error
-    here = installed_versions(PACKAGES)
-    for worker, found in there.items():
-        for name, value in here.items():
-            if found[name] != value:
-                client.close()
-                raise ClusterError(
-                    f"--cluster {address}: {worker} has {name} {found[name]},"
-                    f" here is {value}: results would differ"
-                )
     return client
-
-
-def _result_of(future, address: str) -> list:
-    try:
-        return future.result()
-    except KilledWorker as error:
-        raise ClusterError(
-            f"--cluster {address}: workers were lost on one task, one after"
-            f" the other: {error}"
-        ) from error
-    except FutureCancelledError as error:
-        raise ClusterError(
-            f"--cluster {address}: the scheduler has gone"
-        ) from error
