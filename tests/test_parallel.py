@@ -253,8 +253,8 @@ class TestCluster(unittest.TestCase):
 
         def residuals(workers):
             evaluator = Evaluator(twin, runs, workers)
-            problem = CandidateProblem(evaluator, [card])
             strengths = np.array([0.0]), np.array([0.3])
+            problem = CandidateProblem(evaluator, [card], strengths[:1])
             points = [problem.join(values, [s]) for s in strengths]
             return problem.batch(points, coarse=True)
 
