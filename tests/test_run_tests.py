@@ -61,9 +61,11 @@ class TestRunTests(unittest.TestCase):
         status, lines = self.run_files(sound=SOUND)
         self.assertEqual((status, lines[-1]), (0, "1 passed, 0 failed"))
 
-    def test_a_process_that_dies_is_a_failure(self):
-        status, lines = self.run_files(deadly=DEADLY)
-        self.assertEqual((status, lines[-1]), (1, "0 passed, 1 failed"))
+    def test_a_process_that_dies_fails_its_file_alone(self):
+        sound = {f"sound{i}": SOUND for i in range(40)}
+        status, lines = self.run_files(deadly=DEADLY, **sound)
+        self.assertEqual((status, lines[-1]), (1, "40 passed, 1 failed"))
+        self.assertIn("failed: deadly", lines)
 
     def test_a_file_that_cannot_be_imported_is_a_failure(self):
         status, lines = self.run_files(broken="import nowhere_at_all\n")

@@ -18,7 +18,8 @@ import os
 import sys
 import time
 import unittest
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from collections import deque
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -102,56 +103,55 @@ def longest_first(names: list[str]) -> list[str]:
     return sorted(names, key=lambda n: -times.get(n, guess.get(n, 5.0)))
 
 
-def _give_way(niceness: int, path: list[str]) -> None:
+def _begin(niceness: int, path: list[str]) -> None:
     os.nice(niceness)
     sys.path[:] = path
 
 
-def _start(names: list[str], processes: int, niceness: int):
-    """A pool and the file of each of its futures."""
-    pool = ProcessPoolExecutor(
-        processes,
-        multiprocessing.get_context("spawn"),
-        _give_way,
-        (niceness, sys.path),
-        max_tasks_per_child=FILES_PER_PROCESS,
-    )
-    return pool, {pool.submit(run_file, name): name for name in names}
+def _open_process(niceness: int) -> ProcessPoolExecutor:
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(1, context, _begin, (niceness, sys.path))
 
 
-def _outcome_of(future: Future, name: str) -> Outcome:
-    try:
-        return future.result()
-    except Exception as error:
-        # The process died: that is what this file, or one beside it, did.
-        report = f"{type(error).__name__}: {error}"
-        return Outcome(name, 0, (name,), 0, 0.0, report)
+def run_line(names: deque[str], niceness: int) -> list[Outcome]:
+    """Takes one file after the other until there are none, in processes of
+    which one runs at a time; prints a line for each file.
+    """
+    outcomes: list[Outcome] = []
+    process = _open_process(niceness)
+    while True:
+        try:
+            name = names.popleft()
+        except IndexError:
+            break
+        try:
+            found = process.submit(run_file, name).result()
+        except Exception as error:
+            why = f"{type(error).__name__}: {error}\n"
+            found = Outcome(name, 0, (name,), 0, 0.0, why)
+        outcomes.append(found)
+        if not found.seconds or len(outcomes) % FILES_PER_PROCESS == 0:
+            process.shutdown()
+            process = _open_process(niceness)
+        line = (
+            f"{found.seconds:7.1f} s  {name}: {found.passed} passed,"
+            f" {len(found.failed)} failed, {found.skipped} skipped\n"
+        )
+        print(line + found.report, end="", flush=True)
+    process.shutdown()
+    return outcomes
 
 
 def run_all(names: list[str], processes: int) -> list[Outcome]:
-    """Runs all files and prints a line for each."""
-    beside = [name for name in names if name.startswith(REAL_TIME)]
-    others = [name for name in names if name not in beside]
-    pools, futures = [], {}
-    for group, count, niceness in ((beside, 1, 0), (others, processes, 10)):
-        if group:
-            pool, there = _start(longest_first(group), count, niceness)
-            pools.append(pool)
-            futures |= there
-    outcomes = []
-    for future in as_completed(futures):
-        found = _outcome_of(future, futures[future])
-        outcomes.append(found)
-        print(
-            f"{found.seconds:7.1f} s  {found.name}: {found.passed} passed,"
-            f" {len(found.failed)} failed, {found.skipped} skipped",
-            flush=True,
-        )
-        if found.report:
-            print(found.report, flush=True)
-    for pool in pools:
-        pool.shutdown()
-    return outcomes
+    """Runs all files, those of the link in a line of their own."""
+    ordered = longest_first(names)
+    beside = deque(name for name in ordered if name.startswith(REAL_TIME))
+    others = deque(name for name in ordered if name not in beside)
+    with ThreadPoolExecutor(1 + processes) as threads:
+        lines = [threads.submit(run_line, beside, 0)]
+        for _ in range(processes):
+            lines.append(threads.submit(run_line, others, 10))
+        return [outcome for line in lines for outcome in line.result()]
 
 
 def main() -> int:
