@@ -42,9 +42,8 @@ def _part_page(part) -> str:
     modules = [name]
     if part.ispkg:
         path = Path(brace_drake.__path__[0]) / part.name
-        modules += [
-            f"{name}.{m.name}" for m in pkgutil.iter_modules([str(path)])
-        ]
+        walked = pkgutil.walk_packages([str(path)], f"{name}.")
+        modules += [module.name for module in walked]
     blocks = []
     for module in modules:
         head = "#" if module == name else "##"

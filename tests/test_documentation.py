@@ -12,6 +12,7 @@ import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from itertools import chain
 from pathlib import Path
 
 import shtab
@@ -201,8 +202,10 @@ class TestReference(unittest.TestCase):
             (folder / "gone.md").write_text("# brace_drake.gone\n")
             reference.WriteReference(folder, make_parser())
             pages = {p.stem for p in folder.iterdir()}
-            parts = {name for row in LAYERS for name in row} - {"cli"}
-            self.assertEqual(pages, parts | {"api", "commands"})
+            rooms = {n.split(".")[0] for row in LAYERS for n in row} - {"cli"}
+            self.assertEqual(pages, rooms | {"api", "commands"})
+            selection = (folder / "selection.md").read_text()
+            self.assertIn("brace_drake.selection.search.search", selection)
 
 
 class TestPages(unittest.TestCase):
@@ -215,6 +218,40 @@ class TestPages(unittest.TestCase):
                 row.add(element.text)
         drawn = [heights[y] for y in sorted(heights)]
         self.assertEqual(drawn, [set(row) for row in LAYERS])
+
+    def test_the_architecture_names_the_rooms_in_their_order(self):
+        page = (ROOT / "docs" / "architecture.md").read_text()
+        table = page.split("## The rooms")[1].split("## ")[0]
+        rows = re.findall(r"^\| (`.*?) \|", table, re.M)
+        named = [re.findall(r"`([\w.]+?)(?:\.py)?`", row) for row in rows]
+        level = {room: i for i, row in enumerate(LAYERS) for room in row}
+        self.assertEqual(sorted(chain.from_iterable(named)), sorted(level))
+        levels = [min(level[room] for room in row) for row in named]
+        self.assertEqual(levels, sorted(levels))
+
+    def test_every_number_of_a_diagnosis_is_computed_where_it_is_said(self):
+        page = (ROOT / "docs" / "architecture.md").read_text()
+        table = page.split("## What a number")[1].split("## ")[0]
+        stored = EXAMPLE.parent / "example_diagnosis" / "diagnosis.json"
+        document = json.loads(stored.read_text())
+        told = set()
+        for keys, places in re.findall(
+            r"^\| (`.*?) \| .* \| (`.*?) \|$", table, re.M
+        ):
+            for key in re.findall(r"`(.+?)`", keys):
+                found = document
+                for step in key.split("."):
+                    with self.subTest(key=key):
+                        self.assertIn(step.removesuffix("[]"), found)
+                    found = found[step.removesuffix("[]")]
+                    found = found[0] if step.endswith("[]") else found
+                told.add(key.split(".")[0].removesuffix("[]"))
+            for place in re.findall(r"`(.+?\.py)`", places):
+                with self.subTest(place=place):
+                    paths = (ROOT / "brace_drake").rglob(Path(place).name)
+                    self.assertTrue(any(p.match(place) for p in paths))
+        heads = {"format", "campaign", "device", "subject_name", "warnings"}
+        self.assertEqual(told | heads, set(document))
 
     def test_links_between_pages_lead_somewhere(self):
         link = re.compile(r"\]\((?!https?:)([^)#\s]+)")
