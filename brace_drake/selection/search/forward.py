@@ -14,9 +14,8 @@ from brace_drake.selection.criterion import Criterion, plausible, refined
 from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.joint_refit import (
     implausible,
-    is_caught,
+    refine_best,
     refit_with_second,
-    restart,
 )
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import (
@@ -30,16 +29,16 @@ from brace_drake.selection.search.pairs import (
     search_pairs,
     without_one,
 )
-from brace_drake.selection.search.screening import Say, screen, search_best
+from brace_drake.selection.search.screening import (
+    Say,
+    others,
+    screen,
+    search_best,
+)
 from brace_drake.selection.search.shortlist import (
     best_fits,
     best_of_each,
-    refine,
     try_refine,
-)
-from brace_drake.selection.search.small_second import (
-    try_fewer,
-    try_small_second,
 )
 
 
@@ -51,6 +50,7 @@ class SecondEffects:
 
     Attributes:
         is_cut: Whether it has ended because of its cost, nothing found.
+        found: Fits so far, refined.
 
     Args:
         base: The nominal fit.
@@ -74,7 +74,7 @@ class SecondEffects:
         self._base, self._candidates = base, candidates
         self._criterion, self._effects, self._seed = criterion, effects, seed
         self._evaluator, self._nominal = base.evaluator, base.base
-        self._singles, self._found = list(fits), []
+        self._singles, self.found = list(fits), []
         # Beside which second effects were tried, and what was refitted.
         self._beside: CandidateFit | None = None
         self._refitted: CandidateFit | None = None
@@ -98,38 +98,6 @@ class SecondEffects:
         self._refit(implausible(fits), say)
         self._begun = self._evaluator.replays
         return self._is_done()
-
-    def try_small(
-        self, fits: Sequence[CandidateFit], say: Say
-    ) -> list[CandidateFit]:
-        """Pairs of the single effect that explains, be it to the floor, with
-        a second one that takes little; where it is one of dozens of parameters
-        that shows in the leg lengths at rest, pairs of few that do.
-
-        Args:
-            fits: Of more single effects.
-            say: Progress, shares of this search.
-        """
-        singles = plausible([*self._singles, *fits])
-        best = next(iter(singles), self._nominal)
-        if not self._criterion.explains(best):
-            return []
-        if best.is_flexible and best.effects[0].at_rest:
-            return self._try_fewer(best, say)
-        try:
-            beside = Linearisation(self._evaluator, best)
-        except BraceError:
-            return []
-        others = self._others(best, flexible=False)
-        return try_small_second(beside, others, self._criterion, say)
-
-    def _try_fewer(self, many: CandidateFit, say: Say) -> list[CandidateFit]:
-        at_rest = [f for f in self._singles if f.effects[0].at_rest]
-        for fit in sorted(at_rest, key=lambda f: f.excess)[:1]:
-            others = self._others(fit, flexible=False)
-            found = try_fewer(self._evaluator, fit, many, others, say)
-            self._keep(found, fit.excess)
-        return best_of_each(self._found)
 
     def try_pairs(self, say: Say) -> bool:
         """Pairs beside the single effect that explains, if one does, then
@@ -168,8 +136,8 @@ class SecondEffects:
             afresh = search_afresh(self._base, pair, self._enough, say)
             self._keep(afresh, self._nominal.excess)
         least = min((f.excess for f in self._singles), default=np.inf)
-        for pair in refined(self._found)[:1]:
-            self._found += without_one(self._base, pair, 0.5 * least)
+        for pair in refined(self.found)[:1]:
+            self.found += without_one(self._base, pair, 0.5 * least)
 
     def search(
         self, fits: Sequence[CandidateFit], say: Say
@@ -195,10 +163,10 @@ class SecondEffects:
         if doubtful and not (self._is_done() or self._is_settled()):
             self._keep_single(doubtful[0])
         self._try_special_cases(say)
-        return best_of_each(self._found)
+        return best_of_each(self.found)
 
     def _best_pairs(self) -> list[CandidateFit]:
-        return [f for f in refined(self._found) if len(f.effects) == 2]
+        return [f for f in refined(self.found) if len(f.effects) == 2]
 
     def _try_special_cases(self, say: Say) -> None:
         """Special cases of the best pair, which are compared with it."""
@@ -229,15 +197,15 @@ class SecondEffects:
         best = next(iter(doubtful), self._refitted)
         if best is not self._refitted and not self._is_settled():
             self._refitted = best
-            others = self._others(best, flexible=False)
-            found = refit_with_second(self._evaluator, best, others, say)
-            self._found += found
+            seconds = others(self._effects, best, flexible=False)
+            found = refit_with_second(self._evaluator, best, seconds, say)
+            self.found += found
 
     def _keep_single(self, fit: CandidateFit) -> None:
         """Leads the search of a single effect to its end, if that explains."""
         most = self._criterion.largest_excess(1)
         if not fit.refined and fit.excess <= most:
-            self._found.append(try_refine(self._evaluator, fit))
+            self.found.append(try_refine(self._evaluator, fit))
 
     def _try_all_beside(self, say: Say, of_many: bool = True) -> None:
         """Second effects beside the single one that leaves least, those of few
@@ -270,21 +238,12 @@ class SecondEffects:
         if flexible:
             # With so much freedom those drawn alike have to promise much.
             bar = min(bar, 0.5 * single.excess)
-        found = screen(beside, self._others(single, flexible), say)
+        found = screen(beside, others(self._effects, single, flexible), say)
         search_best(
             beside, found, say, bar=bar, enough=self._enough, must_explain=True
         )
         found += search_richer(beside, found, self._effects)
         self._keep(found, single.excess, bar)
-
-    def _others(self, fit: CandidateFit, flexible: bool) -> list[Effect]:
-        """Effects that are no other form of what the fit has."""
-        return [
-            effect
-            for effect in self._effects
-            if effect.is_flexible == flexible
-            and not any(effect.is_alike(e) for e in fit.effects)
-        ]
 
     def _keep(
         self,
@@ -293,16 +252,17 @@ class SecondEffects:
         bar: float = np.inf,
     ) -> None:
         """Refines the best of candidates and keeps them."""
-        good = [f for f in best_fits(candidates) if f.excess <= bar]
-        good = refine(self._evaluator, good, remaining, self._enough)
-        self._found += refined(good)
-        # The nominal fit is no pair, so never caught.
-        best = min(good, key=lambda f: f.excess, default=self._nominal)
-        if is_caught(self._criterion, best):
-            self._found += restart(self._evaluator, best, self._seed)
+        self.found += refine_best(
+            self._criterion,
+            self._evaluator,
+            candidates,
+            remaining,
+            self._seed,
+            bar,
+        )
 
     def _all(self) -> list[CandidateFit]:
-        return [*self._singles, *self._found]
+        return [*self._singles, *self.found]
 
     def _is_settled(self) -> bool:
         return any(self._criterion.explains(f) for f in refined(self._all()))

@@ -16,6 +16,7 @@ from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.screening import (
     Say,
@@ -137,6 +138,34 @@ def replace_second(
     found = best_fits(candidates)
     found = refine(evaluator, found, beside.remaining, most=pair.excess)
     return [f for f in refined(found) if f.excess < pair.excess]
+
+
+def refine_best(
+    criterion: Criterion,
+    evaluator: Evaluator,
+    candidates: Sequence[Candidate],
+    remaining: float,
+    seed: int,
+    bar: float = np.inf,
+) -> list[CandidateFit]:
+    """Refined fits of the best pairs among candidates.
+
+    Args:
+        criterion: With its null distribution.
+        evaluator: Over the fit runs.
+        candidates: After their searches.
+        remaining: See `shortlist.refine`.
+        seed: Of places where a search that was caught begins again.
+        bar: Largest excess that counts.
+    """
+    good = [f for f in best_fits(candidates) if f.excess <= bar]
+    good = refine(evaluator, good, remaining, criterion.largest_excess(2))
+    found = refined(good)
+    # The nominal fit is no pair, so never caught.
+    best = min(good, key=lambda f: f.excess, default=criterion.nominal)
+    if is_caught(criterion, best):
+        found += restart(evaluator, best, seed)
+    return found
 
 
 def is_caught(criterion: Criterion, pair: CandidateFit) -> bool:

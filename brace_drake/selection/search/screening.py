@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
+from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
@@ -42,6 +43,24 @@ def screen(
         say(f"cause {name}{effect.key}", 0.6 * i / len(effects))
         candidates += predict(base, effect)
     return candidates
+
+
+def others(
+    effects: Sequence[Effect], fit: CandidateFit, flexible: bool
+) -> list[Effect]:
+    """Effects that are no other form of what a fit has.
+
+    Args:
+        effects: All that there are.
+        fit: With one effect or more.
+        flexible: Of dozens of parameters, or of few.
+    """
+    return [
+        effect
+        for effect in effects
+        if effect.is_flexible == flexible
+        and not any(effect.is_alike(e) for e in fit.effects)
+    ]
 
 
 def _best_starts(

@@ -29,6 +29,7 @@ from brace_drake.selection.search.shortlist import (
     improve_choices,
     refine,
 )
+from brace_drake.selection.search.small_second import try_small
 
 
 class Searched(NamedTuple):
@@ -140,7 +141,10 @@ def search_causes(
         known = [*fits, *flexible]
     part = _part(say, 0.6, 0.78)
     if _is_done(criterion, known):
-        pairs = second.try_small(flexible, part)
+        alone, found = [*singles, *flexible], second.found
+        pairs = try_small(
+            criterion, evaluator, alone, effects, found, seed, part
+        )
         return Searched([*known, *pairs], criterion, False, shown)
     pairs = second.search(flexible, part)
     return Searched([*known, *pairs], criterion, second.is_cut, shown)

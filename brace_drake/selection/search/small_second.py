@@ -15,16 +15,65 @@ from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator, is_dithered
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.criterion import Criterion, plausible
 from brace_drake.selection.search.candidate import Candidate
+from brace_drake.selection.search.joint_refit import refine_best
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.screening import (
     Say,
+    others,
     predict,
     screen,
     search_best,
 )
-from brace_drake.selection.search.shortlist import best_fits, try_refine
+from brace_drake.selection.search.shortlist import (
+    best_fits,
+    best_of_each,
+    try_refine,
+)
+
+
+def try_small(
+    criterion: Criterion,
+    evaluator: Evaluator,
+    singles: Sequence[CandidateFit],
+    effects: Sequence[Effect],
+    known: Sequence[CandidateFit],
+    seed: int,
+    say: Say,
+) -> list[CandidateFit]:
+    """Pairs of the single effect that explains, be it to the floor, with a
+    second one that takes little; where it is one of dozens of parameters that
+    shows in the leg lengths at rest, pairs of few that do.
+
+    Args:
+        criterion: With its null distribution.
+        evaluator: Over the fit runs.
+        singles: Fits of single effects.
+        effects: Second ones.
+        known: Pairs that were found before.
+        seed: Of places where searches begin again.
+        say: Progress, shares of this search.
+    """
+    best = next(iter(plausible(singles)), criterion.nominal)
+    if not criterion.explains(best):
+        return []
+    if best.is_flexible and best.effects[0].at_rest:
+        found = list(known)
+        few = [f for f in singles if f.effects[0].at_rest]
+        few = [f for f in few if not f.is_flexible]
+        for fit in sorted(few, key=lambda f: f.excess)[:1]:
+            seconds = others(effects, fit, flexible=False)
+            pairs = try_fewer(evaluator, fit, best, seconds, say)
+            excess = fit.excess
+            found += refine_best(criterion, evaluator, pairs, excess, seed)
+        return best_of_each(found)
+    try:
+        base = Linearisation(evaluator, best)
+    except BraceError:
+        return []
+    seconds = others(effects, best, flexible=False)
+    return try_small_second(base, seconds, criterion, say)
 
 
 def try_small_second(
