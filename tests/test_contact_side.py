@@ -14,7 +14,7 @@ from brace_drake.isolation.imposed_motion import (
     fit_imposed_motion,
 )
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.search.friction import fit_frictions, sticking
+from brace_drake.selection.search.friction import fit_frictions
 from brace_drake.selection.search.linearisation import Linearisation
 from tests.synthetic_bench import SyntheticBench, record, searched
 
@@ -73,7 +73,7 @@ class TestContactSide(unittest.TestCase):
         evaluator = self.bench.evaluator([self.stuck, RELAXATION])
         ground = Linearisation(evaluator, fit_nominal(evaluator))
         alone = searched(ground, [FRICTION])
-        frictions = sticking(with_limit(evaluator, 0.1), alone)
+        frictions = with_limit(evaluator, 0.1).sticking(alone)
         self.assertEqual([f.name for f in frictions], ["coulomb_friction"])
         pair, *_ = fit_frictions(evaluator, frictions, seen, [FRICTION], quiet)
         self.assertEqual(pair.identifiers, ("relaxation", "coulomb_friction"))
@@ -87,7 +87,7 @@ class TestContactSide(unittest.TestCase):
         ground = Linearisation(explained, fit_nominal(explained))
         fits = searched(ground, [FRICTION])
         enough = fits[0].excess / explained.count + 0.01
-        self.assertEqual(sticking(with_limit(explained, enough), fits), [])
+        self.assertEqual(with_limit(explained, enough).sticking(fits), [])
 
     def test_without_the_way_or_a_touch_it_is_not_looked_at(self):
         def blind(run):

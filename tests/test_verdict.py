@@ -7,8 +7,7 @@ import numpy as np
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.decision import decide
-from brace_drake.selection.probability import sure_of_effects
+from brace_drake.selection.decision import decide, sure_of_effects
 
 COUNT = 1000
 NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)

@@ -8,7 +8,7 @@ standard errors, and log and Brier scores before and after: on the same cases,
 and on cases that took no part.
 
 Where the answers were given with offset a and slope b in
-`brace_drake/selection/probability.py`, and c and d are printed: c + d a and
+`brace_drake/selection/thresholds.py`, and c and d are printed: c + d a and
 d b replace them.
 """
 

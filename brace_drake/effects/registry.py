@@ -11,7 +11,6 @@ from __future__ import annotations
 import importlib
 import importlib.metadata
 import pkgutil
-from collections.abc import Iterator
 from functools import cache
 
 import brace_drake.effects
@@ -74,24 +73,14 @@ def forget_effect(key: str) -> None:
 
 @cache
 def _library() -> dict[str, Effect]:
-    cards: dict[str, Effect] = {}
-    for form in (*_bundled(), *_of_packages()):
-        if form.key in cards:
-            raise EffectError(f"effect {form.key} is registered twice")
-        cards[form.key] = form
-    return cards
-
-
-def _bundled() -> Iterator[Effect]:
+    """The cards of this folder, then those of installed packages."""
+    found: list[Effect] = []
     for module in pkgutil.walk_packages(
         brace_drake.effects.__path__, "brace_drake.effects."
     ):
         loaded = importlib.import_module(module.name)
         card = getattr(loaded, "CARD", None)
-        yield from getattr(loaded, "CARDS", () if card is None else (card,))
-
-
-def _of_packages() -> Iterator[Effect]:
+        found += getattr(loaded, "CARDS", () if card is None else (card,))
     for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
         try:
             card = point.load()
@@ -99,7 +88,13 @@ def _of_packages() -> Iterator[Effect]:
             raise EffectError(f"effect {point.value}: {error}") from error
         if not isinstance(card, Effect):
             raise EffectError(f"{point.value} is no effect's card")
-        yield card
+        found.append(card)
+    cards: dict[str, Effect] = {}
+    for card in found:
+        if card.key in cards:
+            raise EffectError(f"effect {card.key} is registered twice")
+        cards[card.key] = card
+    return cards
 
 
 def effects_for(device: str) -> dict[str, Effect]:

@@ -17,9 +17,9 @@ from brace_drake.identification.evaluation import (
 )
 from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
-    bounded_step,
     calc_triangle,
     solve_gauss_newton,
+    step_within,
 )
 from brace_drake.identification.prior_check import looks_scattered, refit_spread
 from brace_drake.identification.problem import CandidateProblem
@@ -232,14 +232,9 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     (residual,) = problem.batch([solution.z], fine=True)
     if residual is None:
         return replace(fit, refined=True)
-    step = bounded_step(
-        solution.jacobian,
-        residual,
-        solution.z,
-        problem.lower,
-        problem.upper,
-        problem.radius,
-    )
+    triangle = calc_triangle([solution.jacobian, residual])
+    limits = problem.lower, problem.upper, problem.radius
+    step = step_within(triangle, solution.z, limits)
     (moved,) = problem.batch([solution.z + step], fine=True)
     if moved is None or moved @ moved > residual @ residual:
         return replace(fit, refined=True)

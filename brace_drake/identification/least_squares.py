@@ -113,21 +113,15 @@ def difference_jacobian(
     )
 
 
-def bounded_step(
-    jacobian: np.ndarray,
-    residual: np.ndarray,
-    z: np.ndarray,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    radius: np.ndarray,
-) -> np.ndarray:
-    """Least-squares step inside the limits and a box of given radius."""
-    triangle = calc_triangle([jacobian, residual])
-    return _step_within(triangle, z, (lower, upper, radius))
+def step_within(triangle, z, limits, share: float = 0.0) -> np.ndarray:
+    """Least-squares step inside the limits and a box of given radius.
 
-
-def _step_within(triangle, z, limits, share: float = 0.0) -> np.ndarray:
-    """The step, a share of the diagonal of J'J added."""
+    Args:
+        triangle: Of Jacobian and residual beside each other, `calc_triangle`.
+        z: Where it begins.
+        limits: Lower and upper limits, radius (n,).
+        share: Of the diagonal of J'J, added to it.
+    """
     lower, upper, radius = limits
     matrix, right = triangle[:-1, :-1], -triangle[:-1, -1]
     low = np.maximum(lower - z, -radius)
@@ -192,7 +186,7 @@ def solve_gauss_newton(
         cost = float(residual @ residual)
         limits = lower, upper, radius
         triangle = calc_triangle([jacobian, residual])
-        step = _step_within(triangle, z, limits)
+        step = step_within(triangle, z, limits)
         left = residual + jacobian @ step
         rest = float(left @ left)
         accepted = _improve(batch, z, step, triangle, limits, cost, rest)
@@ -223,7 +217,7 @@ def _improve(batch, z, step, triangle, limits, cost, promised_rest):
         tries, points = 3, [np.clip(z + step, lower, upper)]
         best = _least(points, batch(points))
         if best is None or _cost_of(best) > _AS_PROMISED * promised_rest:
-            steps = [_step_within(triangle, z, limits, s) for s in _DAMPED]
+            steps = [step_within(triangle, z, limits, s) for s in _DAMPED]
             points = [np.clip(z + s, lower, upper) for s in steps]
             best = _least(points, batch(points), best)
         if best is not None and _cost_of(best) < cost:

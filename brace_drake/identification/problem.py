@@ -36,6 +36,7 @@ class CandidateProblem:
         alike: Which parameters have a common spread (n,).
         has_spread: Whether any has.
         is_rough: Whether noise dithers an effect.
+        num_prior: Rows that the prior adds.
 
     Args:
         evaluator: Over the fit runs.
@@ -93,6 +94,7 @@ class CandidateProblem:
             at += len(moved)
         self.has_spread = bool(self.alike.any())
         self.spread = _FIRST_SPREAD
+        self.num_prior = int(np.count_nonzero(self._weights))
 
     def _continuous(self, effect: Effect, groups: list) -> list:
         """Continuous parameters; notes their places and column groups."""
@@ -131,25 +133,20 @@ class CandidateProblem:
             at += len(moved)
         raise ValueError(f"{effect.key} is not part of this candidate")
 
-    def run_starts(self, z: np.ndarray, effect: Effect) -> list[np.ndarray]:
-        """Points with all runs at one of the starts of run parameters each."""
-        starts = itertools.product(*(p.starts for p in effect.run_parameters))
-        points = []
-        for start in starts:
-            point = z.copy()
-            for run in range(len(self.evaluator.prepared)):
-                mine = self.places_in_run(effect, run)
-                point[mine] = np.array(start) / self.scales[mine]
-            points.append(point)
-        return points
-
     def best_run_starts(
         self, z: np.ndarray, effect: Effect
     ) -> tuple[np.ndarray, np.ndarray | None]:
         """z with every run at the best of an effect's own starts, and the
         residual there; None where the twin breaks down.
         """
-        points = self.run_starts(z, effect)
+        runs, points = range(len(self.evaluator.prepared)), []
+        starts = (p.starts for p in effect.run_parameters)
+        for start in itertools.product(*starts):
+            point = z.copy()
+            for run in runs:
+                mine = self.places_in_run(effect, run)
+                point[mine] = np.array(start) / self.scales[mine]
+            points.append(point)
         found = self.batch(points, coarse=True)
         if len(points) == 1:
             return z, found[0]
@@ -172,11 +169,6 @@ class CandidateProblem:
     def spread_scale(self) -> float:
         """Scale of the parameters with a common spread."""
         return float(self.scales[self.alike][0])
-
-    @property
-    def num_prior(self) -> int:
-        """Rows that the prior adds."""
-        return int(np.count_nonzero(self._weights))
 
     def split(self, z: np.ndarray) -> tuple[np.ndarray, tuple[Use, ...]]:
         """Subject values and effect uses of scaled parameters."""

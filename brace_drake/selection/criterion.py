@@ -60,8 +60,10 @@ class Criterion:
 
         Amplitudes are sqrt(1 + misfit) - 1.
         """
-        before = _amplitude(self.misfit(self.nominal))
-        after = _amplitude(self.misfit(fit))
+        before, after = (
+            np.sqrt(1.0 + max(0.0, self.misfit(f))) - 1.0
+            for f in (self.nominal, fit)
+        )
         return float(1.0 - after / before) if before > 0.0 else 0.0
 
     def closes_half(self, fit: CandidateFit) -> bool:
@@ -72,9 +74,18 @@ class Criterion:
         """What a fit leaves, and what no twin is exact to."""
         return max(0.0, self.misfit(fit)) + thresholds.TWIN_ERROR
 
-    def is_exact(self, fit: CandidateFit) -> bool:
-        """Whether a fit follows the recording as far as a twin is trusted."""
-        return self.misfit(fit) <= thresholds.TWIN_ERROR
+    def sticking(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
+        """Single effects with which drives stick, if they are among the best
+        and none of those explains all that there is.
+        """
+        known = [f for f in fits if f.is_searched]
+        least = min((max(0.0, f.excess) for f in known), default=np.inf)
+        if least <= self.null.misfit_threshold * self.count:
+            return []
+        near = thresholds.FRICTION_NEAR * least
+        found = [f for f in known if f.excess <= near and f.sticks]
+        found.sort(key=lambda f: f.excess)
+        return found[: thresholds.NUM_FRICTIONS]
 
     def is_almost_near_floor(self, fit: CandidateFit) -> bool:
         """Whether screening leaves it where its end may be near the floor."""
@@ -96,15 +107,18 @@ class Criterion:
         leave no more than the noise, or a hundredth of the amplitude, a tenth
         where drives stick.
         """
-        before = _amplitude(self.misfit(self.nominal))
-        most = _misfit_at((1.0 - self.least_share) * before)
+        gap = np.sqrt(1.0 + max(0.0, self.misfit(self.nominal))) - 1.0
+        pair = thresholds.PAIR_SHARE
+        if is_sticking:
+            pair = thresholds.PAIR_SHARE_STICKING
+        # Misfits of the amplitudes that these shares leave.
+        most, least = (
+            float((1.0 + (1.0 - share) * gap) ** 2 - 1.0)
+            for share in (self.least_share, pair)
+        )
         if number < 2 or not self.is_known:
             return most
-        share = thresholds.PAIR_SHARE
-        if is_sticking:
-            share = thresholds.PAIR_SHARE_STICKING
-        pair = _misfit_at((1.0 - share) * before)
-        return min(most, max(thresholds.NEAR_FLOOR, pair))
+        return min(most, max(thresholds.NEAR_FLOOR, least))
 
     def largest_excess(self, number: int) -> float:
         """Excess after screening from which an explanation can be reached."""
@@ -181,11 +195,3 @@ def refined(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
 def plausible(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Refined fits whose many parameters may be a sample of their prior."""
     return [f for f in refined(fits) if f.is_scattered]
-
-
-def _amplitude(misfit: float) -> float:
-    return float(np.sqrt(1.0 + max(0.0, misfit))) - 1.0
-
-
-def _misfit_at(amplitude: float) -> float:
-    return (1.0 + amplitude) ** 2 - 1.0

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -81,7 +82,12 @@ def draw_null(
         fits: Fits of the effects, whose last Jacobians are used.
         seed: Of the draws.
     """
-    noise = _weighted_noise(evaluator, nominal, seed)
+    replayed = evaluator.map(
+        partial(_replay_noise, evaluator.twin, nominal.subject, seed),
+        [(p,) for p in evaluator.prepared],
+    )
+    noise = [replicates for replicates, _ in replayed]
+    numerical = sum(error for _, error in replayed) / evaluator.count
     n = len(nominal.subject)
     columns = nominal.solution.jacobian
     seen = np.linalg.norm(columns, axis=0) > 0.0
@@ -106,25 +112,19 @@ def draw_null(
         misfit.append((squares - explained) / evaluator.count - 1.0)
         gains = [float(s @ s) for s in scores[1:]]
         gain.append(max(gains, default=0.0) / evaluator.count)
-    numerical = _numerical_error(evaluator, nominal)
     known = evaluator.twin.instruments_known
     return NullDistribution(np.array(misfit), np.array(gain), numerical, known)
 
 
-def _weighted_noise(evaluator, nominal, seed):
-    replicates = range(thresholds.NULL_REPLICATES)
-
-    def one(run):
-        noise = noise_replicates(
-            evaluator.twin,
-            run.motion,
-            nominal.subject,
-            (),
-            [[seed, 13, run.seed, i] for i in replicates],
-        )
-        return [run.weigh(e) for e in noise]
-
-    return evaluator.map(one, [(p,) for p in evaluator.prepared])
+def _replay_noise(twin, subject, seed, run) -> tuple[list, float]:
+    """Weighted noise of a run, replicate by replicate, and the square of what
+    halving the plant step changes.
+    """
+    seeds = [[seed, 13, run.seed, i] for i in range(thresholds.NULL_REPLICATES)]
+    noise = noise_replicates(twin, run.motion, subject, (), seeds)
+    fine = twin.finer().simulate(run.motion, subject)
+    change = run.weigh(fine - twin.simulate(run.motion, subject))
+    return [run.weigh(e) for e in noise], change @ change
 
 
 def _orthogonal_part(basis, fit, n):
@@ -145,18 +145,3 @@ def _project(evaluator, noise, bases):
         parts.append([(e @ e, [b.T @ e for b in rows]) for e in replicates])
         at += size
     return parts
-
-
-def _numerical_error(evaluator, nominal) -> float:
-    finer = evaluator.twin.finer()
-
-    def one(run):
-        fine = finer.simulate(run.motion, nominal.subject)
-        difference = run.weigh(
-            fine - evaluator.twin.simulate(run.motion, nominal.subject)
-        )
-        return difference @ difference
-
-    return sum(evaluator.map(one, [(p,) for p in evaluator.prepared])) / (
-        evaluator.count
-    )

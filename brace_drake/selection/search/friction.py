@@ -27,26 +27,6 @@ from brace_drake.selection.search.nested import richer_starts
 from brace_drake.selection.search.screening import Say
 
 
-def sticking(
-    criterion: Criterion, fits: Sequence[CandidateFit]
-) -> list[CandidateFit]:
-    """Single effects with which drives stick, if they are among the best and
-    none of those explains all that there is.
-
-    Args:
-        criterion: With its null distribution.
-        fits: Of single effects.
-    """
-    known = [f for f in fits if f.is_searched]
-    least = min((max(0.0, f.excess) for f in known), default=np.inf)
-    if least <= criterion.null.misfit_threshold * criterion.count:
-        return []
-    near = thresholds.FRICTION_NEAR * least
-    found = [f for f in known if f.excess <= near and f.sticks]
-    found.sort(key=lambda f: f.excess)
-    return found[: thresholds.NUM_FRICTIONS]
-
-
 def fit_frictions(
     evaluator: Evaluator,
     frictions: Sequence[CandidateFit],

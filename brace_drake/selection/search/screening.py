@@ -204,6 +204,9 @@ def predict(
             nothing.
     """
     fit, found = base.base, []
+    most = thresholds.HOPELESS * base.remaining
+    if least is not None:
+        most = base.excess - least
     for values in effect.starts():
         start = tuple(values[effect.has_several_starts])
         for _ in range(thresholds.RESCALED + 1):
@@ -227,14 +230,18 @@ def predict(
             found.append(candidate)
             if effect.is_continuous.sum() > thresholds.STRAIGHT_PARAMETERS:
                 if candidate.step(base, 1):
-                    candidate.predicted = _excess(base, candidate)
+                    # With what the base's parameters cost, where that counts.
+                    mine = candidate.residual[: base.rows]
+                    noise = base.added_noise(candidate.problem, candidate.z)
+                    noise += base.noise
+                    candidate.predicted = float(mine @ mine) - noise
                 break
             is_strong_enough = thresholds.ENOUGH < far < 1.0 / thresholds.ENOUGH
             if effect.run_parameters or is_strong_enough:
                 break
             if least is None and base.is_exact:
                 return found
-            if _is_hopeless(base, candidate.predicted, least):
+            if candidate.predicted > most:
                 break
             factor = np.copysign(max(abs(far), thresholds.WEAKEST), far)
             rescaled = effect.scaled(values, factor)
@@ -242,20 +249,3 @@ def predict(
                 break
             values = rescaled
     return found
-
-
-def _excess(base: Linearisation, candidate: Candidate) -> float:
-    """Sum of squares above noise where a search stands; with what the base's
-    parameters cost, where that counts.
-    """
-    mine = candidate.residual[: base.rows]
-    added = base.added_noise(candidate.problem, candidate.z)
-    return float(mine @ mine) - (base.noise + added)
-
-
-def _is_hopeless(
-    base: Linearisation, predicted: float, least: float | None
-) -> bool:
-    if least is None:
-        return predicted > thresholds.HOPELESS * base.remaining
-    return predicted > base.excess - least

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, make_criterion
 from brace_drake.selection.null_bootstrap import draw_null
 from brace_drake.selection.search.candidate import Candidate
@@ -19,7 +21,6 @@ from brace_drake.selection.search.friction import (
     fit_alone,
     fit_frictions,
     is_settled,
-    sticking,
 )
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
@@ -108,10 +109,10 @@ def search_causes(
     fits = improve_choices(base, fits, most)
     null = draw_null(evaluator, nominal, fits, seed)
     criterion = replace(criterion, null=null)
-    if criterion.is_exact(nominal):
+    if criterion.misfit(nominal) <= thresholds.TWIN_ERROR:
         return Searched([*fits, *flexible], criterion)
     shown: frozenset[str] = frozenset()
-    frictions = sticking(criterion, [*fits, *flexible])
+    frictions = criterion.sticking([*fits, *flexible])
     imposed = explain_imposed(_part(say, 0.4, 0.42)) if frictions else None
     if imposed is not None:
         part, shown = _part(say, 0.42, 0.45), imposed.kinds
@@ -126,26 +127,28 @@ def search_causes(
             _, many = _divide(many, lambda e: e.answers_motion)
             found = [c for c in found if c.added in effects]
     singles = [f for f in fits if len(f.effects) == 1]
-    second = SecondEffects(base, effects, singles, found, criterion, seed)
-    known = [*fits, *flexible]
-    is_found = False
-    if flexible and not _is_done(criterion, known):
-        is_found = second.try_at_rest(flexible, _part(say, 0.4, 0.45))
-    if not (is_found or _is_done(criterion, known)):
-        is_found = second.try_pairs(_part(say, 0.45, 0.55))
-    if is_found:
-        pairs = second.search([], say)
-        return Searched([*known, *pairs], criterion, False, shown)
+    known, second = [*fits, *flexible], None
+    pair_of = partial(
+        SecondEffects, base, effects, singles, found, criterion, seed
+    )
+    if not _is_done(criterion, known):
+        second, is_found = pair_of(), False
+        if flexible:
+            is_found = second.try_at_rest(flexible, _part(say, 0.4, 0.45))
+        if is_found or second.try_pairs(_part(say, 0.45, 0.55)):
+            pairs = second.search([], say)
+            return Searched([*known, *pairs], criterion, False, shown)
     if not criterion.is_near_floor(known):
         flexible += _fit_many(base, criterion, many, _part(say, 0.55, 0.6))
         known = [*fits, *flexible]
     part = _part(say, 0.6, 0.78)
     if _is_done(criterion, known):
-        alone, found = [*singles, *flexible], second.found
+        alone, pairs = [*singles, *flexible], second.found if second else []
         pairs = try_small(
-            criterion, evaluator, alone, effects, found, seed, part
+            criterion, evaluator, alone, effects, pairs, seed, part
         )
         return Searched([*known, *pairs], criterion, False, shown)
+    second = second or pair_of()
     pairs = second.search(flexible, part)
     return Searched([*known, *pairs], criterion, second.is_cut, shown)
 
