@@ -99,7 +99,7 @@ class TestBenchTask(unittest.TestCase):
 
 class TestSimulator(unittest.TestCase):
     def test_a_constant_decision_changes_nothing_of_a_run(self):
-        wanted = cubic_push(-4e-4, 0.2, 201)
+        wanted = cubic_push(-4e-4, 0.2)
         logs = [
             run_bench(
                 wanted, True, Wearer(), Flaws(), np.random.default_rng(1),
@@ -110,7 +110,7 @@ class TestSimulator(unittest.TestCase):
         np.testing.assert_array_equal(*logs)
 
     def test_decisions_see_the_tick_before_and_act_from_the_next(self):
-        wanted, told = cubic_push(-4e-4, 0.2, 201), []
+        wanted, told = cubic_push(-4e-4, 0.2), []
 
         def decide(tick, run):
             told.append((tick, run.sent[tick].any(), run.sent[tick + 1].any()))

@@ -35,6 +35,12 @@ TAGS = ("pic", "npic", "mraic", "vpic")
 # Streams of subjects: those a constant is searched on, and those never seen.
 _SEARCHED, _UNSEEN = 1, 2
 
+# What policies have to share, beside the scenario.
+_SHARED = (
+    "observation", "sample_time", "max_steps", "displacement", "motion_time",
+    "action",
+)  # fmt: skip
+
 Say = Callable[[str, float], None]
 
 
@@ -124,16 +130,9 @@ def gather_policies(policies: Sequence[Policy]) -> tuple[Controller, ...]:
 
 def _compared(task: LearningTask) -> LearningTask:
     """What policies have to share."""
-    plain = LearningTask()
     return replace(
-        task,
-        scenario="",
-        reward=plain.reward,
-        limits=plain.limits,
-        subjects=plain.subjects,
-        readings=plain.readings,
-        backend=plain.backend,
-        failure_reward=plain.failure_reward,
+        LearningTask(scenario=""),
+        **{name: getattr(task, name) for name in _SHARED},
     )
 
 

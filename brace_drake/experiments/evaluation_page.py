@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import math
 from pathlib import Path
 
 from brace_drake.core.output import WriteText
@@ -14,7 +13,6 @@ from brace_drake.experiments.evaluation_table import (
     table_1,
 )
 from brace_drake.experiments.evaluation_words import explain
-from brace_drake.experiments.tables import Spread
 from brace_drake.report.page import render_template
 
 _TEMPLATE = "evaluation.html.j2"
@@ -38,55 +36,18 @@ def WritePage(
         evaluation: What is told.
         figures: PNG by name, from `WriteFigures`.
     """
-    text = render_page(evaluation, figures)
-    WriteText(folder / "evaluation.html", text)
-
-
-def render_page(evaluation: Evaluation, figures: dict[str, bytes]) -> str:
-    """The page as HTML text."""
-    return render_template(
+    text = render_template(
         _TEMPLATE,
         Path(__file__).parent,
-        subjects=len(evaluation.subjects),
-        policies=evaluation.policy_names,
-        seeds=len(evaluation.policies),
+        evaluation=evaluation,
         sentences=explain(evaluation),
-        columns=[c.title for c in COLUMNS],
-        nominal=[
-            {
-                "name": row["controller"],
-                "seed": row.get("seed", ""),
-                "cells": [_cell(row.get(c.name)) for c in COLUMNS],
-            }
-            for row in table_1(evaluation)
-        ],
-        unseen=[_shown(row) for row in summarize(evaluation)],
+        columns=COLUMNS,
+        nominal=table_1(evaluation),
+        unseen=summarize(evaluation),
         figures=[(_CAPTIONS[name], _uri(figures[name])) for name in _CAPTIONS],
         picture=_uri(figures["unseen"]),
     )
-
-
-def _shown(row: dict) -> dict:
-    """The cells of an unseen row, intervals below their values."""
-    spreads = {k: v for k, v in row.items() if isinstance(v, Spread)}
-    return {
-        **row,
-        **{key: _interval(spread) for key, spread in spreads.items()},
-        "violating": _interval(row["violating"], 100.0),
-        "better_than_pic": f"{100 * row['better_than_pic']:.0f}",
-    }
-
-
-def _interval(spread: Spread, factor: float = 1.0) -> dict:
-    interval = ""
-    if not math.isnan(spread.lower):
-        low, high = factor * spread.lower, factor * spread.upper
-        interval = f"{low:.3g} to {high:.3g}"
-    return {"value": f"{factor * spread.value:.4g}", "interval": interval}
-
-
-def _cell(value) -> str:
-    return "" if value is None else f"{value:.4g}"
+    WriteText(folder / "evaluation.html", text)
 
 
 def _uri(png: bytes) -> str:

@@ -95,21 +95,36 @@ class Validation:
 
     Attributes:
         campaign: Its name.
-        fit: The fit run that is shown.
-        held_back: The validation run; None where the campaign has none.
+        runs: The fit run that is shown and, where the campaign has one, the
+            first validation run, by split.
         regression: Of the fit run.
-        start: Subject with the network's values, within their limits.
-        fitted: Subject after the optimisation, in the order of `names`.
-        names: Of the subject's parameters.
+        subject: Each parameter before, with the network's values within their
+            limits, and after the optimisation.
     """
 
     campaign: str
-    fit: ReplayedRun
-    held_back: ReplayedRun | None
+    runs: dict[str, ReplayedRun]
     regression: Regression
-    start: np.ndarray
-    fitted: np.ndarray
-    names: tuple[str, ...]
+    subject: dict[str, dict[str, float]]
+
+    def document(self) -> dict:
+        """The figures' numbers as a document of plain types."""
+        estimate = self.regression.estimate
+        return {
+            "format": FORMAT,
+            "campaign": self.campaign,
+            "regression": {
+                "run": self.runs["fit"].run.file,
+                "stiffness_N_m": estimate.stiffness,
+                "damping_N_s_m": estimate.damping,
+                "rmse_N": self.regression.rmse,
+            },
+            "subject": self.subject,
+            "runs": {
+                split: {"file": r.run.file, **r.errors()}
+                for split, r in self.runs.items()
+            },
+        }
 
 
 def validate_twin(
@@ -134,16 +149,19 @@ def validate_twin(
     twin = BenchTwin(scenario or BenchScenario())
     fitted = _fitted_values(twin, campaign, found)
     start = start_values(twin, contact_starts(twin, campaign))
+    shown = {"fit": run}
     held_back = [r for r in campaign.split("validation") if r.contact]
-    replays = [_replay(twin, r, start, fitted) for r in (run, *held_back[:1])]
+    if held_back:
+        shown["validation"] = held_back[0]
+    values = zip(start.tolist(), fitted.tolist(), strict=True)
     return Validation(
         campaign=campaign.name,
-        fit=replays[0],
-        held_back=replays[1] if held_back else None,
+        runs={k: _replay(twin, r, start, fitted) for k, r in shown.items()},
         regression=regress_force(twin, run),
-        start=start,
-        fitted=fitted,
-        names=tuple(p.name for p in twin.subject),
+        subject={
+            p.name: {"before": before, "after": after}
+            for p, (before, after) in zip(twin.subject, values, strict=True)
+        },
     )
 
 
@@ -166,36 +184,6 @@ def regress_force(twin: BenchTwin, run: Run) -> Regression:
         predicted,
         estimate,
     )
-
-
-def describe(validation: Validation) -> dict:
-    """The figures' numbers as a document of plain types."""
-    estimate = validation.regression.estimate
-    shown = {"fit": validation.fit, "validation": validation.held_back}
-    return {
-        "format": FORMAT,
-        "campaign": validation.campaign,
-        "regression": {
-            "run": validation.fit.run.file,
-            "stiffness_N_m": estimate.stiffness,
-            "damping_N_s_m": estimate.damping,
-            "rmse_N": validation.regression.rmse,
-        },
-        "subject": {
-            name: {"before": float(b), "after": float(a)}
-            for name, b, a in zip(
-                validation.names,
-                validation.start,
-                validation.fitted,
-                strict=True,
-            )
-        },
-        "runs": {
-            split: {"file": r.run.file, **r.errors()}
-            for split, r in shown.items()
-            if r is not None
-        },
-    }
 
 
 def choose_run(campaign: Campaign, name: str | None) -> Run:

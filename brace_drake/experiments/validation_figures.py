@@ -82,15 +82,14 @@ def draw_regression(regression: Regression, file: str) -> bytes:
 
 def draw_forces(validation: Validation) -> bytes:
     """Twin and measured force, before and after the fit, as PNG."""
-    shown = [("fit run", validation.fit)]
-    if validation.held_back is not None:
-        shown.append(("held back from the fit", validation.held_back))
+    words = {"fit": "fit run", "validation": "held back from the fit"}
+    shown = validation.runs.items()
     with figure_style():
         figure = make_figure(WIDTH, 5.2)
         axes = figure.subplots(
             2, len(shown), squeeze=False, sharex="col", height_ratios=[1.6, 1.0]
         )
-        for column, (words, replayed) in enumerate(shown):
+        for column, (split, replayed) in enumerate(shown):
             top, bottom = axes[:, column]
             rmse = replayed.errors()
             for name, colour, label in _STYLES:
@@ -102,7 +101,7 @@ def draw_forces(validation: Validation) -> bytes:
                 top.plot(
                     replayed.time, force, color=colour, lw=1.0, label=label
                 )
-            title = f"{replayed.run.file}, {words}: force along y, N"
+            title = f"{replayed.run.file}, {words[split]}: force along y, N"
             top.set_title(plain(title))
             bottom.set_title("twin minus measured, N")
             bottom.set_xlabel("time, s")

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import io
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import numpy as np
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 from yaml import YAMLError
 
-from brace_drake.core.errors import PolicyError
+from brace_drake.core.errors import PolicyError, reason
 from brace_drake.core.output import WriteBytes
 from brace_drake.learning.actions import ActionLaw
 from brace_drake.learning.signals import OBSERVERS, signals_of_estimate
@@ -89,9 +89,7 @@ def LoadPolicy(path: str | Path) -> Policy:
         with np.load(path, allow_pickle=False) as file:
             arrays = dict(file)
     except OSError as error:
-        raise PolicyError(
-            f"{path}: cannot be read: {error.strerror or error}"
-        ) from error
+        raise PolicyError(f"{path}: cannot be read: {reason(error)}") from error
     # What zip files and their decoders raise on a broken one is not foreseen.
     except Exception as error:
         raise PolicyError(
@@ -102,6 +100,7 @@ def LoadPolicy(path: str | Path) -> Policy:
         raise PolicyError(f"{path}: format {found}; allowed: {FORMAT}")
     layers = sum(1 for name in arrays if name[0] == "W" and name[1:].isdigit())
     try:
+        law = {f.name: arrays[f"law_{f.name}"] for f in fields(ActionLaw)}
         policy = Policy(
             weights=tuple(arrays[f"W{i}"] for i in range(layers)),
             biases=tuple(arrays[f"b{i}"] for i in range(layers)),
@@ -109,11 +108,7 @@ def LoadPolicy(path: str | Path) -> Policy:
             gain=arrays["gain"],
             clip=float(arrays["clip"]),
             law=ActionLaw(
-                lower=float(arrays["law_lower"]),
-                upper=float(arrays["law_upper"]),
-                start=arrays["law_start"],
-                scale=str(arrays["law_scale"]),
-                largest=float(arrays["law_largest"]),
+                **{k: v if v.ndim else v.item() for k, v in law.items()}
             ),
             selected=arrays["selected"],
             task=yaml_load_typed(schema=LearningTask, data=str(arrays["task"])),

@@ -14,7 +14,7 @@ from brace_drake.cli.options import (
     load_scenario_option,
     open_workers_option,
 )
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import CampaignError, reason
 from brace_drake.core.output import HoldFolder, WriteBytes, WriteJson
 
 _EPILOG = """\
@@ -65,11 +65,7 @@ def Run(args: argparse.Namespace) -> int:
     """Fits where needed, draws, and prints the errors."""
     from brace_drake.core.resources import example_campaign_path
     from brace_drake.experiments import validation_figures as figures
-    from brace_drake.experiments.validate import (
-        choose_run,
-        describe,
-        validate_twin,
-    )
+    from brace_drake.experiments.validate import choose_run, validate_twin
     from brace_drake.recording import LoadCampaign
 
     path = args.campaign or example_campaign_path()
@@ -84,11 +80,15 @@ def Run(args: argparse.Namespace) -> int:
     out = HoldFolder(Path(args.out))
     found = given or _fit(campaign, scenario, args)
     shown = validate_twin(campaign, found, scenario, args.show)
-    WriteBytes(out / "replay.png", figures.draw_replay(shown.fit))
-    regression = figures.draw_regression(shown.regression, shown.fit.run.file)
-    WriteBytes(out / "regression.png", regression)
-    WriteBytes(out / "force.png", figures.draw_forces(shown))
-    document = describe(shown)
+    fit_run = shown.runs["fit"]
+    for name, png in (
+        ("replay", figures.draw_replay(fit_run)),
+        ("regression",
+         figures.draw_regression(shown.regression, fit_run.run.file)),
+        ("force", figures.draw_forces(shown)),
+    ):  # fmt: skip
+        WriteBytes(out / f"{name}.png", png)
+    document = shown.document()
     WriteJson(out / "validation.json", document)
     network = document["regression"]
     print(
@@ -120,7 +120,7 @@ def _load_fit(path: str) -> dict:
         found = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise CampaignError(
-            f"{path}: cannot be read: {error.strerror}"
+            f"{path}: cannot be read: {reason(error)}"
         ) from error
     except ValueError:
         found = None

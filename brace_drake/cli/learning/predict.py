@@ -83,6 +83,7 @@ def Run(args: argparse.Namespace) -> int:
 
 def _Write(folder: Path, found, sample_time: float) -> None:
     from brace_drake.core.output import HoldFolder, WriteJson, WriteText
+    from brace_drake.experiments.tables import format_csv
 
     HoldFolder(folder)
     rows = {
@@ -101,11 +102,11 @@ def _Write(folder: Path, found, sample_time: float) -> None:
     }
     WriteJson(folder / "prediction.json", rows)
     names = [n.replace(" ", "_") + "_stiffness_N_m" for n in found.names]
-    lines = [",".join(["time_s", *names])]
-    for k, row in enumerate(found.log.stiffness):
-        values = ",".join(f"{value:.6g}" for value in row)
-        lines.append(f"{(k + 1) * sample_time:.6g},{values}")
-    WriteText(folder / "course.csv", "\n".join(lines) + "\n")
+    course = [
+        {"time_s": (k + 1) * sample_time, **dict(zip(names, row, strict=True))}
+        for k, row in enumerate(found.log.stiffness)
+    ]
+    WriteText(folder / "course.csv", format_csv(course))
 
 
 def _parse_factor(text: str) -> tuple[str, float]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.experiments.scores import Push
-from brace_drake.laws import cubic
+from brace_drake.learning.diagram_loop import MakeCubic
 from brace_drake.learning.policy import Policy
 from brace_drake.withheld.simulator import (
     TICK,
@@ -19,17 +19,12 @@ from brace_drake.withheld.simulator import (
     run_bench,
 )
 
-_COORDINATES = 6
 
-
-def cubic_push(way: float, duration: float, ticks: int) -> np.ndarray:
+def cubic_push(way: float, duration: float) -> np.ndarray:
     """The paper's reference y, y', y'' at control ticks (ticks, 3)."""
-    start, end, out = np.zeros(1), np.full(1, way), np.empty(3)
-    wanted = np.empty((ticks, 3))
-    for k in range(ticks):
-        cubic.calc_cubic(k * TICK, duration, start, end, out)
-        wanted[k] = out
-    return wanted
+    motion = MakeCubic(np.zeros(1), np.full(1, way), duration)
+    time = TICK * np.arange(round(duration / TICK) + 1)
+    return np.ascontiguousarray(motion.vector_values(time).T)
 
 
 def push_bench(
@@ -56,7 +51,7 @@ def push_bench(
         noise: Of its instruments.
     """
     every = 50 if policy is None else round(policy.task.sample_time / TICK)
-    wanted = cubic_push(way, duration, round(duration / TICK) + 1)
+    wanted = cubic_push(way, duration)
     rows: list[list[float]] = []
     held = None if policy is None else policy.law.action(policy.law.start)
 
@@ -64,9 +59,7 @@ def push_bench(
         nonlocal held
         stiffness = run.memory[control.STIFFNESS]
         if policy is not None:
-            action = policy.act_on(
-                estimate_of(run.memory), desired_of(wanted[tick])
-            )
+            action = policy.act_on(*_known(run.memory, wanted[tick]))
             held = policy.law.limit(action, held)
             stiffness = float(policy.law.stiffness(held)[0])
         X, rate = run.x[0:3], run.memory[control.RATE + 1]
@@ -86,17 +79,16 @@ def push_bench(
     return Push(time, error, rate, force, stiffness)
 
 
-def estimate_of(memory: np.ndarray) -> np.ndarray:
-    """X, X', filtered force on the torso (18,) of the machine's controller."""
-    estimate = np.zeros(3 * _COORDINATES)
-    estimate[0:6] = memory[control.POSE : control.POSE + 6]
-    estimate[6:12] = memory[control.RATE : control.RATE + 6]
-    estimate[13] = memory[control.FORCE]
-    return estimate
+def _known(
+    memory: np.ndarray, wanted: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the machine's controller knows, and the reference along y.
 
-
-def desired_of(wanted: np.ndarray) -> np.ndarray:
-    """X_d, X_d', X_d'' (18,) of a reference along y."""
-    desired = np.zeros(3 * _COORDINATES)
-    desired[1::6] = wanted
-    return desired
+    X, X', filtered force on the torso (18,) and X_d, X_d', X_d'' (18,).
+    """
+    estimate, desired = np.zeros((3, 6)), np.zeros((3, 6))
+    estimate[0] = memory[control.POSE : control.POSE + 6]
+    estimate[1] = memory[control.RATE : control.RATE + 6]
+    estimate[2, 1] = memory[control.FORCE]
+    desired[:, 1] = wanted
+    return estimate.ravel(), desired.ravel()

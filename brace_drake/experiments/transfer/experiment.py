@@ -21,7 +21,7 @@ from brace_drake.core.output import (
 )
 from brace_drake.core.parallel import Workers
 from brace_drake.core.resources import scenario_path
-from brace_drake.diagnose import Diagnosis, diagnose
+from brace_drake.diagnose import diagnose
 from brace_drake.document.document import MakeDocument
 from brace_drake.experiments.scores import Push, Score, score_push
 from brace_drake.experiments.transfer.bench_push import push_bench
@@ -45,8 +45,6 @@ CAUSES = ("coulomb_friction", "command_delay", "relaxation")
 # Trains a policy on a task in a folder; its file.
 Train = Callable[[Path, LearningTask], Path]
 Say = Callable[[str], None]
-
-
 OPTIONS = "payoff.yaml"
 
 
@@ -119,24 +117,21 @@ def make_case(cause: str, severity: str, seed: int) -> Case:
     Raises:
         BraceError: No such fault.
     """
-    found = [f for f in FAULTS if f.name == cause]
-    if not found:
-        names = ", ".join(f.name for f in FAULTS)
-        raise BraceError(f"cause {cause!r}; allowed: {names}")
-    rng = np.random.default_rng([seed, FAULTS.index(found[0])])
-    strength = found[0].strengths[SEVERITIES.index(severity)]
+    names = [fault.name for fault in FAULTS]
+    if cause not in names:
+        raise BraceError(f"cause {cause!r}; allowed: {', '.join(names)}")
+    fault = FAULTS[names.index(cause)]
+    rng = np.random.default_rng([seed, names.index(cause)])
+    strength = fault.strengths[SEVERITIES.index(severity)]
     subject, decoy = draw_subject(rng), draw_decoy(rng)
-    change = found[0].make(rng, strength)
-    flaws = with_flaws(decoy, change)
-    kind = "single"
-    return Case(
-        kind, (found[0],), severity, subject, decoy, flaws, {cause: change}
-    )
+    change = fault.make(rng, strength)
+    flaws, told = with_flaws(decoy, change), {cause: change}
+    return Case("single", (fault,), severity, subject, decoy, flaws, told)
 
 
 def repair_twin(
     case: Case, folder: Path, seed: int, workers: Workers
-) -> tuple[BenchScenario, Diagnosis]:
+) -> BenchScenario:
     """Records a campaign of the machine, diagnoses it, repairs the twin.
 
     Without an effect in the verdict the twin is the fitted one.
@@ -150,8 +145,8 @@ def repair_twin(
     WriteJson(folder / "diagnosis.json", MakeDocument(found))
     twin, winner = found.device.twin, found.verdict.winner
     if winner is None:
-        return twin.scenario_of(found.nominal.subject), found
-    return MakeRepairedScenario(twin, winner), found
+        return twin.scenario_of(found.nominal.subject)
+    return MakeRepairedScenario(twin, winner)
 
 
 def MakeBenchTask(
@@ -256,7 +251,7 @@ def run_transfer(
         own = MakeFolder(folder / cause)
         if not (own / FILE).exists():
             say(f"{cause}: diagnosis")
-            scenario, _ = repair_twin(case, own, options.seed, workers)
+            scenario = repair_twin(case, own, options.seed, workers)
             SaveScenario(scenario, own / FILE)
         say(f"{cause}: training on the repaired twin")
         repaired = policy_of(own, LoadScenario(own / FILE))

@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import pickle
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +18,15 @@ from brace_drake.core.output import HoldFolder, WriteBytes, WriteJson, WriteText
 from brace_drake.core.versions import installed_versions
 from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.learning.training.numbers import TrainingNumbers
-from brace_drake.scenario.load import LoadRecord
+from brace_drake.report.canvas import make_figure
+from brace_drake.scenario.load import LoadRecord, LoadScenario
 
 PACKAGES = (
     "brace_drake", "drake", "numpy", "numba", "gymnasium", "torch",
     "stable-baselines3",
 )  # fmt: skip
 CHECKPOINT = "checkpoint.pt"
+SCENARIO = "used.scenario.yaml"
 # What a checkpoint is made of beside tensors and plain values.
 _ARRAYS = (
     np._core.multiarray.scalar,
@@ -54,7 +55,7 @@ def WriteStart(
     for name, record in (
         ("task.yaml", task),
         ("training.yaml", numbers),
-        ("used.scenario.yaml", scenario),
+        (SCENARIO, scenario),
     ):
         WriteText(folder / name, yaml_dump_typed(record))
     WriteJson(
@@ -82,7 +83,7 @@ def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
                 f" {here.get(name)}: a run goes on with the same alone"
             )
     task = LoadRecord(LearningTask(), folder / "task.yaml")
-    kept = folder / "used.scenario.yaml"
+    kept = folder / SCENARIO
     if not _is_same(task, kept):
         task.scenario = str(kept)
     return task, LoadRecord(TrainingNumbers(), folder / "training.yaml")
@@ -99,12 +100,15 @@ def CheckSame(
         PolicyError: Names the first key that differs, and both values.
         ScenarioError: A file of the run cannot be read.
     """
-    for name, record in (
-        ("task.yaml", replace(task, scenario="")),
-        ("training.yaml", numbers),
-        ("used.scenario.yaml", load_task_scenario(task)),
-    ):
-        kept, asked = _load_map(folder / name), _map_of(record)
+    for name, kept, asked in (
+        ("task.yaml", LoadRecord(LearningTask(), folder / "task.yaml"), task),
+        ("training.yaml",
+         LoadRecord(TrainingNumbers(), folder / "training.yaml"), numbers),
+        (SCENARIO, LoadScenario(folder / SCENARIO), load_task_scenario(task)),
+    ):  # fmt: skip
+        kept, asked = (
+            yaml.safe_load(yaml_dump_typed(r)) for r in (kept, asked)
+        )
         for key, value in asked.items():
             if key != "scenario" and kept.get(key) != value:
                 raise PolicyError(
@@ -114,30 +118,15 @@ def CheckSame(
                 )
 
 
-def _load_map(path: Path) -> dict:
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, yaml.YAMLError) as error:
-        raise PolicyError(f"{path}: no part of a training run") from error
-    return data if isinstance(data, dict) else {}
-
-
-def _map_of(record) -> dict:
-    return yaml.safe_load(yaml_dump_typed(record))
-
-
 def _load_versions(manifest: Path) -> dict:
     try:
-        versions = json.loads(manifest.read_text(encoding="utf-8"))["versions"]
+        return dict(
+            json.loads(manifest.read_text(encoding="utf-8"))["versions"]
+        )
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise PolicyError(
             f"{manifest}: no manifest of a training run"
         ) from error
-    if not isinstance(versions, dict):
-        raise PolicyError(
-            f"{manifest}: versions: {versions!r}; allowed: a map of packages"
-        )
-    return versions
 
 
 def _is_same(task: LearningTask, kept: Path) -> bool:
@@ -181,9 +170,7 @@ def WriteCurve(folder: Path, rows: list[dict[str, float]]) -> None:
 
 def DrawCurve(folder: Path, rows: list[dict[str, float]]) -> None:
     """Draws returns over decisions as PNG."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7, 4), layout="constrained")
+    figure = make_figure(7, 4)
     axes = figure.add_subplot()
     steps = [row["steps"] for row in rows]
     for name, label, style in (
