@@ -192,7 +192,7 @@ def evaluate(
         policies: From `gather_policies`; may be none.
         workers: That share the pushes.
         num_subjects: Unseen ones.
-        num_searched: Others, on which the best constant is searched.
+        num_searched: Others, on which a constant stiffness is tuned.
         seed: Of both.
         say: For progress.
 
@@ -202,10 +202,10 @@ def evaluate(
     say = say or (lambda what, share: None)
     benchmark = Benchmark(make_task(policies))
     ranges = benchmark.task.subjects
-    say("best constant, nominal", 0.0)
+    say("constant stiffness, nominal", 0.0)
     own = search_constant(benchmark, (NOMINAL,), workers)
     others = draw_subjects(ranges, num_searched, seed, _SEARCHED)
-    say("best constant, drawn subjects", 0.05)
+    say("constant stiffness, drawn", 0.05)
     search = search_constant(benchmark, others, workers)
     fixed = [Controller(tag, tag) for tag in TAGS]
 

@@ -38,7 +38,7 @@ def colour_of(evaluation: Evaluation, name: str) -> str:
 
 
 def draw_paper_figures(evaluation: Evaluation) -> dict[str, bytes]:
-    """Figures 8 to 13 by name, of PIC, the best constant and the policies."""
+    """Figures 8 to 13 by name, of PIC, the tuned constant and the policies."""
     i = evaluation.benchmark.pushed
     x, z = 6 * (i // 6), 6 * (i // 6) + 2
     return {

@@ -1,8 +1,10 @@
 """Learning the desired impedance: RLPIC as gymnasium envs, PPO, policies.
 
-An env is a task on one of two loops of the brace that do the same within
-1e-8, compiled laws or the Drake diagram; what an episode is drawn from, what
-a policy sees, and how a step is judged have a module each. `training` is PPO.
+A `task` holds every number; `episode` draws a subject, a motion and noise for
+it. `env` runs an episode on one of two loops that do the same within 1e-8,
+compiled laws or the Drake diagram; `signals` says what a policy sees, `actions`
+what it may ask for, `rewards` how a step is judged. `training` is PPO, `policy`
+the file that comes of it, `predict` and `deployment` put it to use.
 
 Importing this package registers `BraceDrake/RLPIC-v0` (the paper's: one stage,
 7 observations, stiffness along y) and `BraceDrake/RLPIC-Full-v0` (three stages,
@@ -12,9 +14,9 @@ Importing this package registers `BraceDrake/RLPIC-v0` (the paper's: one stage,
     env = gymnasium.make("BraceDrake/RLPIC-v0")
 """
 
-import gymnasium
+import importlib
 
-__all__ = ["ENV_ID", "FULL_ENV_ID"]
+import gymnasium
 
 ENV_ID = "BraceDrake/RLPIC-v0"
 FULL_ENV_ID = "BraceDrake/RLPIC-Full-v0"
@@ -24,3 +26,23 @@ for _id, _maker in ((ENV_ID, "RlpicEnv"), (FULL_ENV_ID, "make_full_env")):
         gymnasium.register(
             _id, entry_point=f"brace_drake.learning.env:{_maker}"
         )
+
+# Where the public names are; Drake and Numba are slow to import.
+_MODULES = {
+    "LearningTask": "task",
+    "LoadPolicy": "policy",
+    "Policy": "policy",
+    "PolicySystem": "deployment",
+    "RlpicEnv": "env",
+    "SavePolicy": "policy",
+    "predict_impedance": "predict",
+    "run_episode": "episode",
+}
+__all__ = ["ENV_ID", "FULL_ENV_ID", *_MODULES]
+
+
+def __getattr__(name: str):
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = importlib.import_module(f"{__name__}.{_MODULES[name]}")
+    return getattr(module, name)

@@ -59,7 +59,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         type=positive,
         default=20,
         metavar="N",
-        help="others, on which the best constant is searched (default: 20)",
+        help="others, on which a constant stiffness is tuned (default: 20)",
     )
     add(
         "--seeds",
