@@ -62,7 +62,7 @@ class TestBenchTask(unittest.TestCase):
 
     def replayed(self, bench):
         twin = BenchTwin(bench)
-        wanted = cubic_push(-4e-4, _TIME, 401)
+        wanted = cubic_push(-4e-4, _TIME)
         values = np.array([p.nominal for p in twin.subject])
         return twin.simulate(Motion(wanted, True, 5), values)
 
