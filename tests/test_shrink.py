@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.identification.gap import rms_interval
+from brace_drake.identification.gap import interval_of_rms
 
 RATE, BLOCKS = 100.0, 400
 
@@ -21,7 +21,7 @@ class TestRmsInterval(unittest.TestCase):
         self.generator = np.random.default_rng(2)
 
     def width(self, squares):
-        low, high = rms_interval([run_of(squares)], [squares], 0)
+        low, high = interval_of_rms([run_of(squares)], [[squares]], 0)
         rms = np.sqrt(np.mean(squares))
         self.assertTrue(low < rms < high)
         return high - low
@@ -44,7 +44,9 @@ class TestRmsInterval(unittest.TestCase):
         # the others of three has the mean (100 k + 100 m + 300 n) / all.
         last = np.append(np.ones(800), 100.0)[:, None]
         wide = np.ones((800, 3))
-        low, high = rms_interval([run_of(last), run_of(wide)], [last, wide], 0)
+        low, high = interval_of_rms(
+            [run_of(last), run_of(wide)], [[last, wide]], 0
+        )
         self.assertGreater(high, 1.0)
         # With five of them, and 12 blocks of 1: 1.3.
         self.assertLess(high, np.sqrt((500.0 + 1200.0) / (5.0 + 1200.0)))
@@ -53,7 +55,7 @@ class TestRmsInterval(unittest.TestCase):
     def test_the_same_seed_draws_the_same(self):
         squares = self.generator.standard_normal(5000) ** 2
         first, again = (
-            rms_interval([run_of(squares)], [squares], 7) for _ in range(2)
+            interval_of_rms([run_of(squares)], [[squares]], 7) for _ in range(2)
         )
         self.assertEqual(first, again)
 

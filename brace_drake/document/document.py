@@ -12,7 +12,7 @@ from brace_drake.diagnose import Diagnosis
 from brace_drake.document.rows import (
     cause_rows,
     effect_parameters,
-    subject_part,
+    estimate_row,
 )
 from brace_drake.document.verdict_text import verdict_sentence
 from brace_drake.identification.gap import is_repaired
@@ -26,6 +26,7 @@ def MakeDocument(d: Diagnosis) -> dict:
     """The diagnosis in plain JSON types, format brace-diagnosis/1."""
     verdict, winner = d.verdict, d.verdict.winner
     effects = winner.effects if winner else ()
+    table, own = d.estimates, d.estimates.num_subject
     closed = d.shrinkage["closed"] if d.shrinkage else None
     values = effect_parameters(winner, d.estimates) if winner else ()
     return _plain(
@@ -47,7 +48,14 @@ def MakeDocument(d: Diagnosis) -> dict:
             },
             "where": d.where,
             "causes": cause_rows(d),
-            "subject": subject_part(d.estimates),
+            "subject": {
+                "parameters": [
+                    {**estimate_row(p), "nominal": p.nominal}
+                    for p in table.parameters[:own]
+                ],
+                "condition_number": table.condition_number,
+                "correlation": table.correlation[:own, :own].tolist(),
+            },
             "shrink": d.shrinkage,
             "left": d.rest,
             "next_experiment": describe_next(verdict, d.blocks, d.next_run),

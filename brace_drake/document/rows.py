@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from brace_drake.diagnose import Diagnosis
@@ -114,15 +112,4 @@ def estimate_row(p: ParameterEstimate) -> dict:
         "lower95": p.lower95,
         "upper95": p.upper95,
         "at_limit": p.at_limit,
-    }
-
-
-def subject_part(table: EstimateTable) -> dict:
-    """The subject's estimates with their nominal values and correlations."""
-    n = table.num_subject
-    mine: Sequence[ParameterEstimate] = table.parameters[:n]
-    return {
-        "parameters": [{**estimate_row(p), "nominal": p.nominal} for p in mine],
-        "condition_number": table.condition_number,
-        "correlation": table.correlation[:n, :n].tolist(),
     }

@@ -44,8 +44,12 @@ def verdict_sentence(
     text = f"The gap in {name} is explained by {' and '.join(causes)}"
     if closed is not None:
         them = "it" if len(causes) == 1 else "them"
-        text += f"; adding {them} closes {_share_text(closed)} of the gap on"
-        text += " the validation runs"
+        # More than all is noise.
+        share = "100" if closed >= 1.0 else f"{100.0 * closed:.1f}"
+        if 0.9995 < closed < 1.0:
+            share = "more than 99.9"
+        text += f"; adding {them} closes {share} % of the gap on the validation"
+        text += " runs"
     return text + "."
 
 
@@ -60,10 +64,3 @@ def _value_text(row: dict) -> str:
     else:
         shown = "" if unit == "1" else unit
     return f"{parameter_text(name, unit)} {value:.4g} {shown}".strip()
-
-
-def _share_text(share: float) -> str:
-    """A share as a percentage; more than all is noise."""
-    if share >= 1.0:
-        return "100 %"
-    return "more than 99.9 %" if share > 0.9995 else f"{100 * share:.1f} %"

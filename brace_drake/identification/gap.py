@@ -12,7 +12,7 @@ be compared between runs, channels and moments. It has no part in a decision.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,11 +59,13 @@ def compare_runs(
 ) -> list[RunComparison]:
     """Replays every run of an evaluator before and after the repair."""
     runs = evaluator.prepared
+    replays = evaluator.map(
+        lambda run: evaluator.simulate(run, nominal.subject, ()),
+        [(run,) for run in runs],
+    )
     compared = [
         RunComparison(run, before, None)
-        for run, before in zip(
-            runs, _replay(evaluator, runs, nominal), strict=True
-        )
+        for run, before in zip(runs, replays, strict=True)
     ]
     if winner is None:
         return compared
@@ -80,18 +82,14 @@ def repair_runs(
     """
     is_noisy = is_dithered(evaluator.twin, fit.uses)
     dither = 1.0 / NUM_DITHERS if is_noisy else 0.0
-    replays = _replay(evaluator, [c.prepared for c in compared], fit)
+    replays = evaluator.map(
+        lambda run: evaluator.simulate(run, fit.subject, fit.uses),
+        [(c.prepared,) for c in compared],
+    )
     return [
         replace(c, after=after, dither=dither)
         for c, after in zip(compared, replays, strict=True)
     ]
-
-
-def _replay(evaluator, runs, fit) -> list[np.ndarray]:
-    return evaluator.map(
-        lambda run: evaluator.simulate(run, fit.subject, fit.uses),
-        [(run,) for run in runs],
-    )
 
 
 def is_repaired(compared: Sequence[RunComparison]) -> bool:
@@ -119,52 +117,36 @@ def closed_share(before: float, after: float) -> float | None:
     return (before - after) / (before - 1.0) if before > 1.0 else None
 
 
-def closed_interval(
-    compared: Sequence[RunComparison], seed: int
+def interval_of_rms(
+    compared: Sequence[RunComparison],
+    squares: Sequence[Sequence[np.ndarray]],
+    seed: int,
+    figure: Callable[..., float | None] = lambda rms: rms,
 ) -> tuple[float, float] | None:
-    """95 % interval of the closed share of the gap, None without a gap."""
-    before, after = (
-        sums_of(compared, [c.squares(which) for c in compared])
-        for which in ("before", "after")
-    )
-
-    def closed(weights):
-        count = weights @ before[:, 1]
-        sums = weights @ before[:, 0], weights @ after[:, 0]
-        return closed_share(*(np.sqrt(max(0.0, s / count)) for s in sums))
-
-    found = interval_of(closed, len(before), [seed, 23], _DRAWS)
-    return found and tuple(float(limit) for limit in found)
-
-
-def rms_interval(
-    compared: Sequence[RunComparison], squares: Sequence[np.ndarray], seed: int
-) -> tuple[float, float]:
-    """95 % interval of a root mean square.
+    """95 % interval of a figure of root mean squares.
 
     Args:
         compared: Runs.
-        squares: Of each run (N,) or (N, n), NaN where there is nothing.
+        squares: For each root mean square, of each run (N,) or (N, n); NaN
+            where there is nothing.
         seed: Of the draws.
+        figure: From the root mean squares; None where there is none.
     """
-    sums = sums_of(compared, squares)
-
-    def rms(weights):
-        total, count = weights @ sums
-        return np.sqrt(max(0.0, total / count))
-
-    low, high = interval_of(rms, len(sums), [seed, 23], _DRAWS)
-    return float(low), float(high)
-
-
-def sums_of(
-    compared: Sequence[RunComparison], squares: Sequence[np.ndarray]
-) -> np.ndarray:
-    """Sum and number of the values in each piece of time (n, 2)."""
-    return np.array(
+    # Sum and number of the values in each piece of time.
+    sums = np.array(
         [
-            (np.nansum(part), np.count_nonzero(~np.isnan(part)))
-            for c, values in zip(compared, squares, strict=True)
-            for part in pieces_of(c.prepared.run, values)
+            [
+                (np.nansum(part), np.count_nonzero(~np.isnan(part)))
+                for c, values in zip(compared, of_runs, strict=True)
+                for part in pieces_of(c.prepared.run, values)
+            ]
+            for of_runs in squares
         ]
     )
+
+    def drawn(weights):
+        means = [total / count for total, count in weights @ sums]
+        return figure(*(np.sqrt(max(0.0, mean)) for mean in means))
+
+    found = interval_of(drawn, sums.shape[1], [seed, 23], _DRAWS)
+    return found and (float(found[0]), float(found[1]))

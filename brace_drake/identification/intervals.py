@@ -93,7 +93,9 @@ def estimate_table(
 
 
 def _score_covariance(evaluator, fit, q, seed):
-    def one(run, rows):
+    """Covariance of q'e over replicates of the noise e, run by run."""
+
+    def score(run, rows):
         noise = noise_replicates(
             evaluator.twin,
             run.motion,
@@ -105,40 +107,34 @@ def _score_covariance(evaluator, fit, q, seed):
 
     parts = np.split(q, evaluator.ends[:-1])
     tasks = list(zip(evaluator.prepared, parts, strict=True))
-    scores = np.array(evaluator.map(one, tasks))
+    scores = np.array(evaluator.map(score, tasks))
     # Runs are independent; so are the replicates of each.
     return np.einsum("rmi,rmj->ij", scores, scores) / _REPLICATES
 
 
 def _estimates(evaluator, fit, error):
-    z, scales = fit.solution.z, fit.scales
-    for i, (name, unit, low, high, nominal) in enumerate(
-        _parameters(evaluator, fit)
+    """Estimates of each scaled parameter, the subject's first."""
+    moved = [(p.name, p, p.nominal) for p in evaluator.twin.subject]
+    for effect in fit.effects:
+        moved += [(p.name, p, None) for p in effect.parameters if not p.choices]
+        moved += [
+            (f"{p.name} of {prepared.run.name}", p, None)
+            for prepared in evaluator.prepared
+            for p in effect.run_parameters
+        ]
+    values, errors = fit.solution.z * fit.scales, error * fit.scales
+    for (name, p, nominal), value, sigma in zip(
+        moved, values.tolist(), errors.tolist(), strict=True
     ):
-        value, sigma = float(z[i] * scales[i]), float(error[i] * scales[i])
-        margin = _AT_LIMIT * (high - low)
+        margin = _AT_LIMIT * (p.upper - p.lower)
         yield ParameterEstimate(
             name,
-            unit,
+            p.unit,
             value,
             sigma if np.isfinite(sigma) else None,
             # Beyond its limits the parameter has no meaning.
-            max(low, value - _Z95 * sigma),
-            min(high, value + _Z95 * sigma),
-            bool(value - low < margin or high - value < margin),
+            max(p.lower, value - _Z95 * sigma),
+            min(p.upper, value + _Z95 * sigma),
+            bool(value - p.lower < margin or p.upper - value < margin),
             nominal,
         )
-
-
-def _parameters(evaluator, fit):
-    """Name, unit, limits and nominal value of each scaled parameter."""
-    for p in evaluator.twin.subject:
-        yield p.name, p.unit, p.lower, p.upper, p.nominal
-    for effect in fit.effects:
-        for p in effect.parameters:
-            if not p.choices:
-                yield p.name, p.unit, p.lower, p.upper, None
-        for prepared in evaluator.prepared:
-            for p in effect.run_parameters:
-                name = f"{p.name} of {prepared.run.name}"
-                yield name, p.unit, p.lower, p.upper, None

@@ -42,27 +42,29 @@ def run_block_tests(
         seed: Of the replays.
     """
 
-    def recordings_of(prepared):
-        recordings = [prepared.measured]
+    def take_part(prepared):
+        """The recording, then as noisy replays would have been written."""
         grid = written_quantum(
             prepared.measured, np.zeros_like(prepared.measured)
         )
-        for i in range(_REPLICATES):
-            generator = np.random.default_rng([seed, 29, prepared.seed, i])
-            replay = evaluator.twin.simulate(
-                prepared.motion, fit.subject, (), generator
+        replays = [
+            evaluator.twin.simulate(
+                prepared.motion,
+                fit.subject,
+                (),
+                np.random.default_rng([seed, 29, prepared.seed, i]),
             )
-            recordings.append(on_grid(replay, grid))
-        return recordings
+            for i in range(_REPLICATES)
+        ]
+        return [prepared.measured, *(on_grid(r, grid) for r in replays)]
 
-    found = evaluator.map(recordings_of, [(p,) for p in evaluator.prepared])
+    found = evaluator.map(take_part, [(p,) for p in evaluator.prepared])
     takes = list(zip(*found, strict=True))
-    tasks = [(test, take) for test in tests for take in takes]
-
-    def power(test, take):
-        return _power(test, evaluator, take, fit.subject)
-
-    powers = np.array(evaluator.map(power, tasks)).reshape(len(tests), -1)
+    powers = evaluator.map(
+        lambda test, take: _power(test, evaluator, take, fit.subject),
+        [(test, take) for test in tests for take in takes],
+    )
+    powers = np.reshape(powers, (len(tests), len(takes)))
     rows = []
     for test, (recorded, *replicates) in zip(tests, powers, strict=True):
         if np.isnan(recorded):
@@ -143,28 +145,25 @@ def _power(
     if not parts:
         return np.nan
 
-    def residual(values):
+    known = evaluator.twin.subject
+    own = [i for i, p in enumerate(known) if p.name in test.own]
+    parameters = [known[i] for i in own]
+    units = np.array([p.unit_step for p in parameters])
+
+    def residual(z):
+        values = subject.copy()
+        values[own] = z * units
         found = [part(values).ravel() for part in parts]
         return np.concatenate([r / np.sqrt(len(r) * len(found)) for r in found])
 
-    base = residual(subject)
-    own = [
-        i for i, p in enumerate(evaluator.twin.subject) if p.name in test.own
-    ]
+    base = residual(subject[own] / units)
     if not own:
         return float(base @ base)
-    parameters = [evaluator.twin.subject[i] for i in own]
-    units = np.array([p.unit_step for p in parameters])
-
-    def scaled(z):
-        values = subject.copy()
-        values[own] = z * units
-        return residual(values)
 
     low = np.array([p.lower for p in parameters]) / units
     high = np.array([p.upper for p in parameters]) / units
     start = np.clip(subject[own] / units, low, high)
     best = least_squares(
-        scaled, start, bounds=(low, high), diff_step=_NUDGE, max_nfev=_TRIES
+        residual, start, bounds=(low, high), diff_step=_NUDGE, max_nfev=_TRIES
     )
     return float(min(2.0 * best.cost, base @ base))

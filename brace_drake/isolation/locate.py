@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from brace_drake.devices.declaration import Device, MotionSignals
+from brace_drake.devices.declaration import Device
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison
@@ -51,10 +49,16 @@ def locate_gap(
     """
     winner, prepared, rate = verdict.winner, evaluator.prepared, device.rate
     signals = [device.motion_signals(p, nominal.subject) for p in prepared]
-    phases = [
-        _phases_of(c, s, winner, rate)
-        for c, s in zip(compared, signals, strict=True)
-    ]
+    phases = []
+    for c, motion in zip(compared, signals, strict=True):
+        breath, run = None, c.prepared.run
+        if winner and winner.has_run_parameters and motion.force is not None:
+            # What its repair changes while the brace holds still.
+            breath = (c.after - c.before)[:, motion.force]
+        measured = c.prepared.measured
+        phases.append(
+            motion_phases(motion, measured, rate, run.contact, breath)
+        )
     balance, attribution, cells = [], [], []
     drives = next((r for r in tests if r["block"] == DRIVES), None)
     if verdict.outside_library and drives:
@@ -79,18 +83,3 @@ def locate_gap(
         "bands": band_budget(compared, rate),
         "cube": cells,
     }
-
-
-def _phases_of(
-    c: RunComparison,
-    signals: MotionSignals,
-    winner: CandidateFit | None,
-    rate: float,
-) -> np.ndarray:
-    run, breath = c.prepared.run, None
-    is_breathing = winner is not None and winner.has_run_parameters
-    if is_breathing and signals.force is not None:
-        # What its repair changes while the brace holds still is the breath.
-        breath = (c.after - c.before)[:, signals.force]
-    measured = c.prepared.measured
-    return motion_phases(signals, measured, rate, run.contact, breath)

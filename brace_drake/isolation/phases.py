@@ -55,10 +55,15 @@ def motion_phases(
         phase[moving & loading] = PHASES.index("loading")
         phase[moving & ~loading] = PHASES.index("unloading")
     if top > 0.0:
-        turns = _direction_changes(
-            velocity, _SLOW * top, round(2 * _AROUND_S * rate)
-        )
-        _mark(phase, turns, "reversal", rate)
+        # A real motion turns into its opposite in the middle of a standstill,
+        # or at its end where that is long.
+        fast = np.flatnonzero(moving)
+        signs = np.sign(velocity[fast])
+        turns = np.flatnonzero(signs[1:] != signs[:-1])
+        before, after = fast[turns], fast[turns + 1]
+        is_long = after - before > round(2 * _AROUND_S * rate)
+        at = np.where(is_long, after, (before + after) // 2)
+        _mark(phase, at, "reversal", rate)
     if contact and signals.touching is not None:
         changes = np.any(np.diff(signals.touching, axis=0), axis=1)
         at = np.flatnonzero(changes)
@@ -77,19 +82,3 @@ def _smooth(signal: np.ndarray, width: int) -> np.ndarray:
     width = max(1, width)
     padded = np.pad(signal, (width // 2, width - 1 - width // 2), mode="edge")
     return np.convolve(padded, np.full(width, 1.0 / width), mode="valid")
-
-
-def _direction_changes(
-    velocity: np.ndarray, threshold: float, longest: int
-) -> list[int]:
-    """Samples at which a real motion turns into its opposite.
-
-    In the middle of a standstill, or at its end where it is longer than
-    `longest` samples.
-    """
-    fast = np.flatnonzero(np.abs(velocity) > threshold)
-    signs = np.sign(velocity[fast])
-    turns = np.flatnonzero(signs[1:] != signs[:-1])
-    before, after = fast[turns], fast[turns + 1]
-    middle = (before + after) // 2
-    return list(np.where(after - before > longest, after, middle))

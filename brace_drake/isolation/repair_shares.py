@@ -58,27 +58,27 @@ def share_repairs(
     pieces = _excess_pieces(evaluator, nominal, winner, blocks)
     count = len(pieces[frozenset()])
 
-    def taken(weights):
+    everyone = frozenset(range(len(blocks)))
+
+    def shares(weights):
         gap = float(weights @ pieces[frozenset()])
         if gap <= 0.0:
             return None
-        return {
+        taken = {
             coalition: float(np.clip(1.0 - weights @ excess / gap, 0.0, 1.0))
             for coalition, excess in pieces.items()
         }
+        left = 1.0 - taken[everyone]
+        return np.append(shapley_values(taken, len(blocks)), left)
 
-    def shares(weights):
-        values = taken(weights)
-        if values is None:
-            return None
-        left = 1.0 - values[frozenset(range(len(blocks)))]
-        return np.append(shapley_values(values, len(blocks)), left)
-
-    whole = taken(np.ones(count))
-    if whole is None:
+    gap = float(pieces[frozenset()].sum())
+    if gap <= 0.0:
         return []
-    alone = [whole[frozenset({i})] for i in range(len(blocks))]
-    left = 1.0 - whole[frozenset(range(len(blocks)))]
+    alone = [
+        float(np.clip(1.0 - pieces[frozenset({i})].sum() / gap, 0.0, 1.0))
+        for i in range(len(blocks))
+    ]
+    left = float(np.clip(pieces[everyone].sum() / gap, 0.0, 1.0))
     cards = effects_for(evaluator.twin.device).values()
     named = set(itertools.chain.from_iterable(r.split("+") for r in rivals))
     others = dict.fromkeys(c.block for c in cards if c.name in named)

@@ -40,7 +40,14 @@ def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
         return None
     problem = CandidateProblem(evaluator, fit.effects, fit.values)
     z, jacobian = fit.solution.z, fit.solution.jacobian
-    own = [_own(problem, run) for run in range(len(evaluator.prepared))]
+    # Places of the parameters that each run has of its own.
+    own = [
+        np.array(
+            [i for e in fit.effects for i in problem.places_in_run(e, run)],
+            dtype=int,
+        )
+        for run in range(len(evaluator.prepared))
+    ]
     shared = np.setdiff1d(np.arange(len(z)), np.concatenate(own))
     triangles = []
     for mine, begin, end in zip(
@@ -52,8 +59,9 @@ def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
         triangle = calc_triangle([*columns, fit.solution.residual[rows]])
         triangles.append(triangle[len(mine) :, len(mine) :])
     # Rows of a prior are no run's.
+    last = evaluator.ends[-1]
     prior = np.column_stack(
-        [jacobian[evaluator.ends[-1] :, shared], _prior_residual(fit)]
+        [jacobian[last:, shared], fit.solution.residual[last:]]
     )
     room = (
         np.maximum(problem.lower - z, -problem.radius)[shared],
@@ -62,17 +70,6 @@ def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
     left = sum(_left_on(motion, triangles, prior, room) for motion in motions)
     before = sum(float(t[:, -1] @ t[:, -1]) for t in triangles)
     return (fit.excess + left - before) / evaluator.count
-
-
-def _own(problem: CandidateProblem, run: int) -> np.ndarray:
-    """Places of the parameters that one run has of its own."""
-    own = [problem.places_in_run(e, run) for e in problem.effects]
-    return np.concatenate([np.zeros(0, dtype=int), *own])
-
-
-def _prior_residual(fit: CandidateFit) -> np.ndarray:
-    residual = fit.solution.residual
-    return residual[len(residual) - fit.num_prior :]
 
 
 def _left_on(motion, triangles, prior, room) -> float:

@@ -16,10 +16,10 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import (
     RunComparison,
+    interval_of_rms,
     is_repaired,
     repair_runs,
     rms_gap,
-    rms_interval,
 )
 
 # A replay of each costs little, of all the pairs that were tried much.
@@ -61,28 +61,23 @@ def predict_runs(
     """
     if not compared:
         return []
-    found = []
-    if winner is not None and is_repaired(compared):
-        found.append(_measure(winner, compared, seed))
     able = [
         f
         for f in sorted(fits, key=lambda f: f.excess)
         if f.is_searched and not f.has_run_parameters
     ]
-    for fit in able[:_MOST]:
-        if fit is winner:
-            continue
-        try:
-            replayed = repair_runs(validation, compared, fit)
-        except BraceError:
-            continue
-        prediction = _measure(fit, replayed, seed)
-        if np.isfinite(prediction.gap):
-            found.append(prediction)
+    rivals = [f for f in able[:_MOST] if f is not winner]
+    found = []
+    for fit in [winner, *rivals] if is_repaired(compared) else rivals:
+        replayed = compared
+        if fit is not winner:
+            try:
+                replayed = repair_runs(validation, compared, fit)
+            except BraceError:
+                continue
+        gap = rms_gap(replayed, "after")
+        if np.isfinite(gap):
+            squares = [c.squares("after") for c in replayed]
+            interval = interval_of_rms(replayed, [squares], seed)
+            found.append(Prediction(fit, gap, interval))
     return found
-
-
-def _measure(fit, replayed, seed) -> Prediction:
-    squares = [c.squares("after") for c in replayed]
-    interval = rms_interval(replayed, squares, seed)
-    return Prediction(fit, rms_gap(replayed, "after"), interval)

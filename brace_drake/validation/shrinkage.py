@@ -12,13 +12,12 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import (
     RunComparison,
-    closed_interval,
     closed_share,
     compare_runs,
+    interval_of_rms,
     is_repaired,
     repair_runs,
     rms_gap,
-    rms_interval,
 )
 from brace_drake.validation.run_parameters import adapt_to_runs
 
@@ -59,7 +58,10 @@ def measure_shrinkage(
     repaired = is_repaired(compared)
     which = "after" if repaired else "before"
     before, after = rms_gap(compared, "before"), rms_gap(compared, which)
-    channels = []
+    interval, channels = None, []
+    if repaired:
+        parts = [[c.squares(w) for c in compared] for w in ("before", "after")]
+        interval = interval_of_rms(compared, parts, seed, closed_share)
     for c, name in enumerate(device.twin.channels):
         mine, then = (rms_gap(compared, w, c) for w in ("before", which))
         if mine is None:
@@ -67,7 +69,7 @@ def measure_shrinkage(
         squares = [run.squares(which)[:, c] for run in compared]
         row = {"channel": name, "unit": name.rsplit("_", 1)[-1]}
         row |= {"before": mine, "after": then, "floor": 1.0}
-        row["after_interval"] = rms_interval(compared, squares, seed)
+        row["after_interval"] = interval_of_rms(compared, [squares], seed)
         row["closed"] = closed_share(mine, then) if repaired else None
         channels.append(row)
     return {
@@ -76,9 +78,7 @@ def measure_shrinkage(
         "after": after,
         "floor": 1.0,
         "closed": closed_share(before, after) if repaired else None,
-        "closed_interval": closed_interval(compared, seed)
-        if repaired
-        else None,
+        "closed_interval": interval,
         "channels": channels,
         **_quantities(device, compared, subject, seed),
     }
@@ -117,6 +117,6 @@ def _quantities(device, compared, subject, seed) -> dict:
             for which, values in row.items()
         }
         for which in ("before", "after"):
-            interval = rms_interval(compared, row[which], seed)
+            interval = interval_of_rms(compared, [row[which]], seed)
             found[name][f"{which}_interval"] = interval
     return found
