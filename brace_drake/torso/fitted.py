@@ -16,9 +16,9 @@ from brace_drake.torso.loft import Loft
 from brace_drake.torso.pads import Pad, place_pads
 from brace_drake.torso.solid import (
     Solid,
-    boundary_triangles,
     deepest,
     fill_outlines,
+    split_quads,
     surface_volume,
 )
 
@@ -58,11 +58,20 @@ class FittedTorso:
 
 def loft_surface(loft: Loft) -> tuple[np.ndarray, np.ndarray]:
     """The loft's closed surface: vertices (v, 3), m, triangles (t, 3)."""
-    solid = fill_outlines(loft.outlines, loft.axis, ())
-    used, triangles = np.unique(
-        boundary_triangles(solid.tetrahedra), return_inverse=True
-    )
-    return solid.vertices[used], triangles.reshape(-1, 3)
+    n, m = loft.radii.shape
+    j, after = np.arange(m), (np.arange(m) + 1) % m
+    low = m * np.arange(n - 1)[:, None]
+    quads = [low + j, low + after, low + m + after, low + m + j]
+    top = m * (n - 1)
+    bottom_cap = [after, j, np.full(m, n * m)]
+    top_cap = [top + j, top + after, np.full(m, n * m + 1)]
+    triangles = [
+        split_quads(np.stack(quads, axis=-1).reshape(-1, 4)),
+        np.column_stack(bottom_cap),
+        np.column_stack(top_cap),
+    ]
+    vertices = [loft.outlines.reshape(-1, 3), loft.axis[[0, -1]]]
+    return np.concatenate(vertices), np.concatenate(triangles)
 
 
 def calc_inertia(

@@ -16,9 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
+from scipy.optimize import brentq
 
-# Halvings of a turn until an angle is known to rounding.
-_HALVINGS = 55
 # For the bend of a trunk: one standard deviation of smoothing, and what is
 # left out at either end, m.
 _SMOOTH, _END = 0.015, 0.08
@@ -112,18 +111,20 @@ def side_angle(
     Returns:
         θ about the section's centre, rad, in (-pi, pi).
     """
-    centre = loft_centre(loft, height)
-    # Along the side, from back to front, the distance grows.
+    start = loft_centre(loft, height) - point
+
+    def missing(angle: float) -> float:
+        """Grows along the side from back to front."""
+        ray = np.array([np.cos(angle), np.sin(angle)])
+        way = start + loft_radius(loft, angle, height) * ray
+        return float(way @ across - distance)
+
     back, front = side * np.pi, 0.0
-    for _ in range(_HALVINGS):
-        angle = 0.5 * (back + front)
-        radius = loft_radius(loft, angle, height)
-        at = centre + radius * np.array([np.cos(angle), np.sin(angle)])
-        if (at - point) @ across < distance:
-            back = angle
-        else:
-            front = angle
-    return angle
+    if missing(back) >= 0.0:
+        return back
+    if missing(front) <= 0.0:
+        return front
+    return float(brentq(missing, back, front, xtol=1e-15))
 
 
 def side_point(

@@ -167,13 +167,13 @@ def _section_triangles(m: int, rings: int) -> np.ndarray:
     for outer in range(0, (rings - 1) * m, m):
         inner = outer + m
         quads = [outer + j, outer + after, inner + after, inner + j]
-        triangles.append(_split_quads(np.column_stack(quads)))
+        triangles.append(split_quads(np.column_stack(quads)))
     last = (rings - 1) * m
     core = [last + j, last + after, np.full(m, rings * m)]
     return np.concatenate([*triangles, np.column_stack(core)])
 
 
-def _split_quads(quads: np.ndarray) -> np.ndarray:
+def split_quads(quads: np.ndarray) -> np.ndarray:
     """Two triangles of each quadrilateral, cut at its smallest node."""
     order = (np.argmin(quads, axis=1)[:, None] + np.arange(4)) % 4
     quads = np.take_along_axis(quads, order, axis=1)

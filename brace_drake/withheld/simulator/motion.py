@@ -34,7 +34,6 @@ from brace_drake.withheld.simulator.state import (
 )
 from brace_drake.withheld.simulator.turning import (
     apply,
-    apply_back,
     coordinate_rate,
     exponential,
     logarithm,
@@ -108,8 +107,8 @@ def surroundings(x, flaws, on):
 def turn_acceleration(R, inertia, w, torque, run, out):
     """Writes Euler's equation for a free body, in W: out (3,)."""
     body_w, body_t, b = run.a, run.b, run.c
-    apply_back(R, w, body_w)
-    apply_back(R, torque, body_t)
+    apply(R.T, w, body_w)
+    apply(R.T, torque, body_t)
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         gyro = (inertia[k] - inertia[j]) * body_w[j] * body_w[k]
@@ -121,7 +120,7 @@ def turn_acceleration(R, inertia, w, torque, run, out):
 def ring_acceleration(x, R, run, out):
     """Writes the ring's [v', w'] (6,) by its inverse mass matrix."""
     body_w, spin, load, on = run.a, run.b, run.load, run.on
-    apply_back(R, x[9:12], body_w)
+    apply(R.T, x[9:12], body_w)
     for i in range(3):
         body_w[i] *= RING_INERTIA[i]
     apply(R, body_w, spin)

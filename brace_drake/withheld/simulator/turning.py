@@ -63,17 +63,6 @@ def apply(A, x, y):
         y[i] = total
 
 
-@worker
-def apply_back(A, x, y):
-    """Writes y = A' x."""
-    n = len(x)
-    for i in range(n):
-        total = 0.0
-        for j in range(n):
-            total += A[j, i] * x[j]
-        y[i] = total
-
-
 @maker
 def turn(a, R):
     """Replaces R by exp([a]x) R."""
