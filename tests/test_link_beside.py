@@ -1,6 +1,8 @@
 """A twin beside a device: gaps, alarms, running estimates, the page."""
 
 import json
+import subprocess
+import sys
 import unittest
 import urllib.request
 
@@ -12,7 +14,6 @@ from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.library import MakeMotion
 from brace_drake.effects.registry import find_effect
 from brace_drake.link.emulator.bench_plant import BenchPlant
-from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.emulator.make import MakePlant
 from brace_drake.link.operation.beside import TwinBeside
 from brace_drake.link.operation.contact_estimate import (
@@ -41,7 +42,7 @@ def follow(
         plant = MakePlant(scenario, uses, seed=4)
     control = MakeControl(scenario, DEFAULT)
     beside = beside or TwinBeside(scenario, memory=6.0)
-    motion = place_motion(MakeMotion(motion), moving_rings(scenario))
+    motion = place_motion(MakeMotion(motion), scenario.stages)
     desired = desired_at_ticks(motion, 1000.0)
     command, alarmed = plant.hold, set()
     for i in range(min(len(desired), round(1000 * seconds))):
@@ -128,6 +129,32 @@ class TestOverlay(unittest.TestCase):
                 np.testing.assert_allclose(ring[:3, 3], expected, atol=1e-8)
                 torso = np.reshape(placed[f"{under}/torso"], (4, 4)).T
                 self.assertAlmostEqual(torso[1, 3], 0.5 * y)
+
+
+_COLLECT = """
+import gc, threading
+from brace_drake.playback.write import StartLocalMeshcat, _served
+class Owner:
+    def __init__(self):
+        self.meshcat, self.itself = StartLocalMeshcat(), self
+gc.disable()
+Owner()
+thread = threading.Thread(target=gc.collect)
+thread.start()
+thread.join()
+assert len(_served) == 1
+kept = StartLocalMeshcat()
+assert [m for _, m in _served] == [kept], _served
+"""
+
+
+class TestMeshcat(unittest.TestCase):
+    def test_no_other_thread_destroys_one(self):
+        # Drake would end the process.
+        done = subprocess.run(
+            [sys.executable, "-c", _COLLECT], capture_output=True, text=True
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
 
 
 class TestBesideABrace(unittest.TestCase):

@@ -26,7 +26,6 @@ import numpy as np
 
 from brace_drake.cli.machine.link_options import load_device_options
 from brace_drake.devices.motions.library import MakeMotion
-from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.operation.motion import desired_at_ticks, place_motion
 from brace_drake.link.operation.session import Session
 from brace_drake.link.operation.station import (
@@ -149,7 +148,7 @@ def soak(
             is_over = time.monotonic() - begun > args.at_most
             return is_over
 
-        reference = make_reference(seconds, moving_rings(scenario))
+        reference = make_reference(seconds, scenario.stages)
         session.Follow(reference, take, ends)
         took = time.monotonic() - begun
         tally, counts = session.tally, link.counts

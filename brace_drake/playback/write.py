@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import html
 import logging
+import sys
+import threading
 from pathlib import Path
 
 from pydrake.geometry import Meshcat, MeshcatParams
@@ -28,6 +30,12 @@ _FORCE = """\
     kPa, largest {pressure:.2f} kPa<br>"""
 
 FRAMES_PER_SECOND = 25.0
+# Each Meshcat with its thread. Drake ends the process where another thread
+# destroys one, as the garbage collector may: so each is held here until its
+# own thread finds that nobody else has it.
+_served: list[tuple[int, Meshcat]] = []
+# References to an entry that nobody else has: the entry's, a loop's, a call's.
+_ALONE = 3
 # What a headset would fetch; a page that is to be complete must not.
 _OUTSIDE = "https://cdn.jsdelivr.net/npm/@webxr-input-profiles/"
 
@@ -145,14 +153,21 @@ def ShowPlayback(
 
 def StartLocalMeshcat(host: str = "localhost") -> Meshcat:
     """A Meshcat that only this machine can reach, or who reaches `host`."""
+    own = threading.get_ident()
+    _served[:] = [
+        (thread, meshcat)
+        for thread, meshcat in _served
+        if thread != own or sys.getrefcount(meshcat) > _ALONE
+    ]
     log = logging.getLogger("drake")
     level = log.level
     # Drake tells an address that is of no use for a page on disk.
     log.setLevel(logging.WARNING)
     try:
-        return Meshcat(MeshcatParams(host=host))
+        _served.append((own, Meshcat(MeshcatParams(host=host))))
     finally:
         log.setLevel(level)
+    return _served[-1][1]
 
 
 def make_caption(states: PlaybackStates, scales: Scales, title: str) -> str:

@@ -91,7 +91,6 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Follows the motion once with the twin beside it."""
-    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.beside import TwinBeside
     from brace_drake.link.operation.console import CountDown, ReadKeys
     from brace_drake.link.operation.motion import RING, desired_at_ticks
@@ -104,8 +103,7 @@ def Run(args: argparse.Namespace) -> int:
     )
 
     scenario, limits = load_device_options(args)
-    rings = moving_rings(scenario)
-    motion = load_device_motion(args.motion, rings, args.ring)
+    motion = load_device_motion(args.motion, scenario.stages, args.ring)
     scenario.torso.present = motion.contact
     beside = TwinBeside(
         scenario, args.band, args.memory, limits, args.ring or RING

@@ -53,8 +53,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     what.add_argument(
         "--controller",
         metavar="TAG",
-        help="controller: of the bench pic; of a brace any of idc, pic, mraic,"
-        " npic, vpic and pid (default: the scenario's own)",
+        help="controller: idc, pic, mraic, npic, vpic or pid (default: the"
+        " scenario's own)",
     )
     what.add_argument("--policy", metavar="FILE", help="*.npz of a training")
     AddMotion(
@@ -73,7 +73,6 @@ def Run(args: argparse.Namespace) -> int:
     """Dry run, then the motion; prints and writes the timing."""
     import numpy as np
 
-    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.console import CountDown, ReadKeys
     from brace_drake.link.operation.deploy import (
         RunController,
@@ -86,8 +85,9 @@ def Run(args: argparse.Namespace) -> int:
 
     load = _load_controller if args.policy is None else _load_policy
     motion, scenario, limits, control = load(args)
-    rings = moving_rings(scenario)
-    log = RunLog(HoldFolder(Path(args.out)), rings) if args.out else None
+    log = None
+    if args.out:
+        log = RunLog(HoldFolder(Path(args.out)), tuple(scenario.stages))
 
     def run(name, desired, is_dry):
         keep = {"keep": partial(log.Write, name)} if log else {}
@@ -116,12 +116,11 @@ def Run(args: argparse.Namespace) -> int:
 
 def _load_controller(args: argparse.Namespace):
     """Motion, scenario, limits and control of --controller."""
-    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.station import MakeControl
 
     scenario, limits = load_device_options(args)
-    rings = moving_rings(scenario)
-    motion = load_device_motion(args.motion or "push", rings, args.ring)
+    name = args.motion or "push"
+    motion = load_device_motion(name, scenario.stages, args.ring)
     control = MakeControl(scenario, limits, args.controller)
     return motion, scenario, limits, control
 
@@ -135,17 +134,15 @@ def _load_policy(args: argparse.Namespace):
     )
     from brace_drake.learning.policy import LoadPolicy
     from brace_drake.link.device.limits_file import LoadLimits
-    from brace_drake.link.emulator.describe import moving_rings
 
     policy = LoadPolicy(args.policy)
     scenario, law = load_policy_scenario(policy, args.scenario), policy.law
-    rings = moving_rings(scenario)
-    limits = LoadLimits(args.limits, rings)
+    limits = LoadLimits(args.limits, scenario.stages)
     control = MakePolicyControl(policy, scenario, limits)
     if args.motion is None:
-        motion = motion_of_task(policy.task, len(rings))
+        motion = motion_of_task(policy.task, len(scenario.stages))
     else:
-        motion = load_device_motion(args.motion, rings, args.ring)
+        motion = load_device_motion(args.motion, scenario.stages, args.ring)
     print(
         f"stiffness: {law.lower:g} to {law.upper:g} N/m by the policy, at most"
         f" {limits.stiffness:g} N/m and {limits.stiffness_rate:g} N/m/s by the"

@@ -150,7 +150,6 @@ def load_device_options(args: argparse.Namespace):
             something else.
     """
     from brace_drake.link.device import LoadLimits
-    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.scenario.brace import BenchScenario
     from brace_drake.scenario.load import LoadScenario
 
@@ -161,4 +160,4 @@ def load_device_options(args: argparse.Namespace):
             f"{path}: on the link there is a {BENCH!r} or a {BRACE!r}, this is"
             f" a {scenario.device!r}"
         )
-    return scenario, LoadLimits(args.limits, moving_rings(scenario))
+    return scenario, LoadLimits(args.limits, scenario.stages)

@@ -58,11 +58,10 @@ def Run(args: argparse.Namespace) -> int:
     """Records one motion, or all runs of a plan."""
     if args.motion.endswith(_PLANS):
         return _RecordPlan(args)
-    from brace_drake.link.emulator.describe import moving_rings
     from brace_drake.link.operation.console import ReadKeys
 
     scenario, _ = load_device_options(args)
-    motion = load_device_motion(args.motion, moving_rings(scenario), args.ring)
+    motion = load_device_motion(args.motion, scenario.stages, args.ring)
     with ReadKeys() as keys, OpenRecorder(args) as recorder:
         run = recorder.Record(motion, args.split or "fit", args.countdown, keys)
     print(f"recorded: {Path(args.out) / run.entry['file']}, {run.rows} rows")

@@ -6,7 +6,7 @@ and readings fail on demand.
 
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.emulator.brace_plant import BracePlant
-from brace_drake.link.emulator.describe import describe_device, moving_rings
+from brace_drake.link.emulator.describe import describe_device
 from brace_drake.link.emulator.device import EmulatedDevice
 from brace_drake.link.emulator.make import MakePlant
 
@@ -16,5 +16,4 @@ __all__ = [
     "EmulatedDevice",
     "MakePlant",
     "describe_device",
-    "moving_rings",
 ]

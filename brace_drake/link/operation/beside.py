@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from brace_drake.laws.control.impedance import low_pass_gain_tau
-from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.emulator.make import MakePlant
 from brace_drake.link.operation.contact_estimate import ContactEstimate
 from brace_drake.link.operation.motion import RING
@@ -56,7 +55,7 @@ class TwinBeside:
         Raises:
             ScenarioError: What has no compiled law.
         """
-        rings = moving_rings(scenario)
+        rings = tuple(scenario.stages)
         self._ring = rings.index(ring) if ring in rings else 0
         self._name = f"ring{rings[self._ring]}"
         self._control = MakeControl(scenario, limits)

@@ -16,8 +16,15 @@ from brace_drake.core.errors import (
 from brace_drake.devices.motions.library import MOTIONS, MakeMotion
 from brace_drake.link.operation.console import ReadKeys
 from brace_drake.link.operation.recorder import Recorder
+from brace_drake.recording.fields import SWITCH, TEXT, Field, parse_yaml, take
 
 FORMAT = "brace-plan/1"
+_SPLITS = ("fit", "validation")
+_RUN = {
+    "motion": TEXT._replace(required=True),
+    "split": Field(" or ".join(_SPLITS), lambda v: v in _SPLITS, False),
+    "repeat": SWITCH,
+}
 
 
 @dataclass(frozen=True)
@@ -58,15 +65,13 @@ def LoadPlan(path: str | Path | None) -> tuple[PlannedRun, ...]:
     """
     if path is None:
         return STANDARD_PLAN
-    import yaml
-
     try:
-        content = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        content = parse_yaml(Path(path).read_bytes())
+    except (OSError, ValueError) as error:
         raise CampaignError(
             f"{path}: cannot be read: {reason(error)}"
         ) from error
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
+    if content.get("format") != FORMAT:
         raise CampaignError(f"{path}: format must be {FORMAT!r}")
     runs = content.get("runs")
     if not isinstance(runs, list) or not runs:
@@ -77,25 +82,19 @@ def LoadPlan(path: str | Path | None) -> tuple[PlannedRun, ...]:
 
 
 def _parse_run(run: object, place: str) -> PlannedRun:
-    if not isinstance(run, dict) or not isinstance(run.get("motion"), str):
-        raise CampaignError(f"{place} has no motion")
-    allowed = ("motion", "split", "repeat")
+    run = run if isinstance(run, dict) else {}
     for key in run:
-        if key not in allowed:
-            hint = suggest(key, allowed)
+        if key not in _RUN:
+            hint = suggest(key, _RUN)
             raise CampaignError(f"{place}: no key {key!r}{hint}")
-    planned = PlannedRun(**run)
-    if planned.motion not in MOTIONS:
-        MakeMotion(planned.motion)
-    if planned.split not in ("fit", "validation"):
-        raise CampaignError(
-            f"{place}: split is {planned.split!r}; allowed: fit or validation"
-        )
-    if not isinstance(planned.repeat, bool):
-        raise CampaignError(
-            f"{place}: repeat is {planned.repeat!r}; allowed: true or false"
-        )
-    return planned
+    values, faults = take(run, _RUN)
+    for name, wanted, value in faults:
+        if value is None:
+            raise CampaignError(f"{place} has no {name}")
+        raise CampaignError(f"{place}: {name} is {value!r}; allowed: {wanted}")
+    if values["motion"] not in MOTIONS:
+        MakeMotion(values["motion"])
+    return PlannedRun(**values)
 
 
 def remaining_runs(

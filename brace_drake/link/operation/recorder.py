@@ -8,7 +8,6 @@ from pathlib import Path
 from brace_drake.core.errors import StoppedError
 from brace_drake.devices.motions.library import SafeMotion
 from brace_drake.devices.motions.limits import check_reach
-from brace_drake.link.emulator.describe import moving_rings
 from brace_drake.link.operation.console import (
     CountDown,
     Keys,
@@ -73,7 +72,7 @@ class Recorder:
             OutputError, CampaignError: As `Journal`.
         """
         self._scenario, self._limits, self._ring = scenario, limits, ring
-        self._rings = moving_rings(scenario)
+        self._rings = tuple(scenario.stages)
         self.link = OpenDevice(port, scenario, limits, baud, clear)
         try:
             hello, rate = self.link.hello, 1.0 / scenario.sensors.log_period
