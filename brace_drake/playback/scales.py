@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from brace_drake.laws import rotation
 from brace_drake.playback.look import Look
 from brace_drake.playback.states import PlaybackStates
 from brace_drake.scenario.brace import Contact
@@ -67,16 +67,15 @@ def calc_pressures(
         (N, S, 2), Pa, 0 where a pad does not press.
     """
     pressures = np.zeros(pad_force.shape[:3])
-    R = np.empty((3, 3))
     for i, contact in enumerate(contacts):
         if contact is None:
             continue
+        turned = Rotation.from_quat(rings[:, i, 0:4], scalar_first=True)
+        to_left = turned.apply([0.0, 1.0, 0.0])[:, None]
+        # The left pad presses along -y of its ring.
+        inwards = (pad_force[:, i] * to_left).sum(axis=-1) * [-1.0, 1.0]
         area = float(contact.pad_size[0] * contact.pad_size[2])
-        for sample, pose in enumerate(rings[:, i]):
-            rotation.quaternion_to_matrix(pose[0:4], R)
-            # The left pad presses along -y of its ring.
-            inwards = pad_force[sample, i] @ R[:, 1] * [-1.0, 1.0]
-            pressures[sample, i] = np.maximum(inwards, 0.0) / area
+        pressures[:, i] = np.maximum(inwards, 0.0) / area
     return pressures
 
 

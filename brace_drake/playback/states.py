@@ -11,7 +11,6 @@ from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
-from brace_drake.core.errors import BraceError
 from brace_drake.kinematics import BraceGeometry, find_task_coordinates
 from brace_drake.laws import stages
 from brace_drake.model.brace_station import BraceStation
@@ -38,26 +37,6 @@ class PlaybackStates:
     torso: np.ndarray | None
     pad_force: np.ndarray
     is_of_pads: bool = False
-
-    def __post_init__(self):
-        n, s = len(self.times), self.rings.shape[1]
-        for name, shape in (
-            ("rings", (n, s, 7)),
-            ("torso", (n, 7)),
-            ("pad_force", (n, s, 2, 3)),
-        ):
-            values = getattr(self, name)
-            if values is None:
-                continue
-            if values.shape != shape:
-                raise BraceError(
-                    f"playback: {name} has shape {values.shape}; allowed:"
-                    f" {shape}"
-                )
-            if not np.isfinite(values).all():
-                raise BraceError(f"playback: {name} has values not finite")
-        if n == 0 or not (np.diff(self.times) > 0.0).all():
-            raise BraceError("playback: times do not rise")
 
     def frames(self, frames_per_second: float) -> np.ndarray:
         """Index of the sample nearest to each frame, the first at time 0."""

@@ -67,18 +67,19 @@ def AddPlayback(
     meshcat: Meshcat,
     scenario: Scenario,
     states: PlaybackStates,
-    frames_per_second: float = FRAMES_PER_SECOND,
     torso_mesh: Path | None = None,
-) -> None:
+) -> Scales:
     """Adds bench or brace of a scenario to Meshcat, moving over its states.
 
     Args:
         meshcat: Where to.
         scenario: Of bench or brace; `states` has as many rings.
         states: What happened.
-        frames_per_second: Of the animation.
         torso_mesh: File of a torso's surface, m, in its frame; else a plain
             elliptic one.
+
+    Returns:
+        Scales of arrows and colours.
 
     Raises:
         ScenarioError: The scenario's device has no rings.
@@ -89,8 +90,9 @@ def AddPlayback(
     SetScene(look, states, scales, 0, meshcat.SetTransform, meshcat.SetProperty)
     LookAtBrace(meshcat, look)
     meshcat.SetAnimation(
-        make_animation(look, states, scales, frames_per_second)
+        make_animation(look, states, scales, FRAMES_PER_SECOND)
     )
+    return scales
 
 
 def LookAtBrace(meshcat: Meshcat, look: Look) -> None:
@@ -105,13 +107,12 @@ def WritePlayback(
     states: PlaybackStates,
     path: str | Path,
     title: str = "",
-    frames_per_second: float = FRAMES_PER_SECOND,
     torso_mesh: Path | None = None,
 ) -> None:
     """Writes a page that plays the motion in 3D and loads nothing else.
 
     Args:
-        scenario, states, frames_per_second, torso_mesh: See `AddPlayback`.
+        scenario, states, torso_mesh: See `AddPlayback`.
         path: The file, *.html.
         title: Its heading; empty: the scenario's device.
 
@@ -120,10 +121,9 @@ def WritePlayback(
         OutputError: The file cannot be written.
     """
     meshcat = StartLocalMeshcat()
-    AddPlayback(meshcat, scenario, states, frames_per_second, torso_mesh)
+    scales = AddPlayback(meshcat, scenario, states, torso_mesh)
     text = meshcat.StaticHtml().replace(_OUTSIDE, "")
     title = title or scenario.device
-    scales = make_scales(make_look(scenario), states)
     caption = make_caption(states, scales, title)
     text = text.replace("Drake MeshCat", html.escape(title), 1)
     text = text.replace("<head>", _VIEWPORT, 1)
@@ -147,7 +147,7 @@ def ShowPlayback(
         ScenarioError: The scenario's device has no rings.
     """
     meshcat = meshcat or StartLocalMeshcat()
-    AddPlayback(meshcat, scenario, states, torso_mesh=torso_mesh)
+    AddPlayback(meshcat, scenario, states, torso_mesh)
     return meshcat
 
 

@@ -111,7 +111,7 @@ def draw_correlation(
         axes.tick_params(length=0)
         axes.spines[:].set_visible(False)
         for i, j in np.ndindex(n, n) if n <= 12 else ():
-            text = fixed(values[i, j], 2)
+            text = fixed(float(values[i, j]), 2)
             color = "white" if abs(values[i, j]) > 0.6 else MEASURED
             axes.text(
                 j, i, text, ha="center", va="center", fontsize=7, color=color
