@@ -36,7 +36,6 @@ from brace_drake.torso.measures import (
     make_parametric_loft,
 )
 from brace_drake.torso.meshes import obj_text
-from brace_drake.torso.pads import distance_at_rest
 from tests.torso_blocks import (
     CONTACT,
     RINGS,
@@ -244,22 +243,6 @@ class TestPlant(unittest.TestCase):
             body = plant.GetBodyByName(name)
             own = plant.GetCollisionGeometriesForBody(body)
             self.assertEqual(len(own), count)
-
-    def test_pads_do_not_meet_each_other_or_what_is_out_of_reach(self):
-        near, far = flat_pad(1), flat_pad(-1, offset=0.3)
-        torso = block_torso([near, far])
-        self.assertEqual(distance_at_rest(near, torso.solid, 0.0), 0.0)
-        far_away = flat_pad(-1, offset=0.9)
-        self.assertGreater(distance_at_rest(far_away, torso.solid, 0.0), 0.3)
-        # Beyond reach it is filtered: pressed in, it meets nothing.
-        torso = block_torso([near, far_away])
-        motion = [shift(0.0, 0.8, 0.0)]
-        contact = replace(CONTACT, reach=0.1)
-        force = press_pads(torso, contact, motion)[0, 1]
-        np.testing.assert_array_equal(force, 0.0)
-        contact = replace(CONTACT, reach=2.0)
-        force = press_pads(torso, contact, motion)[0, 1]
-        self.assertGreater(force[1], 10.0)
 
     def test_a_hull_in_place_of_the_solid_is_refused(self):
         solid = self.torso.solid

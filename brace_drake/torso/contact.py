@@ -43,7 +43,7 @@ from brace_drake.scenario.brace import BraceScenario, Contact
 from brace_drake.torso.faces import SHARE, make_point_pad
 from brace_drake.torso.fitted import FittedTorso
 from brace_drake.torso.meshes import obj_text, vtk_text
-from brace_drake.torso.pads import Pad, distance_at_rest
+from brace_drake.torso.pads import Pad
 from brace_drake.torso.solid import Solid, surface_volume
 
 # Drake's mesh may differ from ours by what the text of its file rounds.
@@ -62,7 +62,6 @@ class TorsoContact:
             `lagged` and `similar`.
         relaxation_time: c / k, s; `sap`.
         preload: Depth of each pad at rest, m.
-        reach: Pads farther than this from the torso at rest do not meet it, m.
         points: Of a pad, across and up, see `points`; 0, 0: its whole face.
         approximation: Of Drake's discrete contact.
     """
@@ -73,7 +72,6 @@ class TorsoContact:
     stiction_tolerance: float = 0.005
     relaxation_time: float = 0.0
     preload: float = 0.0
-    reach: float = 0.05
     points: tuple[int, int] = (0, 0)
     approximation: DiscreteContactApproximation = (
         DiscreteContactApproximation.kLagged
@@ -143,23 +141,18 @@ def AddTorsoContact(
             plant, scene_graph, torso_body, torso.solid, modulus, contact
         )
     }
-    out_of_reach = []
     for pad in torso.pads:
         if pad.place.ring not in ring_bodies:
             continue
         body = ring_bodies[pad.place.ring]
         p_TR = [0.0, 0.0, torso.ring_heights[pad.place.ring - 1]]
         face = make_point_pad(pad, *contact.points) if in_points else pad
-        geometry = AddRigidPad(plant, body, face, p_TR, contact)
-        found[pad.place.name] = geometry
-        if distance_at_rest(pad, torso.solid, contact.preload) > contact.reach:
-            out_of_reach.append(geometry)
+        found[pad.place.name] = AddRigidPad(plant, body, face, p_TR, contact)
+    # Pads of neighbouring rings may be as high as the rings are apart.
     pads = GeometrySet([g for n, g in found.items() if n != "torso"])
-    filters = CollisionFilterDeclaration().ExcludeWithin(pads)
-    if out_of_reach:
-        solid = GeometrySet(found["torso"])
-        filters.ExcludeBetween(GeometrySet(out_of_reach), solid)
-    scene_graph.collision_filter_manager().Apply(filters)
+    scene_graph.collision_filter_manager().Apply(
+        CollisionFilterDeclaration().ExcludeWithin(pads)
+    )
     return found
 
 

@@ -20,7 +20,6 @@ import numpy as np
 
 from brace_drake.core.errors import TorsoError
 from brace_drake.torso.loft import Loft, side_point
-from brace_drake.torso.solid import Solid
 
 
 @dataclass(frozen=True)
@@ -130,17 +129,3 @@ def _place(loft, ring, height, side, size) -> PadPlace:
     normal = side * np.array([-across[1], across[0], 0.0])
     point = side_point(loft, height, side)
     return PadPlace(ring, side, point, normal, across, tuple(size))
-
-
-def distance_at_rest(pad: Pad, solid: Solid, preload: float) -> float:
-    """From the middle of a pad to the nearest node of the surface, at least 0.
-
-    Less the largest edge of the surface it is a bound from below: enough to
-    tell pads that cannot touch.
-    """
-    middle = pad.vertices.mean(axis=0) - preload * pad.place.normal
-    corners = solid.vertices[solid.triangles]
-    edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
-    nearest = np.linalg.norm(corners.reshape(-1, 3) - middle, axis=1).min()
-    size = np.linalg.norm(pad.vertices - middle, axis=1).max()
-    return float(max(0.0, nearest - edge - size))
