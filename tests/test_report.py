@@ -272,7 +272,7 @@ class ReportTest(unittest.TestCase):
         diagnosis["verdict"]["sentence"] = f"${hostile}"
         diagnosis["where"]["phases"][0]["phase"] = r"$\frac{$ & <b>"
         diagnosis["where"]["channels"][0]["channel"] = "$x^_N\x00"
-        diagnosis["receipt"]["note"] = hostile
+        diagnosis["provenance"]["note"] = hostile
         trace = make_trace(f"$\\bad{{ {hostile}")
         page, text = self.check_whole(diagnosis, [trace])
         self.assertNotIn("<script", page)

@@ -217,7 +217,7 @@ class TestPayoff(unittest.TestCase):
                 with self.assertRaises(KeyboardInterrupt):
                     experiment.repair_twin(case, out, 0, 1)
             first, again = seen
-            # The receipt of a diagnosis is of files that are there.
+            # The provenance of a diagnosis is of files that are there.
             self.assertTrue((first.path / "campaign.yaml").exists())
             self.assertEqual(first.path, again.path)
             for one, other in zip(first.runs, again.runs, strict=True):

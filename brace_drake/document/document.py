@@ -60,7 +60,7 @@ def MakeDocument(d: Diagnosis) -> dict:
             "left": d.rest,
             "next_experiment": describe_next(verdict, d.blocks, d.next_run),
             "warnings": _warnings(d),
-            "receipt": _provenance(d),
+            "provenance": _provenance(d),
         }
     )
 
