@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import nnls
 
 from brace_drake.recording.columns import (
     BENCH,
@@ -81,6 +80,9 @@ def explained(force: np.ndarray, terms: np.ndarray) -> float:
     Returns:
         0.0 when no spring, damper or mass helps, 1.0 when they say all.
     """
+    # The command line starts without it.
+    from scipy.optimize import nnls
+
     force = force - force.mean()
     terms = terms - terms.mean(axis=0)
     scale = np.linalg.norm(terms, axis=0)
