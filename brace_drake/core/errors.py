@@ -67,3 +67,9 @@ def suggest(word: object, words: Iterable[object]) -> str:
     """A hint at the word that was meant, or nothing."""
     close = difflib.get_close_matches(str(word), map(str, words), n=1)
     return f", did you mean {close[0]}?" if close else ""
+
+
+def quoted(value: object, length: int = 60) -> str:
+    """`value` as it would be typed, on one line and not too long."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= length else text[: length - 3] + "..."

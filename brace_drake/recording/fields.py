@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from brace_drake.recording.findings import quoted
+from brace_drake.core.errors import quoted
 
 
 class Field(NamedTuple):

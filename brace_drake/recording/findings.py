@@ -35,12 +35,6 @@ class Problem:
         return f"{self.severity}: {place}: {self.message}"
 
 
-def quoted(value: object, length: int = 60) -> str:
-    """`value` as it would be typed, on one line and not too long."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= length else text[: length - 3] + "..."
-
-
 def counted(number: int, noun: str) -> str:
     """Such as "1 row" or "3 rows"."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from posixpath import isabs, normpath
 
-from brace_drake.core.errors import suggest
+from brace_drake.core.errors import quoted, suggest
 from brace_drake.recording.columns import DEVICES, Device
 from brace_drake.recording.fields import (
     NOT_NEGATIVE,
@@ -18,7 +18,7 @@ from brace_drake.recording.fields import (
     parse_yaml,
     take,
 )
-from brace_drake.recording.findings import Problem, error, quoted, warning
+from brace_drake.recording.findings import Problem, error, warning
 from brace_drake.recording.recording import Campaign, Run
 
 MANIFEST = "campaign.yaml"

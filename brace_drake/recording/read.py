@@ -14,7 +14,7 @@ from posixpath import normpath
 
 import numpy as np
 
-from brace_drake.core.errors import CampaignError, reason
+from brace_drake.core.errors import CampaignError, quoted, reason
 from brace_drake.recording.columns import (
     LEG_BENCH,
     Channel,
@@ -22,7 +22,7 @@ from brace_drake.recording.columns import (
     near_miss,
 )
 from brace_drake.recording.dropouts import fill_dropouts, lost_rows
-from brace_drake.recording.findings import Problem, error, quoted, warning
+from brace_drake.recording.findings import Problem, error, warning
 from brace_drake.recording.forces import check_forces
 from brace_drake.recording.manifest import (
     MANIFEST,

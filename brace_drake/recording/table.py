@@ -6,13 +6,13 @@ from collections.abc import Collection
 
 import numpy as np
 
+from brace_drake.core.errors import quoted
 from brace_drake.recording.dropouts import can_fill
 from brace_drake.recording.findings import (
     Problem,
     at_rows,
     counted,
     error,
-    quoted,
 )
 
 Columns = dict[str, np.ndarray]

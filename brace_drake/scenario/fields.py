@@ -15,7 +15,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from brace_drake.core.errors import ScenarioError, suggest
+from brace_drake.core.errors import ScenarioError, quoted, suggest
 
 _KINDS = {bool: "true or false", int: "a whole number", str: "a word"}
 
@@ -83,12 +83,11 @@ def fail(source: str, path: str, value, allowed: str) -> NoReturn:
     """Raises the one line of a bad value."""
     if isinstance(value, np.ndarray):
         value = value.tolist()
-    shown = " ".join(repr(value).split())
-    if len(shown) > 60:
-        shown = shown[:57] + "..."
     # Keys of a file may be anything, even line breaks.
     path = path if path.isprintable() else repr(path)
-    raise ScenarioError(f"{source}: {path} is {shown}; allowed: {allowed}")
+    raise ScenarioError(
+        f"{source}: {path} is {quoted(value)}; allowed: {allowed}"
+    )
 
 
 def check_fields(node, source: str, at: str = "", num_rings: int = 1) -> None:
