@@ -127,19 +127,16 @@ class TestCommands(unittest.TestCase):
             self.assertTrue(np.isfinite(memory.command).all())
 
     def test_stiffness_keeps_its_limits_and_rates(self):
-        memory, _ = armed()
         first = (6e3,) * 3 + (100.0,) * 3
-        memory = safety.limit_stiffness(SETUP, memory, first)
-        self.assertEqual(memory.stiffness, first)
+        # 0 throughout: none has passed so far, and no rate holds.
+        self.assertEqual(cut_stiffness(DEFAULT, (0.0,) * 6, first, 1e-3), first)
         asked = (1e9, math.nan, -1.0, 1e9, math.nan, -1.0)
-        values = [memory.stiffness]
+        values = [first]
         for _ in range(1000):
-            memory = safety.limit_stiffness(SETUP, memory, asked)
-            values.append(memory.stiffness)
+            values.append(cut_stiffness(DEFAULT, values[-1], asked, 1e-3))
         steps = np.abs(np.diff(values, axis=0)).max(axis=0)
         np.testing.assert_allclose(steps, [20, 0, 20, 0.4, 0, 0.4], rtol=1e-9)
         self.assertEqual(values[-1], (12e3, 6e3, 0.0, 200.0, 100.0, 0.0))
-        self.assertEqual(cut_stiffness(DEFAULT, (0.0,) * 6, first, 1e-3), first)
 
 
 class TestWords(unittest.TestCase):

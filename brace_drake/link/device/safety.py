@@ -15,11 +15,7 @@ from collections.abc import Sequence
 
 from brace_drake.link.device import guards
 from brace_drake.link.device.guards import NO_TRIP, Trip
-from brace_drake.link.device.release import (
-    cut_stiffness,
-    limit_command,
-    release_command,
-)
+from brace_drake.link.device.release import limit_command, release_command
 from brace_drake.link.device.safety_memory import (
     Memory,
     Reading,
@@ -120,20 +116,6 @@ def advance(
         return memory
     passed = limit_command(setup.limits, memory.command, command, setup.period)
     return memory._replace(command=passed, clamped=passed != tuple(command))
-
-
-def limit_stiffness(
-    setup: Setup, memory: Memory, stiffness: Sequence[float]
-) -> Memory:
-    """Lets a desired stiffness through, cut at its limits and rates.
-
-    Args:
-        setup: What does not change.
-        memory: Whose `stiffness` of 0 throughout means: none so far.
-        stiffness: K_d of each ring: N/m (3), N m/rad (3); (n,).
-    """
-    cut = cut_stiffness(setup.limits, memory.stiffness, stiffness, setup.period)
-    return memory._replace(stiffness=cut)
 
 
 def _is_finite(values: Sequence[float]) -> bool:

@@ -71,7 +71,6 @@ class Memory(NamedTuple):
         origin: Lengths from which travel is counted (n,), m.
         moved: Which legs' readings have changed since (n,).
         disagrees_since: s; below 0 while readings agree.
-        stiffness: Last stiffness let through (n,).
     """
 
     mode: SafetyMode
@@ -87,7 +86,6 @@ class Memory(NamedTuple):
     origin: tuple[float, ...]
     moved: tuple[bool, ...]
     disagrees_since: float
-    stiffness: tuple[float, ...]
 
 
 def start_memory(setup: Setup) -> Memory:
@@ -108,5 +106,4 @@ def start_memory(setup: Setup) -> Memory:
         origin=zeros,
         moved=(True,) * n,
         disagrees_since=-1.0,
-        stiffness=zeros,
     )

@@ -36,7 +36,6 @@ class SafetySupervisor(LeafSystem):
         force: Of each ring on the torso, W (n / 2,), N.
         pose: X of each ring (n,); may be left unconnected.
         virtual_pose: X_v of each ring (n,); may be left unconnected.
-        stiffness: K_d of each ring (n,); may be left unconnected.
         expected_force: What the legs leave for the torso (n / 2,), N, that
             `force` may not be far from; may be left unconnected.
         reading_time: When the readings were taken (1,), s; unconnected: now.
@@ -46,7 +45,6 @@ class SafetySupervisor(LeafSystem):
     Output ports:
         leg_command: What the legs shall do (n,), N, held from the last tick;
             before the first tick the input, as the controller has it.
-        stiffness: What passed of it (n,).
         status: See NUM_STATUS.
 
     Its memory (`Memory`) is an abstract state of the Context.
@@ -64,7 +62,6 @@ class SafetySupervisor(LeafSystem):
         self._force_port = declare("force", n // 2)
         self._pose_port = declare("pose", n)
         self._virtual_port = declare("virtual_pose", n)
-        self._stiffness_port = declare("stiffness", n)
         self._expected_port = declare("expected_force", n // 2)
         self._time_port = declare("reading_time", 1)
         self._request_port = declare("request", 1)
@@ -74,7 +71,6 @@ class SafetySupervisor(LeafSystem):
         )
         for name, size, calc, ports in (
             ("leg_command", n, self._CalcCommand, [self._command_port]),
-            ("stiffness", n, self._CalcStiffness, [self._stiffness_port]),
             ("status", NUM_STATUS, self._CalcStatus, []),
         ):
             # Else what sees a command that passed could not be an input.
@@ -109,10 +105,6 @@ class SafetySupervisor(LeafSystem):
                 memory = _carry_out(wanted, memory, now)
             request = wanted
         memory = safety.advance(self._setup, memory, now, reading, asked)
-        if self._stiffness_port.HasValue(context):
-            memory = safety.limit_stiffness(
-                self._setup, memory, self._stiffness_port.Eval(context)
-            )
         value = AbstractValue.Make((memory, request, True))
         state.get_mutable_abstract_state(self._memory).SetFrom(value)
 
@@ -137,14 +129,6 @@ class SafetySupervisor(LeafSystem):
             output.SetFromVector(memory.command)
         else:
             output.SetFromVector(self._command_port.Eval(context))
-
-    def _CalcStiffness(self, context: Context, output: BasicVector) -> None:
-        memory, _, started = self._Load(context)
-        if not started and self._stiffness_port.HasValue(context):
-            memory = safety.limit_stiffness(
-                self._setup, memory, self._stiffness_port.Eval(context)
-            )
-        output.SetFromVector(memory.stiffness)
 
     def _CalcStatus(self, context: Context, output: BasicVector) -> None:
         memory = self._Load(context)[0]
