@@ -184,7 +184,7 @@ class TestMotions(unittest.TestCase):
 class TestFaults(unittest.TestCase):
     def test_every_fault_shows_and_more_so_the_stronger_it_is(self):
         motions = {m.name: m for m in make_motions(np.random.default_rng(0))}
-        wanted = motions["stairs"].wanted[2000:7000]
+        wanted = motions["stairs"].wanted[2000:5000]
         healthy = ideal(wanted)
         for fault in (*FAULTS, *OUTSIDE):
             sizes = []
@@ -217,7 +217,8 @@ class TestAgreement(unittest.TestCase):
         from brace_drake.recording import LoadCampaign
 
         folder = SHARED / "campaigns" / "open00_nominal"
-        for i, run in enumerate(LoadCampaign(folder).runs):
+        # Every other run: free, held, pushed and shaken.
+        for i, run in enumerate(LoadCampaign(folder).runs[::2]):
             reference = run.stack(
                 (
                     "ring2_y_desired_m",
