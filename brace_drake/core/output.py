@@ -46,7 +46,8 @@ def HoldFolder(path: Path) -> Path:
     """
     path = MakeFolder(path)
     fd = os.open(path, os.O_RDONLY)
-    place = _place(fd)
+    status = os.fstat(fd)
+    place = status.st_dev, status.st_ino
     if place in _held:
         os.close(fd)
         return path
@@ -76,11 +77,6 @@ def ReleaseFolders() -> None:
     """Ends all holds of this process."""
     while _held:
         os.close(_held.popitem()[1])
-
-
-def _place(fd: int) -> tuple[int, int]:
-    status = os.fstat(fd)
-    return status.st_dev, status.st_ino
 
 
 def WriteText(path: Path, text: str) -> None:

@@ -115,127 +115,117 @@ class SafeMotion:
         return Run(file, self.contact, self.kind, None, "fit", channels)
 
 
-# Kinds of motions: their name, and y, y', y'' of the time.
-_Kind = tuple[str, Callable[[np.ndarray], np.ndarray]]
-
-
-def _hold() -> _Kind:
-    return "quiet_hold", lambda t: np.zeros((len(t), 3))
-
-
-def _push(height: float, rise: float) -> _Kind:
-    return "push", lambda t: ramp(t, 0.5, rise, height)
-
-
-def _stairs(heights: Sequence[float], hold: float) -> _Kind:
-    millimetres = 1e-3 * np.array(heights)
-    return "stairs", lambda t: steps(t, millimetres, hold, 0.5)
-
-
-def _reversal(mean: float, amplitude: float, rate: float) -> _Kind:
-    return "reversal", lambda t: growing_sine(t, mean, amplitude, rate, 1.5)
-
-
-def _multisine(mean: float, size: float, rates: np.ndarray) -> _Kind:
+def _multisine(
+    t: np.ndarray, mean: float, size: float, rates: np.ndarray
+) -> np.ndarray:
     """Sines of falling amplitude about a mean; at most `size` from it."""
-
-    def motion(t):
-        grow = ramp(t, 0.5, 1.5, 1.0)
-        wave = multisine(t, size, rates)
-        return ramp(t, 0.0, 1.5, mean) + product(grow, wave)
-
-    return "multisine", motion
+    grow = ramp(t, 0.5, 1.5, 1.0)
+    wave = multisine(t, size, rates)
+    return ramp(t, 0.0, 1.5, mean) + product(grow, wave)
 
 
-# Name: meaning, duration in s, kind. Names of motions without the torso begin
-# with "free".
-_LIBRARY: dict[str, tuple[str, float, _Kind]] = {
-    "quiet_hold": ("still, 12 s", 12, _hold()),
-    "quiet_hold_long": ("still, 60 s", 60, _hold()),
-    "push": ("10 mm in 6 s, held", 12, _push(-0.010, 6.0)),
-    "push_fast": ("9 mm in 0.6 s, held", 12, _push(-0.009, 0.6)),
-    "push_deep": ("12 mm in 3 s, held", 12, _push(-0.0119, 3.0)),
+# y, y', y'' from the time and a motion's numbers; m, s, Hz.
+_KINDS: dict[str, Callable[..., np.ndarray]] = {
+    "quiet_hold": lambda t: np.zeros((len(t), 3)),
+    "push": lambda t, height, rise: ramp(t, 0.5, rise, height),
+    "stairs": lambda t, hold, *millimetres: steps(
+        t, 1e-3 * np.array(millimetres), hold, 0.5
+    ),
+    "reversal": lambda t, mean, amplitude, rate: growing_sine(
+        t, mean, amplitude, rate, 1.5
+    ),
+    "multisine": _multisine,
+}
+
+# Name: meaning, duration in s, kind with its numbers. Names of motions without
+# the torso begin with "free".
+_LIBRARY: dict[str, tuple[str, float, tuple]] = {
+    "quiet_hold": ("still, 12 s", 12, ("quiet_hold",)),
+    "quiet_hold_long": ("still, 60 s", 60, ("quiet_hold",)),
+    "push": ("10 mm in 6 s, held", 12, ("push", -0.010, 6.0)),
+    "push_fast": ("9 mm in 0.6 s, held", 12, ("push", -0.009, 0.6)),
+    "push_deep": ("12 mm in 3 s, held", 12, ("push", -0.0119, 3.0)),
     "push_other_side": (
         "10 mm to the other side in 4 s, held",
         12,
-        _push(0.010, 4.0),
+        ("push", 0.010, 4.0),
     ),
-    "push_hold_long": ("9 mm in 1 s, held", 60, _push(-0.009, 1.0)),
+    "push_hold_long": ("9 mm in 1 s, held", 60, ("push", -0.009, 1.0)),
     "stairs": (
         "six depths to 9 mm, 1.4 s each",
         12,
-        _stairs([-2, -5, -9, -6, -2, -7], 1.4),
+        ("stairs", 1.4, -2, -5, -9, -6, -2, -7),
     ),
     "stairs_both_sides": (
         "eight heights within 10 mm to both sides, 0.9 s each",
         12,
-        _stairs([-3, -7, -10, -4, 4, 10, 6, 0], 0.9),
+        ("stairs", 0.9, -3, -7, -10, -4, 4, 10, 6, 0),
     ),
     "stairs_long": (
         "three depths to 11 mm, 10 s each",
         33,
-        _stairs([-4, -8, -11], 10.0),
+        ("stairs", 10.0, -4, -8, -11),
     ),
     "reversal": (
         "up to 4 mm about a depth of 4 mm at 0.25 Hz",
         12,
-        _reversal(-0.004, 0.004, 0.25),
+        ("reversal", -0.004, 0.004, 0.25),
     ),
     "reversal_small": (
         "up to 1 mm about a depth of 5 mm at 0.4 Hz",
         12,
-        _reversal(-0.005, 0.001, 0.4),
+        ("reversal", -0.005, 0.001, 0.4),
     ),
     "reversal_through_zero": (
         "up to 8 mm to both sides at 0.3 Hz",
         12,
-        _reversal(0.0, 0.008, 0.3),
+        ("reversal", 0.0, 0.008, 0.3),
     ),
     "reversal_fast": (
         "up to 3 mm about a depth of 6 mm at 1.5 Hz",
         12,
-        _reversal(-0.006, 0.003, 1.5),
+        ("reversal", -0.006, 0.003, 1.5),
     ),
     "multisine": (
         "0.15 to 2.1 Hz about a depth of 5 mm",
         12,
-        _multisine(-0.005, 0.005, _RATES),
+        ("multisine", -0.005, 0.005, _RATES),
     ),
     "multisine_fast": (
         "0.5 to 4.9 Hz about a depth of 6 mm",
         12,
-        _multisine(-0.006, 0.003, _FAST),
+        ("multisine", -0.006, 0.003, _FAST),
     ),
-    "free_hold": ("without torso, still", 12, _hold()),
+    "free_hold": ("without torso, still", 12, ("quiet_hold",)),
     "free_reversal": (
         "without torso, up to 6 mm at 0.25 Hz",
         12,
-        _reversal(0.0, 0.006, 0.25),
+        ("reversal", 0.0, 0.006, 0.25),
     ),
     "free_reversal_slow": (
         "without torso, up to 4 mm at 0.1 Hz",
         24,
-        _reversal(0.0, 0.004, 0.1),
+        ("reversal", 0.0, 0.004, 0.1),
     ),
     "free_reversal_small": (
         "without torso, up to 1 mm at 0.4 Hz",
         12,
-        _reversal(0.0, 0.001, 0.4),
+        ("reversal", 0.0, 0.001, 0.4),
     ),
     "free_reversal_fast": (
         "without torso, up to 4 mm at 1.5 Hz",
         12,
-        _reversal(0.0, 0.004, 1.5),
+        ("reversal", 0.0, 0.004, 1.5),
     ),
     "free_multisine": (
         "without torso, 0.15 to 2.1 Hz",
         12,
-        _multisine(0.0, 0.008, _RATES),
+        ("multisine", 0.0, 0.008, _RATES),
     ),
     "free_multisine_fast": (
         "without torso, 0.5 to 4.9 Hz",
         12,
-        _multisine(0.0, 0.004, _FAST),
+        ("multisine", 0.0, 0.004, _FAST),
     ),
 }
 MOTIONS = tuple(_LIBRARY)
@@ -264,7 +254,8 @@ def MakeMotion(name: str) -> SafeMotion:
         raise CampaignError(
             f"no motion {name!r}{hint}{there} are {', '.join(MOTIONS)}"
         )
-    meaning, duration, (kind, calc) = _LIBRARY[name]
+    meaning, duration, (kind, *numbers) = _LIBRARY[name]
     contact = not name.startswith("free")
     time = np.arange(round(duration * RATE_HZ)) / RATE_HZ
-    return SafeMotion(name, meaning, contact, kind, time, calc(time))
+    samples = _KINDS[kind](time, *numbers)
+    return SafeMotion(name, meaning, contact, kind, time, samples)
