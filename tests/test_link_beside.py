@@ -21,8 +21,7 @@ from brace_drake.link.operation.contact_estimate import (
     contact_regressors,
 )
 from brace_drake.link.operation.motion import desired_at_ticks, place_motion
-from brace_drake.link.operation.overlay import DEVICE, TWIN, Overlay
-from brace_drake.link.operation.page import Page
+from brace_drake.link.operation.page import DEVICE, TWIN, Overlay, Page
 from brace_drake.link.operation.rows import Row
 from brace_drake.link.operation.station import MakeControl
 from brace_drake.link.protocol.limits import DEFAULT

@@ -29,7 +29,7 @@ from brace_drake.link.operation.deploy import (
     format_log,
 )
 from brace_drake.link.operation.station import OpenDevice
-from brace_drake.link.operation.tally import Spread, Timing, measure_timing
+from brace_drake.link.operation.tally import Spread, Tally
 from brace_drake.link.protocol.words import Cause, DeviceState
 from tests.commands import run_command
 from tests.emulated_devices import (
@@ -170,19 +170,25 @@ class TestDeploy(unittest.TestCase):
                 )  # fmt: skip
             rows = format_log(kept, (2,)).splitlines()
             self.assertEqual(len(rows), 301)
-            timing = measure_timing(session.tally)
+            timing = session.tally.describe()
             # A second to settle, then each of the 300.
-            self.assertGreaterEqual(timing.ticks, 1300)
-            self.assertEqual(len(timing.latency_us), 3)
-            self.assertIn("ticks at", str(timing))
+            self.assertGreaterEqual(timing["ticks"], 1300)
+            self.assertEqual(len(timing["latency_us"]), 3)
+            self.assertIn("ticks at", str(session.tally))
 
     def test_a_dry_run_that_was_late_is_refused(self):
-        good = Timing(2000, 1000.0, 0, 0, [100.0, 900.0, 2000.0])
-        check_dry_run(good)
+        def tally(ticks, slow):
+            seen = Tally(ticks=ticks)
+            for late in [1e-4] * 97 + [slow] * 3:
+                seen.latencies.Add(late)
+                seen.periods.Add(1e-3)
+            return seen
+
+        check_dry_run(tally(2000, 9e-4))
         with self.assertRaisesRegex(StoppedError, "not armed"):
-            check_dry_run(Timing(2000, 1000.0, 0, 0, [100.0, 1100.0, 2e3]))
+            check_dry_run(tally(2000, 1.1e-3))
         with self.assertRaisesRegex(StoppedError, "50 ticks only"):
-            check_dry_run(Timing(50, 1000.0, 0, 0, [1.0, 1.0, 1.0]))
+            check_dry_run(tally(50, 1e-4))
 
 
 class TestSpread(unittest.TestCase):

@@ -94,8 +94,7 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.link.operation.beside import TwinBeside
     from brace_drake.link.operation.console import CountDown, ReadKeys
     from brace_drake.link.operation.motion import RING, desired_at_ticks
-    from brace_drake.link.operation.overlay import Overlay
-    from brace_drake.link.operation.page import Page
+    from brace_drake.link.operation.page import Overlay, Page
     from brace_drake.link.operation.session import Session
     from brace_drake.link.operation.station import (
         MakeControl,

@@ -81,7 +81,6 @@ def Run(args: argparse.Namespace) -> int:
     )
     from brace_drake.link.operation.motion import desired_at_ticks
     from brace_drake.link.operation.station import OpenDevice
-    from brace_drake.link.operation.tally import measure_timing
 
     load = _load_controller if args.policy is None else _load_policy
     motion, scenario, limits, control = load(args)
@@ -94,9 +93,8 @@ def Run(args: argparse.Namespace) -> int:
         session = RunController(
             link, control, limits, desired, is_dry, keys.pressed, **keep
         )
-        timing = measure_timing(session.tally)
-        print(f"{name.replace('_', ' ')}: {timing}", flush=True)
-        return timing
+        print(f"{name.replace('_', ' ')}: {session.tally}", flush=True)
+        return session.tally
 
     with (
         OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ from brace_drake.link.operation.rows import (
     name_values,
 )
 from brace_drake.link.operation.session import Session
-from brace_drake.link.operation.tally import Timing, measure_timing
+from brace_drake.link.operation.tally import Tally
 from brace_drake.link.protocol.limits import Limits
 
 # What a dry run must show before anything is armed.
@@ -75,7 +74,7 @@ def RunController(
 class RunLog:
     """A folder with the last run's ticks and the timing of all.
 
-    ticks.csv is what `format_log` writes; timing.json has a `Timing` for each
+    ticks.csv is what `format_log` writes; timing.json has the tally of each
     run, and `stopped`, why, where one did not come to its end.
     """
 
@@ -86,22 +85,22 @@ class RunLog:
         self, name: str, session: Session, rows: list[Row], cause: str
     ) -> None:
         """Writes a run of this name; the rest as `RunController` gives it."""
-        said = asdict(measure_timing(session.tally))
+        said = session.tally.describe()
         self._timing[name] = said | ({"stopped": cause} if cause else {})
         WriteText(self._folder / "ticks.csv", format_log(rows, self._rings))
         WriteJson(self._folder / "timing.json", self._timing)
 
 
-def check_dry_run(timing: Timing) -> None:
+def check_dry_run(tally: Tally) -> None:
     """Refuses to arm after a dry run that kept no time.
 
     Raises:
         StoppedError: Says what was too slow.
     """
-    if timing.ticks < _LEAST_DRY:
-        raise StoppedError(f"the dry run had {timing.ticks} ticks only")
-    period = 1e6 / timing.rate_hz
-    late = timing.latency_us[1]
+    if tally.ticks < _LEAST_DRY:
+        raise StoppedError(f"the dry run had {tally.ticks} ticks only")
+    period = 1e6 * tally.periods.mean
+    late = tally.latencies.percentiles(scale=1e6)[1]
     if late > _MOST_LATE * period:
         raise StoppedError(
             f"not armed: in the dry run 1 % of the answers took {late:.0f} us"

@@ -69,49 +69,30 @@ class Tally:
     latencies: Spread = field(default_factory=Spread)
     ages: Spread = field(default_factory=Spread)
 
-
-@dataclass
-class Timing:
-    """How well a run kept its time.
-
-    Attributes:
-        ticks: Controlled.
-        rate_hz: Of them.
-        unanswered, bridged: Ticks that went by on the last command; states
-            that never came.
-        latency_us, period_us, age_ticks: 50, 99, 99.9 %.
-    """
-
-    ticks: int
-    rate_hz: float
-    unanswered: int
-    bridged: int
-    latency_us: list[float] = field(default_factory=list)
-    period_us: list[float] = field(default_factory=list)
-    age_ticks: list[float] = field(default_factory=list)
+    def describe(self) -> dict:
+        """How well the time was kept: counts, and 50, 99, 99.9 %."""
+        mean = self.periods.mean
+        return {
+            "ticks": self.ticks,
+            "rate_hz": 1.0 / mean if mean > 0.0 else 0.0,
+            "unanswered": self.unanswered,
+            "bridged": self.bridged,
+            "latency_us": self.latencies.percentiles(scale=1e6),
+            "period_us": self.periods.percentiles(scale=1e6),
+            "age_ticks": self.ages.percentiles(),
+        }
 
     def __str__(self) -> str:
-        def three(values):
-            return " / ".join(f"{v:.0f}" for v in values)
-
+        said = self.describe()
+        three = {
+            name: " / ".join(f"{v:.0f}" for v in values)
+            for name, values in said.items()
+            if isinstance(values, list)
+        }
         return (
-            f"{self.ticks} ticks at {self.rate_hz:.0f} Hz;"
-            f" answers {three(self.latency_us)} us,"
-            f" periods {three(self.period_us)} us,"
-            f" ages {three(self.age_ticks)} ticks (50, 99, 99.9 %);"
+            f"{self.ticks} ticks at {said['rate_hz']:.0f} Hz;"
+            f" answers {three['latency_us']} us,"
+            f" periods {three['period_us']} us,"
+            f" ages {three['age_ticks']} ticks (50, 99, 99.9 %);"
             f" unanswered {self.unanswered}, bridged {self.bridged}"
         )
-
-
-def measure_timing(tally: Tally) -> Timing:
-    """The timing of a run so far."""
-    mean = tally.periods.mean
-    return Timing(
-        tally.ticks,
-        1.0 / mean if mean > 0.0 else 0.0,
-        tally.unanswered,
-        tally.bridged,
-        tally.latencies.percentiles(scale=1e6),
-        tally.periods.percentiles(scale=1e6),
-        tally.ages.percentiles(),
-    )
