@@ -2,6 +2,7 @@
 
 import itertools
 import unittest
+from dataclasses import replace
 
 import numpy as np
 
@@ -160,8 +161,7 @@ class TestBench(unittest.TestCase):
             measured = self.twin.simulate(
                 p.motion, self.nominal, (use,), np.random.default_rng([3, i])
             )
-            fields = {**p.__dict__, "measured": measured}
-            prepared.append(type(p)(**fields))
+            prepared.append(replace(p, measured=measured))
         evaluator = Evaluator(self.twin, prepared, 1)
         nominal = fit_nominal(evaluator)
         return attribute_errors(evaluator, nominal, self.errors, 0)
