@@ -1,4 +1,4 @@
-"""What the contact's side shows where drives stick, and friction beside it."""
+"""What an imposed motion shows where drives stick, and friction beside it."""
 
 import unittest
 from dataclasses import replace
@@ -32,7 +32,7 @@ def with_limit(evaluator, limit):
     return Criterion(None, evaluator.count, True, null=null)
 
 
-class TestContactSide(unittest.TestCase):
+class TestImposedMotion(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.bench = SyntheticBench()
