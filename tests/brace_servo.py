@@ -5,6 +5,7 @@ from pydrake.systems.framework import LeafSystem
 
 from brace_drake.laws import stage_poses, stages
 from brace_drake.model.systems.ticks import DeclareTick
+from brace_drake.scenario.brace_numbers import geometry_of
 
 
 class BraceServo(LeafSystem):
@@ -23,7 +24,7 @@ class BraceServo(LeafSystem):
         declare("force", 3 * n)
         self.desired = declare("desired", 18 * n)
         poses = np.empty((n, 7))
-        stages.place_rings(numbers.start, numbers.geometry.rest, poses)
+        stages.place_rings(numbers.start, numbers.rest, poses)
         self.DeclareDiscreteState(poses.ravel())
         self.DeclareDiscreteState(numbers.start)
         for name, size in (
@@ -33,16 +34,15 @@ class BraceServo(LeafSystem):
         ):
             state = self.DeclareDiscreteState(size * n)
             self.DeclareStateOutputPort(name, state)
-        mass = [numbers.ring[0]] * 3 + list(numbers.ring[1:4])
-        self.mass = np.tile(mass, n)
+        self.mass = numbers.ring[:, [0, 0, 0, 1, 2, 3]].ravel()
         self.weight = np.zeros(6 * n)
-        self.weight[2::6] = numbers.ring[4]
+        self.weight[2::6] = numbers.ring[:, 4]
         self.R, self.p_WB = np.empty((n, 3, 3)), np.empty((n, 6, 3))
         self.J, self.J_L = np.empty((n, 6, 6)), np.zeros((n, 6, 6))
         DeclareTick(self, period, self.Tick)
 
     def Tick(self, context, discrete):
-        geometry, n = self.numbers.geometry, self.n
+        geometry, n = geometry_of(self.numbers), self.n
         poses = discrete.get_mutable_value(0).reshape(n, 7)
         lengths, X = np.empty(6 * n), np.empty(6 * n)
         at = geometry.lower, geometry.upper

@@ -23,7 +23,7 @@ from brace_drake.model.articulated.links import make_bare_ring
 from brace_drake.model.brace_plant import AddBracePlant, SetBracePose
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import pack_brace
+from brace_drake.scenario.brace_numbers import geometry_of, pack_brace
 from tests.brace_runs import brace, hold, replay, run, run_servo
 from tests.brace_servo import BraceServo
 from tests.test_kinematics import some_poses
@@ -68,7 +68,7 @@ class TestModels(unittest.TestCase):
     def test_a_bare_ring_and_halves_of_legs_make_the_ring(self):
         scenario = BraceScenario()
         numbers = pack_brace(scenario)
-        geometry = numbers.geometry
+        geometry = geometry_of(numbers)
         half = 0.5 * (scenario.leg.tube_mass + scenario.leg.rod_mass)
         for i in range(3):
             ring = make_bare_ring(scenario, geometry, i)
@@ -114,7 +114,7 @@ class TestKinematics(unittest.TestCase):
     def test_drives_have_the_lengths_of_the_kinematics(self):
         scenario = brace("articulated")
         plant, context = make_plant(scenario)
-        geometry = pack_brace(scenario).geometry
+        geometry = geometry_of(pack_brace(scenario))
         for X in some_poses(np.random.default_rng(1), 10):
             SetBracePose(plant, context, scenario, X)
             ways = [
@@ -138,7 +138,7 @@ class TestKinematics(unittest.TestCase):
         self.assertLess(calc_closure_error(plant, context, scenario), 1e-6)
         read = station.diagram.GetOutputPort("leg_length")
         np.testing.assert_allclose(
-            station.numbers.geometry.rest_lengths + ways,
+            geometry_of(station.numbers).rest_lengths + ways,
             read.Eval(simulator.get_context()),
             rtol=0,
             atol=1e-6,
@@ -157,7 +157,7 @@ class TestKinematics(unittest.TestCase):
         ).data()
         held, lengths = log[0:18, -1], log[18:36, -1]
         plant, context = make_plant(scenario)
-        geometry, step = pack_brace(scenario).geometry, 1e-5
+        geometry, step = geometry_of(pack_brace(scenario)), 1e-5
         expected = np.empty(18)
         for k, way in enumerate(step * np.eye(18)):
             energy = []

@@ -1,14 +1,15 @@
-"""Forces of S stages: one stage is the bench, and three keep Newton's laws."""
+"""Forces of S stages: of one by hand, and three keep Newton's laws."""
 
 import unittest
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from brace_drake.laws import legs
-from brace_drake.laws.loop import blocks, kernels
+from brace_drake.laws.loop.brace import make_brace
+from brace_drake.laws.loop.ticks import run_forces
+from brace_drake.laws.plug_in import make_effects
 from brace_drake.laws.rotation import rotate_quaternion
-from brace_drake.scenario.bench_numbers import pack_bench
-from brace_drake.scenario.brace import BenchScenario, BraceScenario
+from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 
 
@@ -22,58 +23,83 @@ def some_state(generator, rest, turn=0.05):
     return np.concatenate([*poses, V])
 
 
-def calc(numbers, state, u, with_pads=True, with_legs=True):
+def calc(numbers, state, u, with_legs=True):
+    """Forces on the bodies, leg lengths, forces on the torso."""
     n = numbers.num_stages
-    out = np.full(kernels.num_forces(n, with_work=True), np.nan)
-    inputs = np.concatenate([state, u, numbers.force_law])
-    kernels.calc_brace(inputs, n, with_pads, with_legs, out)
-    return out[: kernels.num_forces(n)]
+    with_torso = len(state) > 13 * n
+    brace = make_brace(numbers, with_torso, with_legs)
+    size, at = 7 * (n + with_torso), 7 * n + 7
+    brace.bodies[:size] = state[:size]
+    brace.bodies[at : at + len(state) - size] = state[size:]
+    brace.u[:] = u
+    next(run_forces(1e-3, np.zeros(1), numbers, make_effects({}, n), brace))
+    F = brace.F[: n + with_torso].ravel()
+    return np.concatenate([F, brace.lengths, brace.f_T.ravel()])
+
+
+def forces_by_hand(numbers, bodies, u, with_torso):
+    """What `calc` returns of one stage, in matrices."""
+    (p_R, R_R), (p_T, R_T) = (
+        (q[4:7], Rotation.from_quat(np.roll(q[0:4], -1)).as_matrix())
+        for q in (bodies[0:7], bodies[7:14])
+    )
+    V_R, V_T = bodies[14:20], bodies[20:26]
+    arms = numbers.upper[0] @ R_R.T
+    legs = p_R + arms - numbers.lower[0]
+    lengths = np.linalg.norm(legs, axis=1)
+    n = legs / lengths[:, None]
+    rates = (n * (V_R[3:6] + np.cross(V_R[0:3], arms))).sum(axis=1)
+    f = (u - numbers.viscous * rates)[:, None] * n
+    F_R = np.concatenate([np.cross(arms, f).sum(axis=0), f.sum(axis=0)])
+    if not with_torso:
+        return np.concatenate([F_R, lengths, np.zeros(3)])
+    law, F_T, f_T = numbers.posture, np.zeros(6), np.zeros(3)
+    turn = Rotation.from_matrix(R_T).as_rotvec()
+    F_T[0:3] = -law[6:9] * turn - law[9:12] * V_T[0:3]
+    F_T[3:6] = -law[0:3] * (p_T - numbers.torso_rest) - law[3:6] * V_T[3:6]
+    k, c, friction, v_s, offset, preload = numbers.contact[0]
+    for s in (1.0, -1.0):
+        arm, y = s * offset * R_R[:, 1], R_T[:, 1]
+        p = p_R + arm - p_T
+        v = V_R[3:6] + np.cross(V_R[0:3], arm)
+        v = v - V_T[3:6] - np.cross(V_T[0:3], p)
+        d = preload + offset - s * p @ y
+        N = max(0.0, k * d - c * s * v @ y) if d > 0.0 else 0.0
+        slip = v - (v @ y) * y
+        speed = np.linalg.norm(slip)
+        on_torso = -s * N * y
+        on_torso = on_torso + friction * N * np.tanh(speed / v_s) * slip / speed
+        f_T += on_torso
+        F_T += np.concatenate([np.cross(p, on_torso), on_torso])
+        F_R -= np.concatenate([np.cross(arm, on_torso), on_torso])
+    return np.concatenate([F_R, F_T, lengths, f_T])
 
 
 class TestOneStage(unittest.TestCase):
-    """The laws put together as the compiled rollout of the bench has them."""
-
-    def rollout_forces(self, bench, bodies, u, with_torso):
-        lengths, rates, f = np.empty(6), np.empty(6), np.empty(6)
-        J, F_R, F_T = np.empty((6, 6)), np.zeros(6), np.zeros(6)
-        f_T, pose = np.zeros(3), np.zeros(6)
-        blocks.calc_ring_kinematics(
-            bodies[0:4], bodies[4:7], bodies[14:20],
-            bench.p_WB, bench.p_RT, lengths, rates, J,
-        )  # fmt: skip
-        if with_torso:
-            pads = np.empty((2, 17))
-            blocks.add_nominal_pads(bodies, bench.contact, pads, F_R, F_T, f_T)
-        blocks.calc_leg_forces(u, bench.viscous, rates, f)
-        legs.add_leg_wrench(J, f, F_R)
-        if with_torso:
-            blocks.add_posture(bodies, bench.rest, bench.posture, pose, F_T)
-        return np.concatenate([F_R, F_T, lengths, f_T, pose])
-
-    def test_the_forces_are_those_of_the_bench(self):
+    def test_the_forces_are_those_by_hand(self):
         generator = np.random.default_rng(1)
-        bench = pack_bench(BenchScenario())
         numbers = pack_brace(BraceScenario(stages=[2]))
+        rest = [numbers.rest[0], numbers.torso_rest]
         loads = []
         for _ in range(50):
-            bodies = some_state(generator, [bench.rest, bench.rest])
+            bodies = some_state(generator, rest)
             u = generator.uniform(-20, 20, 6)
-            expected = self.rollout_forces(bench, bodies, u, True)
+            expected = forces_by_hand(numbers, bodies, u, True)
             np.testing.assert_allclose(
                 calc(numbers, bodies, u), expected, rtol=1e-12, atol=1e-12
             )
             loads.append(np.abs(expected[18:21]).max())
         self.assertGreater(min(loads), 0.1)
 
-    def test_a_free_ring_has_the_forces_of_the_bench(self):
+    def test_a_free_ring_has_the_forces_by_hand(self):
         generator = np.random.default_rng(2)
-        bench = pack_bench(BenchScenario())
         numbers = pack_brace(BraceScenario(stages=[2]))
-        bodies = some_state(generator, [bench.rest, bench.rest])
+        rest = [numbers.rest[0], numbers.torso_rest]
+        bodies = some_state(generator, rest)
         ring = np.concatenate([bodies[0:7], bodies[14:20]])
         u = generator.uniform(-20, 20, 6)
-        expected = self.rollout_forces(bench, bodies, u, False)[0:18]
-        ours = calc(numbers, ring, u, with_pads=False)[0:18]
+        expected = forces_by_hand(numbers, bodies, u, False)
+        ours = calc(numbers, ring, u)
         np.testing.assert_allclose(ours, expected, rtol=1e-12, atol=1e-12)
 
 
@@ -84,7 +110,7 @@ class TestThreeStages(unittest.TestCase):
         for name in ("stiffness", "damping", "rot_stiffness", "rot_damping"):
             setattr(scenario.torso, f"posture_{name}", np.zeros(3))
         self.numbers = pack_brace(scenario)
-        rest = [*self.numbers.geometry.rest, self.numbers.torso_rest]
+        rest = [*self.numbers.rest, self.numbers.torso_rest]
         self.state = some_state(self.generator, rest)
         self.V = self.state[28:].reshape(4, 6)
 
@@ -105,7 +131,8 @@ class TestThreeStages(unittest.TestCase):
     def test_legs_bring_the_power_of_their_forces_and_rates(self):
         numbers, step = self.numbers, 1e-6
         u = self.generator.uniform(-20, 20, 18)
-        F = calc(numbers, self.state, u, with_pads=False)[0:18].reshape(3, 6)
+        bare = numbers.with_changes(contact=np.zeros((3, 6)))
+        F = calc(bare, self.state, u)[0:18].reshape(3, 6)
         power = (F * self.V[0:3]).sum()
         ends = []
         for sign in (1.0, -1.0):
@@ -124,7 +151,7 @@ class TestThreeStages(unittest.TestCase):
         scenario.contact.ring1.model = "none"
         scenario.contact.ring3.preload = 0.003
         numbers = pack_brace(scenario)
-        rest = [*numbers.geometry.rest, numbers.torso_rest]
+        rest = [*numbers.rest, numbers.torso_rest]
         state = some_state(np.random.default_rng(0), rest, 0.0)
         state[28:] = 0.0
         shift = np.array([0.0, 2e-4, -3e-4])
@@ -138,7 +165,7 @@ class TestThreeStages(unittest.TestCase):
         np.testing.assert_allclose(force[:, 1], expected, atol=1e-9)
         np.testing.assert_allclose(out[0:18].reshape(3, 6)[:, 3:6], -force)
         # Above and below To the pads turn the torso.
-        arm = numbers.geometry.rest[:, 2] - numbers.torso_rest[2]
+        arm = numbers.rest[:, 2] - numbers.torso_rest[2]
         self.assertAlmostEqual(out[18], -(arm * expected).sum(), places=9)
 
 

@@ -13,7 +13,7 @@ from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.simulate import SimulateBench
 from brace_drake.model.station import MakeBenchStation
 from brace_drake.scenario.brace import BenchScenario
-from brace_drake.scenario.brace_numbers import pack_brace
+from brace_drake.scenario.brace_numbers import geometry_of, pack_brace
 from tests.brace_runs import brace, hold, replay, run, run_servo
 from tests.brace_servo import BraceServo
 from tests.test_station import smooth_push
@@ -53,7 +53,7 @@ class TestStatics(unittest.TestCase):
         own = plant.GetMyMutableContextFromRoot(context)
         SetBracePose(plant, own, scenario, self.X)
         f = static_leg_forces(
-            station.numbers.geometry, self.X, (weight - load).ravel()
+            geometry_of(station.numbers), self.X, (weight - load).ravel()
         )
         self.assertLess(np.abs(f).max(), 120.0)
         diagram.GetInputPort("leg_command").FixValue(context, f)
@@ -74,7 +74,7 @@ class TestStatics(unittest.TestCase):
         numbers = pack_brace(scenario)
         weight = np.zeros((3, 6))
         weight[:, 2] = 0.85 * 9.81
-        f = static_leg_forces(numbers.geometry, self.X, weight.ravel())
+        f = static_leg_forces(geometry_of(numbers), self.X, weight.ravel())
         station, simulator, log = replay(scenario, [f], 0.01)
         plant, context = station.plant, simulator.get_context()
         v = plant.GetVelocities(plant.GetMyContextFromRoot(context))
@@ -107,7 +107,7 @@ class TestStages(unittest.TestCase):
                     n = len(stages)
                     self.assertEqual(log.shape[1], 15 * n + 3)
                     found = find_task_coordinates(
-                        station.numbers.geometry, log[-1, 6 * n : 12 * n]
+                        geometry_of(station.numbers), log[-1, 6 * n : 12 * n]
                     )
                     np.testing.assert_allclose(found, X, atol=3e-4)
                     self.assertTrue((log[-1, 12 * n + 1 : -3 : 3] < 0).all())

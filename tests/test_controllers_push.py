@@ -124,8 +124,9 @@ class TestThreeRings(unittest.TestCase):
                 for i, distance in enumerate(goals):
                     goal[:, 6 * i + 1] = cubic(k * step, distance, 0.8)
                 result = brace_control.advance_brace(
-                    numbers.kind, lengths, np.zeros(3 * n), goal.ravel(),
-                    np.empty(0), numbers.law, pose, memory, held, used, command,
+                    numbers.kind, numbers.law, (pose, memory, held, used),
+                    np.concatenate([lengths, np.zeros(3 * n)]), goal.ravel(),
+                    np.empty(0), command,
                 )  # fmt: skip
                 self.assertEqual(result, brace_control.GOOD)
             stages.calc_rates(J, J_L, V, rates)

@@ -6,8 +6,11 @@ import unittest
 import numpy as np
 
 from brace_drake.laws import contact, posture
-from brace_drake.laws.loop import blocks
-from brace_drake.laws.reading import read_instrument
+from brace_drake.laws.loop.brace import make_brace
+from brace_drake.laws.loop.ticks import round_readings, run_forces
+from brace_drake.laws.plug_in import make_effects
+from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.scenario.brace import BenchScenario
 
 # Stiffness, damping, friction, regularisation speed, pad offset, preload.
 LAW = np.array([6400.0, 150.0, 0.35, 0.005, 0.15, 0.001])
@@ -22,9 +25,13 @@ def two_bodies(p_R=(0, 0, 0), v_R=(0, 0, 0)):
 
 def press(bodies):
     """Spatial forces on ring and torso, and the force on the torso."""
-    pads, F_R, F_T, f_T = np.empty((2, 17)), *(np.zeros(n) for n in (6, 6, 3))
-    blocks.add_nominal_pads(bodies, LAW, pads, F_R, F_T, f_T)
-    return F_R, F_T, f_T
+    numbers = pack_bench(BenchScenario()).with_changes(
+        contact=LAW[None], posture=np.zeros(12)
+    )
+    brace = make_brace(numbers, with_torso=True, with_legs=False)
+    brace.bodies[:] = bodies
+    next(run_forces(1e-3, np.zeros(1), numbers, make_effects({}, 1), brace))
+    return brace.F[0], brace.F[1], brace.f_T[0]
 
 
 class TestPads(unittest.TestCase):
@@ -86,10 +93,15 @@ class TestPosture(unittest.TestCase):
 
 class TestReading(unittest.TestCase):
     def test_noise_comes_before_rounding(self):
-        self.assertAlmostEqual(read_instrument(0.1234, 0.0008, 0.001), 0.124)
+        readings = np.full(12, 0.1234)
+        round_readings(np.array([0.001, 0.01]), np.full(12, 0.0008), readings)
+        expected = [*[0.124] * 6, *[0.12] * 3, *[0.1242] * 3]
+        np.testing.assert_allclose(readings, expected, rtol=1e-12)
 
     def test_no_resolution_means_no_rounding(self):
-        self.assertEqual(read_instrument(0.5, 0.25, 0.0), 0.75)
+        readings = np.full(12, 0.5)
+        round_readings(np.zeros(2), np.full(12, 0.25), readings)
+        np.testing.assert_array_equal(readings, 0.75)
 
 
 if __name__ == "__main__":

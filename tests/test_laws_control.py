@@ -8,7 +8,6 @@ import numpy as np
 from brace_drake.laws.control import brace_control, pose_estimate
 from brace_drake.laws.control import impedance as control
 from brace_drake.laws.linear_solve import solve_in_place
-from brace_drake.laws.loop import bench_tick
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
 
@@ -80,15 +79,18 @@ class TestTick(unittest.TestCase):
     def commands(self, p=(0.0, 0.0, 0.0), force=0.0, desired=(0.0, 0.0, 0.0)):
         """Leg commands with the ring at p, and the directions of the legs."""
         numbers = self.numbers
-        d = numbers.p_RT + numbers.rest + p - numbers.p_WB
+        d = numbers.upper[0] + numbers.rest + p - numbers.lower[0]
         lengths = np.linalg.norm(d, axis=1)
         readings = np.array([*lengths, 0.0, force, 0.0, *np.zeros(3)])
-        u, memory = np.empty(6), bench_tick.make_memory(numbers.rest)
-        controller = bench_tick.make_controller(numbers.controller_law, memory)
-        good = bench_tick.advance_tick(
-            readings, np.array(desired), controller, u
-        )
-        self.assertTrue(good)
+        u, X_d = np.empty(6), np.zeros((3, 6))
+        X_d[:, 1] = desired
+        memory = np.zeros((1, 6))
+        held = brace_control.start_held(numbers.start, numbers.rest, memory)
+        result = brace_control.advance_brace(
+            brace_control.PIC, numbers.control, held, readings, X_d.ravel(),
+            np.empty(0), u,
+        )  # fmt: skip
+        self.assertEqual(result, brace_control.GOOD)
         return u, d / lengths[:, None]
 
     def test_at_rest_the_legs_carry_the_weight(self):
@@ -115,15 +117,16 @@ class TestTick(unittest.TestCase):
 
     def test_the_pose_of_the_first_tick_gives_no_velocity(self):
         numbers, memory = self.numbers, np.zeros(20)
-        memory[0:3], memory[3] = numbers.rest, 1.0
-        p = numbers.rest + np.array([0, 0.001, 0])
-        lengths = np.linalg.norm(numbers.p_RT + p - numbers.p_WB, axis=1)
+        memory[0:3], memory[3] = numbers.rest[0], 1.0
+        p = numbers.rest[0] + np.array([0, 0.001, 0])
+        d = numbers.upper[0] + p - numbers.lower[0]
+        lengths = np.linalg.norm(d, axis=1)
         estimate = np.empty(19)
         good = pose_estimate.estimate_pose(
             lengths,
             numbers.control[brace_control.ESTIMATOR],
-            numbers.p_WB,
-            numbers.p_RT,
+            numbers.lower[0],
+            numbers.upper[0],
             memory,
             estimate,
             (np.empty((3, 3)), np.empty((6, 6)), np.empty(6), np.empty(6)),

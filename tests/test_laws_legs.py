@@ -6,7 +6,6 @@ import numpy as np
 from pydrake.common.eigen_geometry import AngleAxis
 
 from brace_drake.laws import legs
-from brace_drake.laws.loop import blocks
 from brace_drake.laws.rotation import (
     quaternion_to_matrix,
     quaternion_to_rotation_vector,
@@ -22,13 +21,15 @@ def some_pose(generator):
     """A pose within 10 mm and 0.1 rad of rest: p (3,), q (4,)."""
     q = np.array([1.0, 0.0, 0.0, 0.0])
     rotate_quaternion(q, *generator.uniform(-0.1, 0.1, 3))
-    return NUMBERS.rest + generator.uniform(-0.01, 0.01, 3), q
+    return NUMBERS.rest[0] + generator.uniform(-0.01, 0.01, 3), q
 
 
 def kinematics(p, q):
     R, lengths, J = np.empty((3, 3)), np.empty(6), np.empty((6, 6))
     quaternion_to_matrix(q, R)
-    legs.calc_leg_kinematics(p, R, NUMBERS.p_WB, NUMBERS.p_RT, lengths, J)
+    legs.calc_leg_kinematics(
+        p, R, NUMBERS.lower[0], NUMBERS.upper[0], lengths, J
+    )
     return lengths, J
 
 
@@ -58,11 +59,15 @@ class TestLegs(unittest.TestCase):
         for _ in range(20):
             p, q = some_pose(self.generator)
             lengths, _ = kinematics(p, q)
-            found_p = NUMBERS.rest.copy()
+            found_p = NUMBERS.rest[0].copy()
             found_q = np.array([1.0, 0.0, 0.0, 0.0])
             self.assertTrue(
                 legs.solve_forward_kinematics(
-                    lengths, NUMBERS.p_WB, NUMBERS.p_RT, found_p, found_q
+                    lengths,
+                    NUMBERS.lower[0],
+                    NUMBERS.upper[0],
+                    found_p,
+                    found_q,
                 )
             )
             np.testing.assert_allclose(found_p, p, rtol=0, atol=1e-9)
@@ -70,12 +75,12 @@ class TestLegs(unittest.TestCase):
             np.testing.assert_allclose(found_q, q, rtol=0, atol=1e-9)
 
     def test_impossible_lengths_are_refused(self):
-        p, q = NUMBERS.rest.copy(), np.array([1.0, 0, 0, 0])
+        p, q = NUMBERS.rest[0].copy(), np.array([1.0, 0, 0, 0])
         self.assertFalse(
             legs.solve_forward_kinematics(
                 np.array([0.01, 9, 0.01, 9, 0.01, 9]),
-                NUMBERS.p_WB,
-                NUMBERS.p_RT,
+                NUMBERS.lower[0],
+                NUMBERS.upper[0],
                 p,
                 q,
             )
@@ -89,16 +94,6 @@ class TestLegs(unittest.TestCase):
         legs.add_leg_wrench(J, f, F)
         legs.calc_leg_rates(J, V[0:3], V[3:6], rates)
         self.assertAlmostEqual(F @ V, f @ rates, places=12)
-
-    def test_leg_force_is_the_command_minus_viscous_rate(self):
-        f = np.empty(2)
-        blocks.calc_leg_forces(
-            np.array([10.0, -5.0]),
-            np.array([40.0, 40.0]),
-            np.array([0.1, -0.2]),
-            f,
-        )
-        np.testing.assert_allclose(f, [6.0, 3.0])
 
 
 class TestRotation(unittest.TestCase):

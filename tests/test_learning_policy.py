@@ -113,7 +113,7 @@ class TestRunTime(unittest.TestCase):
         for k, stiffness in enumerate(log.stiffness):
             simulator.AdvanceTo((k + 1) * task.sample_time - 5e-11)
             state = station.diagram.GetOutputPort("plant_state").Eval(context)
-            y = state[4:7] - station.numbers.geometry.rest[0]
+            y = state[4:7] - station.numbers.rest[0]
             expected = log.signals.position[k, 0:3]
             np.testing.assert_allclose(y, expected, rtol=1e-7, atol=1e-8)
             used = station.diagram.GetOutputPort("impedance").Eval(context)

@@ -9,7 +9,6 @@ import numpy as np
 
 from brace_drake.core.errors import (
     CampaignError,
-    EffectError,
     LimitsError,
     ScenarioError,
 )
@@ -35,7 +34,7 @@ from brace_drake.link.protocol.limits import shared_values as values_of
 from brace_drake.link.protocol.words import Cause, DeviceState, Reason
 from brace_drake.model.simulate_brace import SimulateBrace
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
-from brace_drake.scenario.brace_numbers import pack_brace
+from brace_drake.scenario.brace_numbers import geometry_of, pack_brace
 from tests.link_bench import Lockstep, begin, wave
 
 RINGS = (1, 2, 3)
@@ -102,7 +101,7 @@ class TestPlant(unittest.TestCase):
         for _ in range(300):
             readings = plant.advance(plant.hold)
         np.testing.assert_allclose(readings[:18], first[:18], atol=1e-9)
-        rest = pack_brace(SCENARIO).geometry.rest_lengths
+        rest = geometry_of(pack_brace(SCENARIO)).rest_lengths
         np.testing.assert_allclose(first[:18], rest, rtol=1e-12)
 
     def test_effects_of_the_library_act_on_every_stage_alike(self):
@@ -141,11 +140,9 @@ class TestPlant(unittest.TestCase):
         hydro = replace(SCENARIO, contact=BraceScenario().contact)
         hydro.contact.ring3.model = "hydroelastic"
         legs = replace(SCENARIO, mechanism="articulated")
-        heavy = (use("ring_mass", added_mass_kg=0.5),)
         for make, error, words in (
             (lambda: BracePlant(hydro), ScenarioError, "contact.ring3.model"),
             (lambda: BracePlant(legs), ScenarioError, "'task_space'"),
-            (lambda: BracePlant(SCENARIO, heavy), EffectError, "ring_mass"),
         ):
             with self.assertRaisesRegex(error, words) as caught:
                 make()
@@ -198,7 +195,7 @@ class TestLimits(unittest.TestCase):
         self.assertEqual(LIMITS._replace(**same), DEFAULT._replace(**same))
 
     def test_at_rest_every_leg_has_room_of_half_a_stroke(self):
-        rest = pack_brace(SCENARIO).geometry.rest_lengths.reshape((3, 6))
+        rest = geometry_of(pack_brace(SCENARIO)).rest_lengths.reshape((3, 6))
         np.testing.assert_allclose(
             rest.min(axis=1) - LIMITS.leg_shortest, 0.025, atol=1e-3
         )
@@ -240,10 +237,10 @@ class TestLimits(unittest.TestCase):
 class TestForceLeft(unittest.TestCase):
     def test_it_is_the_force_that_static_legs_put_on_each_ring(self):
         numbers = pack_brace(SCENARIO)
-        geometry, draw = numbers.geometry, np.random.default_rng(2)
+        geometry, draw = geometry_of(numbers), np.random.default_rng(2)
         X = draw.normal(scale=[[2e-3] * 3 + [0.02] * 3] * 3).ravel()
         wrench = draw.normal(scale=5.0, size=(3, 6))
-        weights = np.full(3, numbers.ring[4])
+        weights = numbers.ring[:, 4].copy()
         W = wrench.copy()
         W[:, 2] += weights
         f = static_leg_forces(geometry, X, W.ravel())

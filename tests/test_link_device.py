@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.core.errors import LimitsError
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.library import MakeMotion
-from brace_drake.laws.loop import bench_tick
+from brace_drake.laws.control import brace_control
 from brace_drake.link.device.firmware import Firmware
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.operation.control import HostControl
@@ -45,12 +45,16 @@ class TestPlant(unittest.TestCase):
         log = twin.simulate(motion, nominal)
         plant = BenchPlant(SCENARIO, seed=None)
         numbers = pack_bench(SCENARIO)
-        memory = bench_tick.make_memory(numbers.rest)
-        controller = bench_tick.make_controller(numbers.controller_law, memory)
-        plant.u[:], u = 0.0, np.zeros(6)
+        memory = np.zeros((1, 6))
+        held = brace_control.start_held(numbers.start, numbers.rest, memory)
+        plant.u[:], u, X_d = 0.0, np.zeros(6), np.zeros((3, 6))
         for row, desired in zip(log, motion.desired, strict=True):
             readings = plant.advance(u)
-            bench_tick.advance_tick(readings, desired, controller, u)
+            X_d[:, 1] = desired
+            brace_control.advance_brace(
+                brace_control.PIC, numbers.control, held, readings,
+                X_d.ravel(), np.empty(0), u,
+            )  # fmt: skip
             np.testing.assert_array_equal(readings, row[6:18])
             np.testing.assert_array_equal(u, row[:6])
 

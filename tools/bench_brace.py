@@ -15,7 +15,11 @@ from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.simulate import without_garbage_collection
 from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.brace import Contact
-from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
+from brace_drake.scenario.brace_numbers import (
+    geometry_of,
+    pack_brace,
+    pack_rings,
+)
 from brace_drake.torso.contact import MakeTorsoGeometry
 from brace_drake.torso.fitted import PAD_RESOLUTION, fit_torso
 from brace_drake.torso.measures import LoadMeasures, make_parametric_loft
@@ -57,7 +61,7 @@ def run_brace(mechanism, contact, step):
     if plant.num_actuators():
         # Legs that carry the rings; falling they would meet their stops.
         held = static_leg_forces(
-            pack_brace(scenario).geometry, np.zeros(18), _weights(scenario)
+            geometry_of(pack_brace(scenario)), np.zeros(18), _weights(scenario)
         )
     times = []
     for diagram in (station, bare):

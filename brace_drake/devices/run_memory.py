@@ -14,8 +14,8 @@ from threading import Lock
 import numpy as np
 
 from brace_drake.devices.bench.rollout import Motion
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.laws.plug_in import PlugIn
-from brace_drake.scenario.bench_numbers import BenchNumbers
 
 # Points at which effects act where there is no torso.
 _OF_THE_BRACE = ("drive", "ring", "sensing")
@@ -55,7 +55,7 @@ class RunMemory:
 
 
 def key_of_run(
-    numbers: BenchNumbers, motion: Motion, plug_ins: Mapping[str, PlugIn]
+    numbers: BraceNumbers, motion: Motion, plug_ins: Mapping[str, PlugIn]
 ) -> Hashable:
     """All that the log of a run with exact readings depends on.
 
@@ -65,11 +65,11 @@ def key_of_run(
         plug_ins: Effects, see `stack_effects`.
     """
     arrays = [
-        numbers.p_WB,
-        numbers.p_RT,
+        numbers.lower,
+        numbers.upper,
         numbers.rest,
         numbers.viscous,
-        numbers.controller_law,
+        numbers.control,
         numbers.ring,
     ]
     points = _OF_THE_BRACE

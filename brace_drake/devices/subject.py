@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.scenario.brace import BraceScenario
 
 
@@ -36,7 +36,7 @@ class SubjectParameter:
         return self.scale if self.scale > 0.0 else abs(self.nominal)
 
 
-# Name, unit, array of BenchNumbers, index in it.
+# Name, unit, array of BraceNumbers, index in it or in each of its rows.
 _PLACES = (
     ("contact_stiffness_N_m", "N/m", "contact", 0),
     ("contact_damping_N_s_m", "N s/m", "contact", 1),
@@ -52,26 +52,27 @@ _PLACES = (
 _LEAST, _MOST = 0.7 / 1.05, 1.5 * 1.05
 
 
-def bench_subject(numbers: BenchNumbers) -> tuple[SubjectParameter, ...]:
+def bench_subject(numbers: BraceNumbers) -> tuple[SubjectParameter, ...]:
     """Subject parameters of the bench with nominal values and limits."""
     return tuple(
         SubjectParameter(
             name,
             unit,
-            float(getattr(numbers, array)[i]),
-            float(getattr(numbers, array)[i]) * _LEAST,
-            float(getattr(numbers, array)[i]) * _MOST,
+            value,
+            value * _LEAST,
+            value * _MOST,
         )
         for name, unit, array, i in _PLACES
+        for value in [float(getattr(numbers, array)[..., i].flat[0])]
     )
 
 
-def with_subject(numbers: BenchNumbers, values: np.ndarray) -> BenchNumbers:
+def with_subject(numbers: BraceNumbers, values: np.ndarray) -> BraceNumbers:
     """The numbers of a subject, values in the order of `bench_subject`."""
     changed: dict[str, np.ndarray] = {}
     for value, (_, _, array, i) in zip(values, _PLACES, strict=True):
         copy = changed.setdefault(array, getattr(numbers, array).copy())
-        copy[i] = value
+        copy[..., i] = value
     return numbers.with_changes(**changed)
 
 

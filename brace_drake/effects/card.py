@@ -83,7 +83,7 @@ class Effect:
         modify: For effects that are other numbers of the twin rather than a
             law: (numbers, values) -> numbers.
         constants: What the laws take of the twin's numbers, at the end of p:
-            numbers -> values.
+            numbers -> values, a row for each stage.
         signature: What it looks like in a recording.
         impostors: Other effects it is taken for, and what tells them apart.
         experiment: The motion that shows it best.

@@ -57,23 +57,10 @@ def stack_effects(uses: Sequence[Use], numbers=None) -> dict[str, PlugIn]:
 def _vector(effect: Effect, values: np.ndarray, numbers) -> np.ndarray:
     if effect.constants is None or numbers is None:
         return np.ascontiguousarray(values, dtype=float)
-    return np.concatenate([values, effect.constants(numbers)])
-
-
-def stack_laws(uses: Sequence[Use]) -> dict[str, PlugIn]:
-    """`stack_effects` for twins whose numbers effects do not change.
-
-    Raises:
-        EffectError: More effects than the twin carries, or an effect that is
-            other numbers of the bench, not a law alone.
-    """
-    for effect, _ in uses:
-        if effect.modify is not None:
-            raise EffectError(
-                f"effect {effect.key} changes the numbers of the bench; allowed"
-                " here: effects that are laws at a plug point"
-            )
-    return stack_effects(uses)
+    constants = effect.constants(numbers)
+    rows = np.broadcast_to(values, (len(constants), len(values)))
+    vectors = np.hstack([rows, constants])
+    return vectors[0] if len(vectors) == 1 else vectors
 
 
 def modify_numbers(numbers, uses: Sequence[Use]):

@@ -176,7 +176,7 @@ def contact_motion(twin: BenchTwin, run: Run) -> ContactMotion:
     return contact_motion_from_run(
         run,
         poses[:, 1],
-        preload_m=twin.numbers.contact[5],
+        preload_m=twin.numbers.contact[0, 5],
         resample_s=_RESAMPLE_S,
     )
 

@@ -13,6 +13,7 @@ from brace_drake.kinematics.geometry import (
 )
 from brace_drake.kinematics.motion import (
     find_task_coordinates,
+    hold_at_rest,
     holding_leg_forces,
     leg_jacobian,
     leg_lengths,
@@ -31,6 +32,7 @@ __all__ = [
     "Workspace",
     "circle_points",
     "find_task_coordinates",
+    "hold_at_rest",
     "holding_leg_forces",
     "leg_jacobian",
     "leg_lengths",

@@ -124,3 +124,13 @@ def holding_leg_forces(
     W = np.zeros((geometry.num_stages, 6))
     W[:, 2] = weights
     return static_leg_forces(geometry, np.zeros(W.size), W.ravel())
+
+
+def hold_at_rest(numbers) -> np.ndarray:
+    """Forces of the legs, where the plant has them, at rest (n, 6), N.
+
+    Args:
+        numbers: See `laws.numbers`.
+    """
+    geometry = BraceGeometry(numbers.lower, numbers.upper, numbers.rest)
+    return holding_leg_forces(geometry, numbers.ring[:, 4]).reshape(-1, 6)

@@ -28,8 +28,10 @@ advances by one step; both belong to the caller.
 """
 
 import warnings
+from typing import NamedTuple
 
-from numba import float64, int64, njit, types
+import numpy as np
+from numba import boolean, float64, int64, njit, types
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from brace_drake.laws.compiled import LAW, compiled_law
@@ -46,6 +48,8 @@ SIGNATURES = {
     "sensing": types.void(float64, float64, *[vector] * 5),
 }
 PLUG_POINTS = tuple(SIGNATURES)
+# Their places among all.
+DRIVE, COMPRESSION, CONTACT, TORSO, RING, SENSING = range(len(PLUG_POINTS))
 
 # The twin carries up to this many effects at once.
 MAX_EFFECTS = 2
@@ -117,3 +121,31 @@ NO_LAW = {
 matrix = float64[:, ::1]
 # One parameter vector for each effect; one state vector for each at a point.
 vectors = types.UniTuple(vector, MAX_EFFECTS)
+matrices = types.UniTuple(matrix, MAX_EFFECTS)
+
+
+class Effects(NamedTuple):
+    """Effects at the plug points of a brace of n stages, each acting alike.
+
+    Attributes:
+        laws: Of each plug point, MAX_EFFECTS of them.
+        parameters: Of each effect, a row for each stage (n, m).
+        memory: Of each plug point, states of each effect (n, s).
+        active: Whether an effect sits at a plug point (points, MAX_EFFECTS).
+    """
+
+    laws: tuple
+    parameters: tuple
+    memory: tuple
+    active: np.ndarray
+
+
+EFFECTS = types.NamedTuple(
+    (
+        types.Tuple(tuple(stack_type(point) for point in PLUG_POINTS)),
+        matrices,
+        types.UniTuple(matrices, len(PLUG_POINTS)),
+        boolean[:, ::1],
+    ),
+    Effects,
+)

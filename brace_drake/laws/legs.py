@@ -14,22 +14,23 @@ from brace_drake.laws.compiled import compiled_law, compiled_maker
 from brace_drake.laws.linear_solve import solve_in_place
 from brace_drake.laws.rotation import quaternion_to_matrix, rotate_quaternion
 
+NUM_LEGS = 6
 _SMALL_STEP = 2e-6  # m
 
 
 @compiled_law
 def calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J):
-    """Writes leg lengths (n,), m, and the leg Jacobian (n, 6).
+    """Writes leg lengths (6,), m, and the leg Jacobian (6, 6).
 
     Args:
         p_WR: Position of the ring's origin in W (3,), m.
         R_WR: Orientation of the ring (3, 3).
-        p_WB: Lower anchors in W (n, 3), m.
-        p_RT: Upper anchors in the ring (n, 3), m.
-        lengths: Output (n,), m.
-        J: Output (n, 6), rows [n_k', (p_RoTk_W x n_k)'].
+        p_WB: Lower anchors in W (6, 3), m.
+        p_RT: Upper anchors in the ring (6, 3), m.
+        lengths: Output (6,), m.
+        J: Output (6, 6), rows [n_k', (p_RoTk_W x n_k)'].
     """
-    for k in range(lengths.shape[0]):
+    for k in range(NUM_LEGS):
         tx, ty, tz = p_RT[k, 0], p_RT[k, 1], p_RT[k, 2]
         rx = R_WR[0, 0] * tx + R_WR[0, 1] * ty + R_WR[0, 2] * tz
         ry = R_WR[1, 0] * tx + R_WR[1, 1] * ty + R_WR[1, 2] * tz
@@ -50,8 +51,8 @@ def calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, lengths, J):
 
 @compiled_law
 def calc_leg_rates(J, w_WR, v_WR, rates):
-    """Writes leg rates J [v; w] (n,), m/s."""
-    for k in range(rates.shape[0]):
+    """Writes leg rates J [v; w] (6,), m/s."""
+    for k in range(NUM_LEGS):
         rates[k] = (
             J[k, 0] * v_WR[0]
             + J[k, 1] * v_WR[1]
@@ -65,7 +66,7 @@ def calc_leg_rates(J, w_WR, v_WR, rates):
 @compiled_law
 def add_leg_wrench(J, forces, F_R_W):
     """Adds J' f to the spatial force F_R_W (6,), torque first as in Drake."""
-    for k in range(forces.shape[0]):
+    for k in range(NUM_LEGS):
         f = forces[k]
         F_R_W[0] += J[k, 3] * f
         F_R_W[1] += J[k, 4] * f

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.laws.hooks import MAX_EFFECTS, NO_LAW
+from brace_drake.laws.hooks import MAX_EFFECTS, NO_LAW, PLUG_POINTS, Effects
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,8 @@ class PlugIn:
     Attributes:
         point: Name of the plug point.
         laws: Compiled laws; idle places hold a law that does nothing.
-        parameters: Parameter vector of each effect.
+        parameters: Parameter vector of each effect, one for all stages (m,)
+            or one for each (n, m).
         initial: Initial states of each effect at this point.
     """
 
@@ -46,3 +47,29 @@ def idle(point: str) -> PlugIn:
     empty = tuple(np.zeros(1) for _ in range(MAX_EFFECTS))
     laws = (NO_LAW[point],) * MAX_EFFECTS
     return PlugIn(point, laws, empty, empty)
+
+
+def make_effects(plug_ins: Mapping[str, PlugIn], num_stages: int) -> Effects:
+    """Effects of all plug points, of each stage with states of its own.
+
+    Args:
+        plug_ins: By plug point, of the same effects; idle where absent.
+        num_stages: n.
+    """
+    plugs = [plug_ins.get(point) or idle(point) for point in PLUG_POINTS]
+    of_effects = next((p for p in plugs if not p.is_idle), plugs[0])
+    return Effects(
+        laws=tuple(plug.laws for plug in plugs),
+        parameters=_of_stages(of_effects.parameters, num_stages),
+        memory=tuple(_of_stages(plug.initial, num_stages) for plug in plugs),
+        active=np.array([plug.active for plug in plugs]),
+    )
+
+
+def _of_stages(
+    values: tuple[np.ndarray, ...], num_stages: int
+) -> tuple[np.ndarray, ...]:
+    """A row for each stage, copied."""
+    return tuple(
+        np.array(np.broadcast_to(v, (num_stages, v.shape[-1]))) for v in values
+    )

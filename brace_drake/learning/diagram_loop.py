@@ -9,9 +9,9 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.laws.loop.brace_loop import read_task_state
+from brace_drake.effects.stack import modify_numbers
 from brace_drake.learning.episode import Episode
-from brace_drake.learning.signals import Signals, true_signals
+from brace_drake.learning.signals import Signals, calc_task_state, true_signals
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.model.systems.ticks import TICK_LEAD
@@ -74,8 +74,9 @@ class DiagramLoop:
             self.diagram.GetSubsystemByName(name).UpdateTrajectory(trajectory)
         law = self._station.GetSubsystemByName("force_law")
         context = law.GetMyMutableContextFromRoot(root)
-        law.get_mutable_source_value(context).SetFromVector(episode.force_law)
-        mass, moments = episode.torso[0], episode.torso[1:4] / episode.torso[0]
+        numbers = modify_numbers(episode.numbers, episode.uses)
+        law.get_mutable_source_value(context).SetFromVector(numbers.force_law)
+        mass, moments = numbers.torso[0], numbers.torso[1:4] / numbers.torso[0]
         inertia = SpatialInertia(mass, np.zeros(3), UnitInertia(*moments))
         self._plant.GetBodyByName("torso").SetSpatialInertiaInBodyFrame(
             self._plant.GetMyMutableContextFromRoot(root), inertia
@@ -116,7 +117,7 @@ class DiagramLoop:
         station = MakeBraceStation(scenario, controller, uses=episode.uses)
         self._station, self._plant = station.diagram, station.plant
         self._start = station.numbers.start
-        self._rest = np.ascontiguousarray(station.numbers.geometry.rest)
+        self._rest = station.numbers.rest
         builder = DiagramBuilder()
         inner = builder.AddNamedSystem("station", station.diagram)
         for name, trajectory in self._MakeInputs(episode).items():
@@ -168,7 +169,6 @@ class DiagramLoop:
     def truth(self) -> Signals:
         """What is, whatever the instruments read."""
         n = len(self._rest)
-        X = np.empty((2, 6 * n))
-        read_task_state(self._Eval("plant_state"), self._rest, X)
+        X = calc_task_state(self._Eval("plant_state"), self._rest)
         pads = self._Eval("pad_force")[6 * n : 9 * n]
         return true_signals(self.desired, X, pads)

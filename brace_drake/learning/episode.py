@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import gymnasium
 import numpy as np
 
 from brace_drake.effects.stack import Use
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.learning.actions import ActionLaw
 from brace_drake.learning.signals import Signals, stack_signals
 from brace_drake.learning.subjects import (
@@ -25,7 +26,7 @@ from brace_drake.learning.task import (
     spread_task,
 )
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import BraceNumbers, pack_brace
+from brace_drake.scenario.brace_numbers import pack_brace
 from brace_drake.scenario.control_numbers import parse_coordinates
 
 
@@ -35,16 +36,14 @@ class Episode:
 
     Attributes:
         subject: As drawn.
-        force_law: See `kernels.num_law`.
-        torso: Mass and principal moments (4,).
+        numbers: Of the brace with this subject.
         uses: Effects with their parameters.
         way: What the motion adds to the start (6n,).
         draws: Standard normal, at each tick (ticks, 9n + 3), or (0, 9n + 3).
     """
 
     subject: Subject
-    force_law: np.ndarray
-    torso: np.ndarray
+    numbers: BraceNumbers
     uses: tuple[Use, ...]
     way: np.ndarray
     draws: np.ndarray
@@ -86,15 +85,13 @@ class PreparedTask:
         self, generator: np.random.Generator, subject: Subject | None = None
     ) -> Episode:
         """Draws an episode; a subject that is given replaces the drawn one."""
-        task, torso = self.task, self.scenario.torso
+        task = self.task
         drawn = draw_subject(task.subjects, generator)
         subject = drawn if subject is None else subject
         factors = {**NOMINAL.factors, **subject.factors}
-        body = np.array([torso.mass, *torso.inertia])
         return Episode(
             subject=subject,
-            force_law=_scale_numbers(self._numbers, factors).force_law,
-            torso=body * factors["torso_mass"],
+            numbers=_scale_numbers(self._numbers, factors),
             uses=tuple(uses_of(task.subjects, subject)),
             way=task.displacement * factors["displacement"],
             draws=generator.standard_normal(self._draws),
@@ -111,7 +108,11 @@ def _scale_numbers(
     for first in (0, 6):
         posture[first : first + 3] *= factors["posture_stiffness"]
         posture[first + 3 : first + 6] *= factors["posture_damping"]
-    return replace(numbers, contact=contact, posture=posture)
+    return numbers.with_changes(
+        contact=contact,
+        posture=posture,
+        torso=numbers.torso * factors["torso_mass"],
+    )
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from brace_drake.laws.stages import calc_task_coordinates
+
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
@@ -73,6 +75,21 @@ def signals_of_estimate(estimate: np.ndarray, desired: np.ndarray) -> Signals:
     X, rate, force = np.split(estimate, 3)
     m = len(X)
     return Signals(desired[0:m], desired[m : 2 * m], X, rate, -force)
+
+
+def calc_task_state(bodies: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """X and X' (2, 6n) of the rings themselves.
+
+    Args:
+        bodies: q, p of the rings and the torso, then [w; v] of each.
+        rest: Positions of the rings at rest (n, 3), m.
+    """
+    n = len(rest)
+    X = np.empty((2, 6 * n))
+    calc_task_coordinates(bodies[: 7 * n].reshape((n, 7)), rest, X[0])
+    V = bodies[7 * n + 7 : 13 * n + 7].reshape((n, 6))
+    X[1] = V[:, [3, 4, 5, 0, 1, 2]].ravel()
+    return X
 
 
 def true_signals(

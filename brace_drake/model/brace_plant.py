@@ -18,7 +18,7 @@ from brace_drake.core.resources import sdf_path
 from brace_drake.model.articulated import AddArticulatedBrace, SetLegs
 from brace_drake.model.hydroelastic_pads import AddHalfSpacePads
 from brace_drake.scenario.brace import BraceScenario, Ring, Torso
-from brace_drake.scenario.brace_numbers import pack_brace
+from brace_drake.scenario.brace_numbers import pack_brace, pack_geometry
 
 # Adds geometry to bodies (`ring1` ... `ring3`, `torso`) of a plant that is
 # registered with the scene graph and not yet final.
@@ -161,8 +161,8 @@ def SetBracePose(
         scenario: That the plant was made of.
         X: Task coordinates.
     """
-    poses, geometry = [], pack_brace(scenario).geometry
-    for rest, x in zip(geometry.rest, np.reshape(X, (-1, 6)), strict=True):
+    poses, rings = [], pack_geometry(scenario).rest
+    for rest, x in zip(rings, np.reshape(X, (-1, 6)), strict=True):
         angle = np.linalg.norm(x[3:6])
         axis = x[3:6] / angle if angle > 0.0 else np.array([0.0, 0.0, 1.0])
         R = RotationMatrix(AngleAxis(angle, axis))

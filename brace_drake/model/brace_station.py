@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import (
     Diagram,
@@ -15,8 +16,9 @@ from pydrake.systems.framework import (
 from pydrake.systems.primitives import LogVectorOutput, VectorLogSink
 from pydrake.trajectories import Trajectory
 
-from brace_drake.core.errors import ScenarioError
-from brace_drake.effects.stack import Use, stack_laws
+from brace_drake.core.errors import EffectError, ScenarioError
+from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_plant import AddGeometry, plant_resolves_contact
 from brace_drake.model.station_parts import (
@@ -30,11 +32,7 @@ from brace_drake.model.station_safety import NAME, AddSupervisor, Supervision
 from brace_drake.model.systems.contact_force import AddPadForceLog
 from brace_drake.model.systems.safety_supervisor import SafetySupervisor
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import (
-    BraceNumbers,
-    pack_brace,
-    pack_rings,
-)
+from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
 
 
 @dataclass
@@ -92,9 +90,7 @@ def MakeBraceStation(
         noise: Standard normal draws (9 S + 3 rows), constant around each
             tick, in place of the exported port.
         add_geometry: See `AddBracePlant`.
-        uses: Effects with their parameters, on a brace of one stage whose
-            pads are linear; those that change the brace's numbers are not for
-            it.
+        uses: Effects with their parameters, each on all stages alike.
         log_pads: Also log the forces of single pads, see `BraceStation`.
         limits: Of a supervisor behind the controller, which then has the
             output `estimate`; None: there is none.
@@ -104,7 +100,11 @@ def MakeBraceStation(
         ScenarioError: The controller's ports are of another number of stages,
             or a ring of the articulated brace is too light for its legs.
     """
-    numbers, plug_ins = pack_brace(scenario), stack_laws(uses)
+    numbers = _modify(pack_brace(scenario), uses)
+    plug_ins = stack_effects(uses, numbers)
+    mass, *inertia = numbers.ring[0, 0:4]
+    ring = replace(scenario.ring, mass=mass, inertia=np.array(inertia))
+    scenario = replace(scenario, ring=ring)
     builder = DiagramBuilder()
     parts = AddBrace(builder, scenario, numbers, plug_ins, add_geometry)
     drives = AddDrives(builder, scenario, parts)
@@ -133,6 +133,18 @@ def MakeBraceStation(
     diagram = builder.Build()
     diagram.set_name("brace_station")
     return BraceStation(diagram, plant, numbers, *sinks)
+
+
+def _modify(numbers: BraceNumbers, uses: Sequence[Use]) -> BraceNumbers:
+    """The numbers as effects have changed them, the controller's aside."""
+    changed = modify_numbers(numbers, uses)
+    if not np.array_equal(changed.control, numbers.control):
+        names = ", ".join(e.key for e, _ in uses if e.modify is not None)
+        raise EffectError(
+            f"effect {names} changes the controller, which here is given as a"
+            " system; allowed: effects of the brace"
+        )
+    return changed
 
 
 def FinishStation(

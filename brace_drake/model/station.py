@@ -12,6 +12,7 @@ from pydrake.trajectories import Trajectory
 
 from brace_drake.core.errors import EffectError
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.laws.plug_in import PlugIn
 from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_plant import plant_resolves_contact
@@ -32,11 +33,11 @@ from brace_drake.model.station_safety import Supervision
 from brace_drake.model.systems.brace_controllers import BracePic
 from brace_drake.scenario.bench_numbers import (
     pack_bench,
-    pack_bench_brace,
     pack_bench_control,
+    pack_plant,
 )
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
-from brace_drake.scenario.brace_numbers import BraceNumbers, pack_rings
+from brace_drake.scenario.brace_numbers import pack_rings
 from brace_drake.scenario.control_numbers import ControlNumbers
 from brace_drake.scenario.effects import scenario_uses
 
@@ -83,9 +84,9 @@ def MakeBenchStation(
     _check_contact(brace, uses)
     bench = modify_numbers(pack_bench(scenario), uses)
     plug_ins = stack_effects(uses, bench)
-    mass, inertia = bench.ring[0], bench.ring[1:4]
+    mass, inertia = bench.ring[0, 0], bench.ring[0, 1:4]
     brace.ring = replace(brace.ring, mass=mass, inertia=inertia)
-    numbers = pack_bench_brace(brace, bench)
+    numbers = pack_plant(brace, bench)
     builder = DiagramBuilder()
     parts = AddBrace(builder, brace, numbers, plug_ins)
     source = builder.AddNamedSystem("reference", TrajectorySource(reference))

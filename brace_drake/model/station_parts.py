@@ -17,6 +17,7 @@ from pydrake.systems.primitives import (
 )
 from pydrake.trajectories import Trajectory
 
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.laws.plug_in import PlugIn
 from brace_drake.model.brace_plant import (
     AddBracePlant,
@@ -30,7 +31,6 @@ from brace_drake.model.systems.brace_forces import (
 from brace_drake.model.systems.contact_force import AddContactForce
 from brace_drake.model.systems.instruments import BraceInstruments
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import BraceNumbers
 
 
 @dataclass
@@ -66,7 +66,7 @@ def AddBrace(
         builder: Of the diagram.
         scenario: Of the brace.
         numbers: Of the brace; effects may have changed them.
-        plug_ins: Of the effects, by plug point, on a brace of one stage.
+        plug_ins: Of the effects, by plug point.
         add_geometry: See `AddBracePlant`.
     """
     plant = AddBracePlant(builder, scenario, add_geometry)
@@ -103,10 +103,9 @@ def _AddForces(
     forces = builder.AddNamedSystem(
         "forces",
         BraceForces(
-            numbers.num_stages,
+            numbers,
             plant.time_step(),
             scenario.torso.present,
-            with_pads=any(c.model == "linear" for c in scenario.contacts),
             with_legs=with_legs,
             plug_ins=plug_ins,
         ),

@@ -1,66 +1,23 @@
-"""A brace scenario as the geometry and the number arrays that laws take."""
+"""A brace scenario as the number arrays that laws take."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry, Workspace, make_geometry
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.scenario.brace import (
     BraceScenario,
     Contact,
     Sensors,
     Torso,
 )
-from brace_drake.scenario.control_numbers import BraceRings
+from brace_drake.scenario.control_numbers import BraceRings, pack_control
 
 
-@dataclass(frozen=True)
-class BraceNumbers:
-    """Arrays of a brace with S moving rings, bottom to top.
-
-    Attributes:
-        geometry: Anchors, and the rings at rest.
-        workspace: Poses that it may take.
-        start: Task coordinates at time 0 (6 S,).
-        torso_rest: Position of To in W at rest (3,), m: that of R2.
-        viscous: Of each leg (6 S,), N s/m.
-        contact: Of each ring stiffness, damping, friction, regularisation
-            speed, pad offset, preload (S, 6); a stiffness of 0 is no pad.
-        posture: K (3), D (3), K_r (3), D_r (3): (12,).
-        ring: Mass, moments (3), weight (5,), of each the same.
-        resolution: Of lengths, m, and forces, N (2,).
-        noise_sigma: Of lengths (6 S), forces (3 S), marker (3).
-    """
-
-    geometry: BraceGeometry
-    workspace: Workspace
-    start: np.ndarray
-    torso_rest: np.ndarray
-    viscous: np.ndarray
-    contact: np.ndarray
-    posture: np.ndarray
-    ring: np.ndarray
-    resolution: np.ndarray
-    noise_sigma: np.ndarray
-
-    @property
-    def num_stages(self) -> int:
-        return self.geometry.num_stages
-
-    @property
-    def force_law(self) -> np.ndarray:
-        """The law of the brace's forces, see `laws.kernels.num_law`."""
-        arrays = (
-            self.torso_rest,
-            self.viscous,
-            self.geometry.lower,
-            self.geometry.upper,
-            self.contact,
-            self.posture,
-        )
-        return np.concatenate([np.ravel(a) for a in arrays])
+def geometry_of(numbers: BraceNumbers) -> BraceGeometry:
+    """Geometry of the stages, as the plant has it."""
+    return BraceGeometry(numbers.lower, numbers.upper, numbers.rest)
 
 
 def pack_contact(contact: Contact) -> np.ndarray:
@@ -121,6 +78,11 @@ def pack_geometry(scenario: BraceScenario) -> BraceGeometry:
     )
 
 
+def pack_workspace(scenario: BraceScenario) -> Workspace:
+    """Poses that the stages may take."""
+    return Workspace(scenario.leg.stroke, scenario.workspace.singular_value)
+
+
 def pack_rings(scenario: BraceScenario) -> BraceRings:
     """What a controller knows of the rings and legs that a scenario picks."""
     ring, n = scenario.ring, len(scenario.stages)
@@ -129,29 +91,35 @@ def pack_rings(scenario: BraceScenario) -> BraceRings:
         mass=np.tile([ring.mass, *ring.inertia], (n, 1)),
         force_limit=np.full(6 * n, scenario.leg.force_limit),
         gravity=scenario.gravity,
-        start=_pack_start(scenario),
+        start=pack_start(scenario),
     )
 
 
-def _pack_start(scenario: BraceScenario) -> np.ndarray:
+def pack_start(scenario: BraceScenario) -> np.ndarray:
     """Task coordinates at time 0 (6 S,)."""
     return np.concatenate([getattr(scenario.start, r) for r in scenario.rings])
 
 
 def pack_brace(scenario: BraceScenario) -> BraceNumbers:
     """Arrays of the brace that a checked scenario describes."""
-    ring, leg = scenario.ring, scenario.leg
+    ring, torso, n = scenario.ring, scenario.torso, len(scenario.stages)
     contact = np.array([pack_contact(c) for c in scenario.contacts])
     linear = np.array([c.model == "linear" for c in scenario.contacts])
+    # Else it is the plant that resolves the contact.
     contact[~linear, 0:2] = 0.0
+    rings = pack_rings(scenario)
+    weight = ring.mass * scenario.gravity
     return BraceNumbers(
-        geometry=pack_geometry(scenario),
-        workspace=Workspace(leg.stroke, scenario.workspace.singular_value),
-        start=_pack_start(scenario),
-        torso_rest=np.array([0.0, 0.0, scenario.ring_heights[2]]),
-        viscous=np.full(6 * len(scenario.stages), leg.viscous),
+        rest=np.ascontiguousarray(rings.geometry.rest),
+        lower=np.ascontiguousarray(rings.geometry.lower),
+        upper=np.ascontiguousarray(rings.geometry.upper),
+        viscous=np.full(6 * n, scenario.leg.viscous),
         contact=contact,
-        posture=pack_posture(scenario.torso),
-        ring=np.array([ring.mass, *ring.inertia, ring.mass * scenario.gravity]),
-        **pack_instruments(scenario.sensors, len(scenario.stages)),
+        posture=pack_posture(torso),
+        ring=np.tile([ring.mass, *ring.inertia, weight], (n, 1)),
+        torso=np.array([torso.mass, *torso.inertia, 0.0]),
+        torso_rest=np.array([0.0, 0.0, scenario.ring_heights[2]]),
+        start=rings.start,
+        control=pack_control(scenario.control, rings).law,
+        **pack_instruments(scenario.sensors, n),
     )

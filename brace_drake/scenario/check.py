@@ -10,9 +10,10 @@ from brace_drake.core.errors import KinematicsError
 from brace_drake.recording.columns import BENCH
 from brace_drake.scenario.brace import BraceScenario, Contact
 from brace_drake.scenario.brace_numbers import (
-    pack_brace,
     pack_geometry,
     pack_rings,
+    pack_start,
+    pack_workspace,
 )
 from brace_drake.scenario.effects import check_effects
 from brace_drake.scenario.fields import check_fields, fail
@@ -123,10 +124,10 @@ def _check_geometry(source: str, scenario: BraceScenario) -> None:
             f"less than {most:.4g} m: the shortest leg is {shortest:.4g} m at"
             " rest, and open no longer than twice its closed length",
         )
-    numbers = pack_brace(scenario)
+    X, workspace = pack_start(scenario), pack_workspace(scenario)
     for i, name in enumerate(scenario.rings):
         try:
-            numbers.workspace.check_stage(geometry, numbers.start, i)
+            workspace.check_stage(geometry, X, i)
         except KinematicsError as error:
-            own = numbers.start[6 * i : 6 * i + 6]
+            own = X[6 * i : 6 * i + 6]
             fail(source, f"start.{name}", own, f"a pose in reach: {error}")

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.kinematics import BraceGeometry
-from brace_drake.laws import stages
-from brace_drake.laws.control import brace_control, mraic, pose_estimate
+from brace_drake.laws.control import brace_control, mraic
 from brace_drake.laws.control.impedance import (
     low_pass_gain_cutoff,
     low_pass_gain_tau,
@@ -51,7 +50,7 @@ class BraceRings:
 
 @dataclass(frozen=True)
 class ControlNumbers:
-    """Arrays of one controller, see `laws.brace_control.advance_brace`.
+    """Arrays of one controller, see `laws.control.brace_control`.
 
     Attributes:
         kind: Of the law.
@@ -78,26 +77,16 @@ def pack_control(control: BraceControl, rings: BraceRings) -> ControlNumbers:
     memory = np.zeros((1 + brace_control.NUM_OWN_MEMORY[kind], 6 * n))
     if control.tag in _OWN_ROWS:
         _OWN_ROWS[control.tag](control, shared, own, memory[1:])
-    virtual = np.zeros((3, 6 * n))
-    if rings.start is not None:
-        virtual[0] = rings.start
+    start = np.zeros(6 * n) if rings.start is None else rings.start
+    held = brace_control.start_held(start, rings.geometry.rest, memory)
     return ControlNumbers(
         kind=kind,
         period=1.0 / control.rate,
         law=np.vstack([shared, own]),
-        pose=_start_poses(virtual[0], rings.geometry.rest),
+        pose=held[0],
         memory=memory,
-        virtual=virtual.ravel(),
+        virtual=held[2],
     )
-
-
-def _start_poses(X: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """The estimator's memory (20n,) of rings that stand still at X (6n,)."""
-    poses = np.empty((len(rest), 7))
-    stages.place_rings(X, rest, poses)
-    memory = np.zeros((len(rest), pose_estimate.NUM_POSE_MEMORY))
-    memory[:, 0:3], memory[:, 3:7] = poses[:, 4:7], poses[:, 0:4]
-    return memory.ravel()
 
 
 def parse_coordinates(names: list[str], num_rings: int) -> np.ndarray:

@@ -26,7 +26,9 @@ from brace_drake.devices.bench.rollout import (
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.declaration import BlockTest
 from brace_drake.devices.subject import with_subject
-from brace_drake.laws.loop import bench_replay, bench_tick, blocks
+from brace_drake.kinematics import BraceGeometry
+from brace_drake.laws.control.brace_control import PIC, start_held
+from brace_drake.laws.loop import replay
 
 # Channels along the push.
 FORCE_Y = CHANNELS.index("ring2_force_y_N")
@@ -105,11 +107,13 @@ def residual_of_controller(
     readings = np.zeros((len(ticks), 12))
     readings[:, 0:9] = CubicSpline(times, read)(at)
     out = np.zeros((len(x) + settled // every, 7))
-    bench_replay.run_controller(
+    held = start_held(numbers.start, numbers.rest, np.zeros((1, 6)))
+    plan = motion.plan(readings, out)
+    replay.run_controller(
         readings,
-        motion.desired,
-        numbers.controller_law,
-        bench_tick.make_memory(numbers.rest),
+        plan.desired,
+        plan.columns,
+        (PIC, numbers.control, held),
         every,
         out,
     )
@@ -132,18 +136,8 @@ def residual_of_actuation(numbers, rate: float, prepared, x: np.ndarray):
 
 def residual_of_mechanism(numbers, prepared, x: np.ndarray):
     """First leg lengths minus those of the ring at rest."""
-    lengths, rates, J = np.empty(6), np.empty(6), np.empty((6, 6))
-    blocks.calc_ring_kinematics(
-        np.array([1.0, 0, 0, 0]),
-        numbers.rest,
-        np.zeros(6),
-        numbers.p_WB,
-        numbers.p_RT,
-        lengths,
-        rates,
-        J,
-    )
-    residual = x[0, LENGTHS] - lengths
+    geometry = BraceGeometry(numbers.lower, numbers.upper, numbers.rest)
+    residual = x[0, LENGTHS] - geometry.rest_lengths
     return lambda subject: residual
 
 
@@ -157,7 +151,7 @@ def residual_of_contact(numbers, rate: float, prepared, x: np.ndarray):
     speed = np.gradient(relative, 1.0 / rate)
 
     def residual(subject):
-        law = with_subject(numbers, subject).contact
+        law = with_subject(numbers, subject).contact[0]
         total = np.zeros(len(x))
         for s in (1.0, -1.0):
             d, d_dot = law[5] - s * relative, -s * speed

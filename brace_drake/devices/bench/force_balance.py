@@ -20,7 +20,7 @@ from brace_drake.devices.bench.rollout import COMMANDS
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.declaration import Term
 from brace_drake.laws.control.brace_control import MASS
-from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.laws.numbers import BraceNumbers
 
 # Of the low pass, and what of either end of a run it folds.
 CUTOFF_HZ, MARGIN_S = 5.0, 0.5
@@ -33,7 +33,7 @@ _MOMENT = 1e-2
 
 
 def calc_imbalance(
-    numbers: BenchNumbers, way: RingWay, touches: bool
+    numbers: BraceNumbers, way: RingWay, touches: bool
 ) -> np.ndarray:
     """Commands minus what the way of the ring asks of the drives (N, 6), N.
 
@@ -48,7 +48,7 @@ def calc_imbalance(
         touches: Whether the torso is there, so that F counts.
     """
     wrench = way.accelerations * numbers.control[MASS]
-    wrench[:, 2] += numbers.ring[4]
+    wrench[:, 2::6] += numbers.ring[:, 4]
     if touches:
         wrench[:, 0:3] += way.force
     asked = way.leg_forces(wrench) + numbers.viscous * way.leg_rates
@@ -70,7 +70,7 @@ def balance_of_run(
     has_commands = prepared.run.has(twin.channels[COMMANDS]).all()
     if len(x) <= 2 * edge or not has_commands:
         return None
-    gravity = numbers.ring[4] / numbers.ring[0]
+    gravity = numbers.ring[0, 4] / numbers.ring[0, 0]
     way = follow_ring(numbers, x, rate, CUTOFF_HZ)
     lack = calc_imbalance(numbers, way, touches)
     # The errors' own corners lie above the low pass, which comes last.

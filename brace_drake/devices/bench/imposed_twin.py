@@ -92,8 +92,7 @@ class GuidedBenchTwin(BenchTwin):
         spline = CubicSpline(np.arange(len(poses)) / rate, poses)
         rows = np.hstack([poses, spline(spline.x, 1)])
         start = motion.settled_ticks * numbers.period
-        ring = numbers.ring
-        head = [start, rate, ring[0], *ring[1:4], ring[4], _HOLD]
+        head = [start, rate, *numbers.ring[0], _HOLD]
         return GuidedMotion(
             motion.desired,
             motion.with_torso,

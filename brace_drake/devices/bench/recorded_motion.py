@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from brace_drake.laws.loop import bench_replay
-from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.laws.loop import replay
+from brace_drake.laws.numbers import BraceNumbers
 
 
 def ring_poses(
-    numbers: BenchNumbers, lengths: np.ndarray
+    numbers: BraceNumbers, lengths: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Poses (N, 6) and leg Jacobians (N, 6, 6) of measured leg lengths.
+    """Task coordinates (N, 6n), Jacobians (N, 6n, 6n) of measured leg lengths.
 
     Args:
         numbers: Whose nominal anchors and rest pose count.
-        lengths: Of each sample (N, 6), m.
+        lengths: Of each sample (N, 6n), m.
     """
-    n = numbers
-    poses, jacobians = (
-        np.empty((len(lengths), 6)),
-        np.empty((len(lengths), 6, 6)),
-    )
-    bench_replay.calc_poses(
-        np.ascontiguousarray(lengths), n.p_WB, n.p_RT, n.rest, poses, jacobians
-    )
-    return poses, jacobians
+    size = lengths.shape[1]
+    X = np.empty((len(lengths), size))
+    jacobians = np.empty((len(lengths), size, size))
+    replay.calc_poses(np.ascontiguousarray(lengths), numbers, X, jacobians)
+    return X, jacobians
 
 
 def low_pass(signal: np.ndarray, cutoff_hz: float, rate: float) -> np.ndarray:

@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 
 from brace_drake.devices.bench.recorded_motion import low_pass, ring_poses
 from brace_drake.devices.bench.rollout import COMMANDS, FORCE, LENGTHS
-from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.laws.numbers import BraceNumbers
 
 
 class RingWay(NamedTuple):
@@ -45,7 +45,7 @@ class RingWay(NamedTuple):
 
 
 def follow_ring(
-    numbers: BenchNumbers, x: np.ndarray, rate: float, cutoff_hz: float
+    numbers: BraceNumbers, x: np.ndarray, rate: float, cutoff_hz: float
 ) -> RingWay:
     """The way of the ring in a recording.
 

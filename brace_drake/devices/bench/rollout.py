@@ -10,10 +10,11 @@ from functools import cached_property
 import numpy as np
 
 from brace_drake.core.errors import BraceError
-from brace_drake.laws.hooks import PLUG_POINTS
-from brace_drake.laws.loop.bench_rollout import NUM_LOGGED, rollout_bench
-from brace_drake.laws.plug_in import PlugIn, idle
-from brace_drake.scenario.bench_numbers import BenchNumbers
+from brace_drake.laws.control.brace_control import PIC, start_held
+from brace_drake.laws.loop.brace import make_brace
+from brace_drake.laws.loop.rollout import RunPlan, rollout_brace
+from brace_drake.laws.numbers import BraceNumbers
+from brace_drake.laws.plug_in import PlugIn, make_effects
 
 CHANNELS = (
     *(f"leg{k}_force_command_N" for k in range(1, 7)),
@@ -33,99 +34,85 @@ class Motion:
     """What a run is asked to do: reference at ticks, torso there or not.
 
     Attributes:
-        desired: y_d, y_d', y_d'' (ticks, 3).
+        desired: X_d, X_d', X_d'' (ticks, 3) of the coordinate that moves, or
+            (ticks, 3, m) of several.
         with_torso: Whether it is there.
         ticks_per_sample: Of the log.
         settled_ticks: Ticks at the beginning that the log leaves out.
+        columns: Which task coordinates move (m,): the bench's ring along y.
     """
 
     desired: np.ndarray
     with_torso: bool
     ticks_per_sample: int = 5
     settled_ticks: int = 0
+    columns: tuple[int, ...] = (1,)
 
     @cached_property
     def digest(self) -> bytes:
         """Of the reference."""
         return hashlib.sha256(self.desired.tobytes()).digest()
 
-
-def rest_state(rest: np.ndarray) -> np.ndarray:
-    """Ring and torso at rest: q_WR, p_WR, q_WT, p_WT, V_WR, V_WT (26,)."""
-    bodies = np.zeros(26)
-    bodies[0] = bodies[7] = 1.0
-    bodies[4:7] = bodies[11:14] = rest
-    return bodies
+    def plan(self, noise: np.ndarray, log: np.ndarray) -> RunPlan:
+        """What the compiled rollout takes; noise and log as there."""
+        desired = self.desired.reshape((len(self.desired), 3, -1))
+        columns = np.array(self.columns, dtype=np.int64)
+        return RunPlan(
+            np.ascontiguousarray(desired),
+            columns,
+            noise,
+            self.ticks_per_sample,
+            log,
+        )
 
 
 def draw_noise(
-    numbers: BenchNumbers, ticks: int, generator: np.random.Generator
+    numbers: BraceNumbers, ticks: int, generator: np.random.Generator
 ) -> np.ndarray:
-    """Reading noise of a run (ticks, 12): lengths, force, marker."""
-    return generator.standard_normal((ticks, 12)) * numbers.noise_sigma
+    """Reading noise of a run (ticks, 9n + 3): lengths, forces, marker."""
+    sigma = numbers.noise_sigma
+    return generator.standard_normal((ticks, len(sigma))) * sigma
 
 
 def simulate_bench(
-    numbers: BenchNumbers,
+    numbers: BraceNumbers,
     motion: Motion,
     time_step: float,
     plug_ins: Mapping[str, PlugIn] | None = None,
     noise: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Simulates one run from rest with the compiled rollout.
+    """Simulates one run from rest with the compiled rollout, under PIC.
 
     Args:
-        numbers: The twin.
+        numbers: The twin, of n >= 1 moving rings.
         motion: The run.
         time_step: Plant step, s; the control period is a multiple of it.
         plug_ins: Effects by plug point; none where absent.
         noise: From `draw_noise`; None gives exact readings, not rounded.
 
     Returns:
-        Log (samples, 19), columns CHANNELS.
+        Log (samples, 15n + 3 + m); of the bench its columns are CHANNELS.
 
     Raises:
         BraceError: The run broke down (the message says when).
     """
-    period = numbers.period
-    steps_per_tick = round(period / time_step)
-    plugs = {p: (plug_ins or {}).get(p) or idle(p) for p in PLUG_POINTS}
+    n, size = numbers.num_stages, len(numbers.noise_sigma)
+    steps = round(numbers.period / time_step)
     ticks = len(motion.desired)
     samples = (ticks - 1) // motion.ticks_per_sample + 1
-    log = np.zeros((samples, NUM_LOGGED))
-    broke_at = rollout_bench(
-        period / steps_per_tick,
-        steps_per_tick,
-        motion.ticks_per_sample,
-        motion.with_torso,
-        motion.desired,
-        (numbers.p_WB, numbers.p_RT),
-        (
-            numbers.rest,
-            numbers.viscous,
-            numbers.contact,
-            numbers.posture,
-            numbers.controller_law,
-            numbers.resolution,
-        ),
-        (numbers.ring, numbers.torso),
-        np.zeros((0, 12)) if noise is None else noise,
-        rest_state(numbers.rest),
-        *(plugs[p].laws for p in PLUG_POINTS),
-        _parameters(plugs),
-        *(plugs[p].fresh_memory() for p in PLUG_POINTS),
-        np.array([plugs[p].active for p in PLUG_POINTS]),
-        log,
+    log = np.zeros((samples, 6 * n + size + len(motion.columns)))
+    held = start_held(numbers.start, numbers.rest, np.zeros((1, 6 * n)))
+    broke_at = rollout_brace(
+        numbers.period / steps,
+        steps,
+        numbers,
+        make_effects(plug_ins or {}, n),
+        make_brace(numbers, motion.with_torso),
+        (PIC, held),
+        motion.plan(np.zeros((0, size)) if noise is None else noise, log),
     )
     if broke_at >= 0:
         raise BraceError(
-            f"the simulated run broke down at {broke_at * period:.3f} s"
+            f"the simulated run broke down at {broke_at * numbers.period:.3f} s"
         )
     return log[motion.settled_ticks // motion.ticks_per_sample :]
-
-
-def _parameters(plugs: Mapping[str, PlugIn]) -> tuple[np.ndarray, ...]:
-    for plug in plugs.values():
-        if not plug.is_idle:
-            return plug.parameters
-    return plugs[PLUG_POINTS[0]].parameters

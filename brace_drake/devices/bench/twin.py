@@ -24,8 +24,9 @@ from brace_drake.devices.subject import (
 )
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.bench_numbers import BenchNumbers, pack_bench
+from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
 
 # Three plant steps in a control period: long enough to save a third of the
@@ -59,7 +60,7 @@ class BenchTwin(ReplayTwin):
         """The scenario with a subject's numbers, a copy."""
         return scenario_of_subject(self.scenario, subject)
 
-    def with_subject(self, values: np.ndarray) -> BenchNumbers:
+    def with_subject(self, values: np.ndarray) -> BraceNumbers:
         """The numbers of a subject, values in the order of `subject`."""
         return with_subject(self.numbers, values)
 

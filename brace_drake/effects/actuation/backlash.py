@@ -1,9 +1,9 @@
 """Play between the drive of a leg and the ring."""
 
 import math
-from operator import attrgetter
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.kinematics import hold_at_rest
 from brace_drake.laws.hooks import plug
 
 _EQUATION = (
@@ -108,7 +108,7 @@ CARDS = (
             DRIVE_VISCOUS,
         ),
         laws={"drive": _gap_drive, "sensing": _gap_sensing},
-        constants=attrgetter("holding_forces"),
+        constants=hold_at_rest,
         num_states={"drive": 7, "sensing": 13},
         **_COMMON,
     ),

@@ -8,7 +8,7 @@ from brace_drake.effects.card import Effect, EffectParameter
 def _modify(numbers, values: np.ndarray):
     lower, upper = np.reshape(values, (2, 6, 3))
     return numbers.with_changes(
-        p_WB=numbers.p_WB + lower, p_RT=numbers.p_RT + upper
+        lower=numbers.lower + lower, upper=numbers.upper + upper
     )
 
 

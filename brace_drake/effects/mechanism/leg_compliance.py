@@ -1,10 +1,10 @@
 """Legs that give way under their own force."""
 
 import math
-from operator import attrgetter
 
 from brace_drake.effects.actuation.backlash import DRIVE_VISCOUS
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.kinematics import hold_at_rest
 from brace_drake.laws.hooks import plug
 
 
@@ -62,7 +62,7 @@ CARD = Effect(
         DRIVE_VISCOUS,
     ),
     laws={"drive": _drive, "sensing": _sensing},
-    constants=attrgetter("holding_forces"),
+    constants=hold_at_rest,
     num_states={"drive": 7, "sensing": 13},
     signature="the torso moves less than the encoders say, in proportion to"
     " the force",

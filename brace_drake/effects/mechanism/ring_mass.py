@@ -7,8 +7,8 @@ from brace_drake.effects.card import Effect, EffectParameter
 
 def _modify(numbers, values: np.ndarray):
     ring = numbers.ring.copy()
-    ring[0] += values[0]
-    ring[4] *= ring[0] / numbers.ring[0]
+    ring[:, 0] += values[0]
+    ring[:, 4] *= ring[:, 0] / numbers.ring[:, 0]
     return numbers.with_changes(ring=ring)
 
 

@@ -7,27 +7,19 @@ columns, ring by ring from the bottom (see `task_impedance`); the law and what
 is remembered are stacks of such rows.
 """
 
+from typing import NamedTuple
+
 import numpy as np
+from numba import float64, int64, njit, types
 
 from brace_drake.laws import stages
-from brace_drake.laws.compiled import compiled_law, compiled_maker
-from brace_drake.laws.control import pid, pose_estimate, task_impedance
-from brace_drake.laws.control.mraic import (
-    NUM_MRAIC_LAW,
-    NUM_MRAIC_MEMORY,
-    advance_mraic,
+from brace_drake.laws.compiled import LAW, compiled_law, compiled_maker
+from brace_drake.laws.control import mraic, npic, pid, task_impedance, vpic
+from brace_drake.laws.control.pose_estimate import (
+    NUM_POSE_MEMORY,
+    estimate_rings,
 )
-from brace_drake.laws.control.npic import (
-    NUM_NPIC_LAW,
-    NUM_NPIC_MEMORY,
-    advance_npic,
-)
-from brace_drake.laws.control.vpic import (
-    NUM_VPIC_LAW,
-    NUM_VPIC_MEMORY,
-    advance_vpic,
-)
-from brace_drake.laws.rotation import quaternion_to_matrix
+from brace_drake.laws.hooks import matrix, vector
 
 # Kinds of controllers.
 IDC, PIC, MRAIC, NPIC, VPIC, PID = range(6)
@@ -41,24 +33,64 @@ NUM_SHARED_LAW = 17
 
 # Rows behind them, and rows of memory behind the filtered force, by kind.
 NUM_OWN_LAW = (
-    0,
-    0,
-    NUM_MRAIC_LAW,
-    NUM_NPIC_LAW,
-    NUM_VPIC_LAW,
+    0, 0, mraic.NUM_MRAIC_LAW, npic.NUM_NPIC_LAW, vpic.NUM_VPIC_LAW,
     pid.NUM_PID_LAW,
-)
+)  # fmt: skip
 NUM_OWN_MEMORY = (
-    0,
-    0,
-    NUM_MRAIC_MEMORY,
-    NUM_NPIC_MEMORY,
-    NUM_VPIC_MEMORY,
+    0, 0, mraic.NUM_MRAIC_MEMORY, npic.NUM_NPIC_MEMORY, vpic.NUM_VPIC_MEMORY,
     pid.NUM_PID_MEMORY,
-)
+)  # fmt: skip
 
 # What a tick comes back with.
 GOOD, NO_POSE, SINGULAR, BAD_STIFFNESS = range(4)
+
+
+class Controller(NamedTuple):
+    """A controller of n rings: its law, what it remembers, places to work in.
+
+    Attributes:
+        kind: IDC, PIC, MRAIC, NPIC, VPIC or PID.
+        law: Rows of the kind (rows, 6n).
+        geometry: See `take_geometry`.
+        rings: Memory of each ring's estimator (n, 20).
+        memory: Rows of the kind, the filtered force first (rows, 6n).
+        virtual: X_v, X_v', X_v'' (3, 6n).
+        impedance: M_d, C_d, K_d in use (3, 6n), 0 where there is none.
+        poses: As estimated q_WR, p_WR (n, 7).
+        state: As estimated X, X' (2, 6n).
+        desired: X_d, X_d', X_d'' (3, 6n).
+        F: Task forces (6n,), N and N m.
+        work: See `take_work`.
+    """
+
+    kind: int
+    law: np.ndarray
+    geometry: tuple
+    rings: np.ndarray
+    memory: np.ndarray
+    virtual: np.ndarray
+    impedance: np.ndarray
+    poses: np.ndarray
+    state: np.ndarray
+    desired: np.ndarray
+    F: np.ndarray
+    work: tuple
+
+
+_array3 = float64[:, :, ::1]
+CONTROLLER = types.NamedTuple(
+    (
+        int64, matrix, types.Tuple((matrix, _array3, _array3)), matrix, matrix,
+        matrix, matrix, matrix, matrix, matrix, vector,
+        types.Tuple(
+            (_array3, _array3, vector, _array3, _array3, matrix, vector)
+        ),
+    ),
+    Controller,
+)  # fmt: skip
+# Memory of the estimators (20n,) and of the kind (rows, 6n), X_v, X_v', X_v''
+# (18n,), impedance in use (18n,): what is held from tick to tick.
+HELD = types.Tuple((vector, matrix, vector, vector))
 
 
 @compiled_maker
@@ -97,47 +129,6 @@ def take_geometry(law, n):
 
 
 @compiled_law
-def estimate_rings(lengths, geometry, pose, poses, state, work):
-    """Poses of all rings, from the lowest up, and their filtered rates.
-
-    Args:
-        lengths: Measured (6n,), m.
-        geometry: See `take_geometry`.
-        pose: Memory of each ring's estimator (n, 20), updated, see
-            `pose_estimate.NUM_POSE_MEMORY`.
-        poses: Output q_WR, p_WR (n, 7).
-        state: Output X, X' (2, 6n).
-        work: See `take_work`.
-
-    Returns:
-        False where a pose could not be found.
-    """
-    n = pose.shape[0]
-    estimator, lower, upper = geometry
-    R, p_WB, at_pose, J, _, scratch, estimate = work
-    for i in range(n):
-        anchors = lower[0]
-        if i > 0:
-            quaternion_to_matrix(poses[i - 1, 0:4], R[i])
-            stages.place_lower_anchors(poses[i - 1], R[i], lower[i], p_WB[i])
-            anchors = p_WB[i]
-        own = lengths[6 * i : 6 * i + 6]
-        place = R[i], J[i], at_pose[0:6], scratch[0]
-        if not pose_estimate.estimate_pose(
-            own, estimator[i], anchors, upper[i], pose[i], estimate, place
-        ):
-            return False
-        for c in range(6):
-            state[0, 6 * i + c] = estimate[c]
-            state[1, 6 * i + c] = estimate[6 + c]
-        for c in range(4):
-            poses[i, c] = estimate[15 + c]
-        for c in range(3):
-            poses[i, 4 + c] = estimate[12 + c]
-    return True
-
-
-@compiled_law
 def filter_force(force, gain, filtered):
     """Low pass of the rings' forces (3n,) into rows with torques (6n,)."""
     for i in range(force.shape[0]):
@@ -145,8 +136,49 @@ def filter_force(force, gain, filtered):
         filtered[k] += gain * (force[i] - filtered[k])
 
 
+def start_held(start, rest, memory):
+    """What a controller holds before its first tick, see `HELD`.
+
+    Args:
+        start: Task coordinates (6n,), where the rings stand still.
+        rest: Of the rings (n, 3), m.
+        memory: Of the kind at the start (rows, 6n).
+    """
+    rings, virtual = (
+        np.zeros((len(rest), NUM_POSE_MEMORY)),
+        np.zeros(18 * len(rest)),
+    )
+    poses = np.empty((len(rest), 7))
+    stages.place_rings(start, rest, poses)
+    rings[:, 0:3], rings[:, 3:7] = poses[:, 4:7], poses[:, 0:4]
+    virtual[: len(start)] = start
+    return rings.ravel(), memory.copy(), virtual, np.zeros(len(virtual))
+
+
+@compiled_maker
+def make_controller(kind, law, held):
+    """The `Controller` of a kind and law that goes on with what is `HELD`."""
+    pose, memory, virtual, impedance = held
+    nc = law.shape[1]
+    poses, state, F, work = take_work(nc // 6)
+    return Controller(
+        kind,
+        law,
+        take_geometry(law, nc // 6),
+        pose.reshape((nc // 6, NUM_POSE_MEMORY)),
+        memory,
+        virtual.reshape((3, nc)),
+        impedance.reshape((3, nc)),
+        poses,
+        state,
+        np.zeros((3, nc)),
+        F,
+        work,
+    )
+
+
 @compiled_law
-def send_to_legs(F, poses, geometry, limit, work, command):
+def send_to_legs(controller, command):
     """Leg commands f = J^-T F at the estimated poses, each leg limited.
 
     Legs of stage i push ring i and pull back ring i - 1, so the stages are
@@ -155,10 +187,13 @@ def send_to_legs(F, poses, geometry, limit, work, command):
     Returns:
         GOOD, or SINGULAR where a stage is.
     """
-    _, lower, upper = geometry
-    R, p_WB, lengths, J, J_L, scratch, _ = work
-    stages.calc_kinematics(poses, lower, upper, R, p_WB, lengths, J, J_L)
-    if not stages.solve_leg_forces(J, J_L, F, scratch, command):
+    _, lower, upper = controller.geometry
+    R, p_WB, lengths, J, J_L, scratch, _ = controller.work
+    limit = controller.law[LIMIT]
+    stages.calc_kinematics(
+        controller.poses, lower, upper, R, p_WB, lengths, J, J_L
+    )
+    if not stages.solve_leg_forces(J, J_L, controller.F, scratch, command):
         return SINGULAR
     for k in range(command.shape[0]):
         command[k] = min(limit[k], max(-limit[k], command[k]))
@@ -166,49 +201,40 @@ def send_to_legs(F, poses, geometry, limit, work, command):
 
 
 @compiled_law
-def follow_virtual(
-    X_v, filtered, law, geometry, poses, state, F, work, command
-):
-    """Inverse dynamics (6) from the estimated state to X_v (3, 6n).
-
-    Returns:
-        GOOD or SINGULAR.
-    """
-    task_impedance.calc_task_forces(
-        state, X_v, filtered, law[FED_FORWARD],
-        law[K_P : K_V + 1], law[MASS], law[GRAVITY], F,
-    )  # fmt: skip
-    return send_to_legs(F, poses, geometry, law[LIMIT], work, command)
-
-
-@compiled_law
-def advance_virtual(
-    kind, desired, state, force, stiffness, law, memory, virtual, impedance
-):
-    """Virtual poses and impedance in use of every kind but PIC and PID.
+def advance_virtual(controller, stiffness):
+    """Virtual poses and impedance in use of every kind.
 
     Returns:
         False where a stiffness asked for is not a number.
     """
+    kind, law, own = controller.kind, controller.law, controller.memory[1:]
+    state, force = controller.state, controller.memory[0]
+    desired = controller.desired
+    virtual, used = controller.virtual, controller.impedance
     period, selected = law[ESTIMATOR, 3], law[SELECTED]
-    wanted, own = law[M_D : K_D + 1], law[NUM_SHARED_LAW:]
-    if kind == MRAIC:
-        advance_mraic(
-            desired, state, force, period, selected, wanted, own, memory,
-            virtual, impedance,
+    wanted, rows = law[M_D : K_D + 1], law[NUM_SHARED_LAW:]
+    if kind == PIC:
+        task_impedance.advance_pic(
+            desired, force, period, selected, law[M_D], law[C_D], law[K_D],
+            virtual, used,
+        )  # fmt: skip
+    elif kind == MRAIC:
+        mraic.advance_mraic(
+            desired, state, force, period, selected, wanted, rows, own,
+            virtual, used,
         )  # fmt: skip
     elif kind == NPIC:
-        advance_npic(
-            desired, state, force, period, selected, wanted, own, memory,
-            virtual, impedance,
+        npic.advance_npic(
+            desired, state, force, period, selected, wanted, rows, own,
+            virtual, used,
         )  # fmt: skip
     elif kind == VPIC:
-        return advance_vpic(
-            desired, state, force, stiffness, period, selected, wanted, own,
-            memory, virtual, impedance,
+        return vpic.advance_vpic(
+            desired, state, force, stiffness, period, selected, wanted, rows,
+            own, virtual, used,
         )  # fmt: skip
     else:
-        task_impedance.advance_idc(desired, virtual, impedance)
+        task_impedance.advance_idc(desired, virtual, used)
     return True
 
 
@@ -222,105 +248,65 @@ def is_saturated(command, limit):
 
 
 @compiled_law
-def advance_brace_pic(
-    lengths,
-    force,
-    X_d,
-    law,
-    geometry,
-    rings,
-    filtered,
-    X_v,
-    impedance,
-    places,
-    command,
-):
-    """One tick of PIC: the bench's, with n = 1, and the brace's.
-
-    Args:
-        X_d, X_v, impedance: As in `advance_brace`, a row each (3, 6n).
-        geometry: See `take_geometry`.
-        rings: Memory of each ring's estimator (n, 20), updated.
-        filtered: Filtered force (6n,), N, updated.
-        places: To work in, see `take_work`.
-        lengths ... command: As in `advance_brace`.
-
-    Returns:
-        GOOD, NO_POSE or SINGULAR.
-    """
-    poses, state, F, work = places
-    if not estimate_rings(lengths, geometry, rings, poses, state, work):
-        return NO_POSE
-    filter_force(force, law[ESTIMATOR, 5], filtered)
-    task_impedance.advance_pic(
-        X_d, filtered, law[ESTIMATOR, 3], law[SELECTED],
-        law[M_D], law[C_D], law[K_D], X_v, impedance,
-    )  # fmt: skip
-    return follow_virtual(
-        X_v, filtered, law, geometry, poses, state, F, work, command
-    )
+def calc_forces(controller, command):
+    """Task forces: inverse dynamics (6) to the virtual pose, or PID."""
+    law, force = controller.law, controller.memory[0]
+    if controller.kind == PID:
+        pid.advance_pid(
+            controller.desired, controller.state, force, law[ESTIMATOR, 3],
+            is_saturated(command, law[LIMIT]), law[NUM_SHARED_LAW:],
+            law[GRAVITY], controller.memory[1:], controller.F,
+        )  # fmt: skip
+    else:
+        task_impedance.calc_task_forces(
+            controller.state, controller.virtual, force, law[FED_FORWARD],
+            law[K_P : K_V + 1], law[MASS], law[GRAVITY], controller.F,
+        )  # fmt: skip
 
 
-@compiled_maker
-def advance_brace(
-    kind,
-    lengths,
-    force,
-    desired,
-    stiffness,
-    law,
-    pose,
-    memory,
-    virtual,
-    impedance,
-    command,
-):
+@njit(
+    int64(CONTROLLER, vector, vector, vector),
+    **{**LAW, "forceinline": False},
+)
+def advance_controller(controller, readings, stiffness, command):
     """One tick.
 
     Args:
-        kind: IDC, PIC, MRAIC, NPIC, VPIC or PID.
-        lengths: Measured (6n,), m.
-        force: Measured force of each ring on the torso in W (3n,), N.
-        desired: X_d, X_d', X_d'' (18n,).
+        controller: From `make_controller`, with X_d, X_d', X_d'' in its
+            place; what it remembers is updated.
+        readings: Leg lengths (6n), m, force of each ring on the torso in W
+            (3n), N; more may follow.
         stiffness: Asked for from outside (6n,), or (0,); VPIC alone uses it.
-        law: Rows of the kind (rows, 6n).
-        pose: Memory of the estimator (20n,), updated.
-        memory: Rows of the kind, the filtered force first (rows, 6n), updated.
-        virtual: X_v, X_v', X_v'' (18n,), updated.
-        impedance: M_d, C_d, K_d in use (18n,), 0 where there is none; output.
         command: Leg forces (6n,), N: of the last tick, and output.
 
     Returns:
         GOOD, NO_POSE, SINGULAR or BAD_STIFFNESS.
     """
-    filtered, own = memory[0], memory[1:]
-    nc = lengths.shape[0]
-    n = nc // 6
-    X_d, X_v = desired.reshape((3, nc)), virtual.reshape((3, nc))
-    used = impedance.reshape((3, nc))
-    geometry, places = take_geometry(law, n), take_work(n)
-    poses, state, F, work = places
-    rings = pose.reshape((n, pose_estimate.NUM_POSE_MEMORY))
-    if kind == PIC:
-        return advance_brace_pic(
-            lengths, force, X_d, law, geometry, rings, filtered, X_v, used,
-            places, command,
-        )  # fmt: skip
-    if not estimate_rings(lengths, geometry, rings, poses, state, work):
+    law, nc = controller.law, controller.law.shape[1]
+    if not estimate_rings(
+        readings[0:nc], controller.geometry, controller.rings,
+        controller.poses, controller.state, controller.work,
+    ):  # fmt: skip
         return NO_POSE
-    filter_force(force, law[ESTIMATOR, 5], filtered)
-    if kind == PID:
-        task_impedance.advance_idc(X_d, X_v, used)
-        pid.advance_pid(
-            X_d, state, filtered, law[ESTIMATOR, 3],
-            is_saturated(command, law[LIMIT]),
-            law[NUM_SHARED_LAW:], law[GRAVITY], own, F,
-        )  # fmt: skip
-        return send_to_legs(F, poses, geometry, law[LIMIT], work, command)
-    if not advance_virtual(
-        kind, X_d, state, filtered, stiffness, law, own, X_v, used
-    ):
-        return BAD_STIFFNESS
-    return follow_virtual(
-        X_v, filtered, law, geometry, poses, state, F, work, command
+    filter_force(
+        readings[nc : nc + nc // 2], law[ESTIMATOR, 5], controller.memory[0]
     )
+    if not advance_virtual(controller, stiffness):
+        return BAD_STIFFNESS
+    calc_forces(controller, command)
+    return send_to_legs(controller, command)
+
+
+@compiled_maker
+def advance_brace(kind, law, held, readings, desired, stiffness, command):
+    """`advance_controller` for who has no `Controller`, as a LeafSystem.
+
+    Args:
+        kind, law: Of the controller.
+        held: See `HELD`, updated.
+        readings, stiffness, command: As there.
+        desired: X_d, X_d', X_d'' (18n,).
+    """
+    controller = make_controller(kind, law, held)
+    controller.desired[:] = desired.reshape((3, law.shape[1]))
+    return advance_controller(controller, readings, stiffness, command)

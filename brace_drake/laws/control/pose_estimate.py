@@ -1,9 +1,10 @@
-"""A ring's pose and velocity from its leg lengths, tick by tick."""
+"""The rings' poses and velocities from their leg lengths, tick by tick."""
 
-from brace_drake.laws import legs
+from brace_drake.laws import legs, stages
 from brace_drake.laws.compiled import compiled_law, copy_values
 from brace_drake.laws.control import impedance as control
 from brace_drake.laws.rotation import (
+    quaternion_to_matrix,
     quaternion_to_rotation_vector,
     rotate_quaternion,
 )
@@ -55,3 +56,44 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate, place):
     for i in range(7):
         estimate[12 + i] = memory[i]
     return good
+
+
+@compiled_law
+def estimate_rings(lengths, geometry, pose, poses, state, work):
+    """Poses of all rings, from the lowest up, and their filtered rates.
+
+    Args:
+        lengths: Measured (6n,), m.
+        geometry: See `brace_control.take_geometry`.
+        pose: Memory of each ring's estimator (n, 20), updated, see
+            NUM_POSE_MEMORY.
+        poses: Output q_WR, p_WR (n, 7).
+        state: Output X, X' (2, 6n).
+        work: See `brace_control.take_work`.
+
+    Returns:
+        False where a pose could not be found.
+    """
+    n = pose.shape[0]
+    estimator, lower, upper = geometry
+    R, p_WB, at_pose, J, _, scratch, estimate = work
+    for i in range(n):
+        anchors = lower[0]
+        if i > 0:
+            quaternion_to_matrix(poses[i - 1, 0:4], R[i])
+            stages.place_lower_anchors(poses[i - 1], R[i], lower[i], p_WB[i])
+            anchors = p_WB[i]
+        own = lengths[6 * i : 6 * i + 6]
+        place = R[i], J[i], at_pose[0:6], scratch[0]
+        if not estimate_pose(
+            own, estimator[i], anchors, upper[i], pose[i], estimate, place
+        ):
+            return False
+        for c in range(6):
+            state[0, 6 * i + c] = estimate[c]
+            state[1, 6 * i + c] = estimate[6 + c]
+        for c in range(4):
+            poses[i, c] = estimate[15 + c]
+        for c in range(3):
+            poses[i, 4 + c] = estimate[12 + c]
+    return True

@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from brace_drake.core.errors import ScenarioError
-from brace_drake.effects.stack import Use, stack_laws
-from brace_drake.kinematics import holding_leg_forces
-from brace_drake.laws.stages import place_rings
-from brace_drake.link.emulator.plant import (
-    EmulatedPlant,
-    PlantNumbers,
-    PlantTiming,
-)
+from brace_drake.effects.stack import Use
+from brace_drake.link.emulator.plant import EmulatedPlant
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 
@@ -23,8 +15,7 @@ class BracePlant(EmulatedPlant):
     The compiled laws of the diagram (`brace_drake.model.brace_station`), with
     the stages that the scenario picks.
 
-    Effects that are laws act on every stage alike, on the torso once; those
-    that are other numbers of the bench are not for a brace.
+    Effects act on every stage alike, on the torso once.
     """
 
     def __init__(
@@ -42,20 +33,11 @@ class BracePlant(EmulatedPlant):
 
         Raises:
             ScenarioError: Legs or contact that only the diagram has.
-            EffectError: Effects that a brace does not take.
+            EffectError: More effects than it carries.
         """
         _check_mechanism(scenario)
-        plant = _pack_plant(scenario)
-        period = 1.0 / scenario.control.rate
-        geometry, weights = pack_brace(scenario).geometry, plant.rings[:, 4]
-        super().__init__(
-            plant,
-            PlantTiming(period, round(period / scenario.time_step)),
-            tuple(holding_leg_forces(geometry, weights).tolist()),
-            stack_laws(uses),
-            scenario.torso.present,
-            seed,
-        )
+        numbers, present = pack_brace(scenario), scenario.torso.present
+        super().__init__(numbers, scenario.time_step, uses, present, seed)
 
 
 def _check_mechanism(scenario: BraceScenario) -> None:
@@ -71,24 +53,3 @@ def _check_mechanism(scenario: BraceScenario) -> None:
                 f"contact.{ring}.model is {contact.model!r}; allowed for an"
                 " emulated brace: 'linear' or 'none'"
             )
-
-
-def _pack_plant(scenario: BraceScenario) -> PlantNumbers:
-    numbers, torso = pack_brace(scenario), scenario.torso
-    geometry, n = numbers.geometry, numbers.num_stages
-    start = np.empty((n, 7))
-    place_rings(numbers.start, geometry.rest, start)
-    return PlantNumbers(
-        lower=np.ascontiguousarray(geometry.lower),
-        upper=np.ascontiguousarray(geometry.upper),
-        rest=geometry.rest,
-        start=start,
-        torso_rest=numbers.torso_rest,
-        viscous=numbers.viscous,
-        contact=numbers.contact,
-        posture=numbers.posture,
-        rings=np.tile(numbers.ring, (n, 1)),
-        torso=np.array([torso.mass, *torso.inertia, 0.0]),
-        resolution=numbers.resolution,
-        noise_sigma=numbers.noise_sigma,
-    )

@@ -8,6 +8,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, LeafSystem
 
 from brace_drake.kinematics import holding_leg_forces
 from brace_drake.laws.control import brace_control
+from brace_drake.laws.control.pose_estimate import estimate_rings
 from brace_drake.laws.cubic import calc_cubic
 from brace_drake.laws.loop.force_left import calc_forces_left
 from brace_drake.link.protocol.limits import Limits
@@ -18,7 +19,11 @@ from brace_drake.model.systems.device_station import DeviceStation
 from brace_drake.model.systems.stiffness_limiter import StiffnessLimiter
 from brace_drake.model.systems.ticks import TICK_LEAD
 from brace_drake.scenario.brace import BraceScenario
-from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
+from brace_drake.scenario.brace_numbers import (
+    geometry_of,
+    pack_brace,
+    pack_rings,
+)
 from brace_drake.scenario.control_numbers import pack_control
 
 # Of X of a ring (6,): y.
@@ -108,13 +113,13 @@ class HostControl:
         numbers, rings = pack_brace(scenario), pack_rings(scenario)
         self._controller = MakeController(scenario.control, rings)
         control = pack_control(scenario.control, rings)
-        self._geometry, self._viscous = numbers.geometry, numbers.viscous
+        self._geometry, self._viscous = geometry_of(numbers), numbers.viscous
         self._rings = numbers.num_stages
-        self._weights = np.full(self._rings, numbers.ring[4])
+        self._weights = np.ascontiguousarray(numbers.ring[:, 4])
         self._start_pose = control.pose
         self._rows = brace_control.take_geometry(control.law, self._rings)
         self._start = control.virtual[0 : 6 * self._rings]
-        held = holding_leg_forces(numbers.geometry, self._weights)
+        held = holding_leg_forces(self._geometry, self._weights)
         self.hold = tuple(held.tolist())
         self.period = control.period
         self.expected = np.zeros(3 * self._rings)
@@ -174,7 +179,7 @@ class HostControl:
             desired: y_d, y_d', y_d'' of each ring, from the start (3, S).
         """
         n, held = 6 * self._rings, self.command.copy()
-        self.good = brace_control.estimate_rings(
+        self.good = estimate_rings(
             readings[0:n], self._rows, self._memory, self._poses, self._state,
             self._work[3],
         )  # fmt: skip

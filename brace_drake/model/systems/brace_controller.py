@@ -122,18 +122,17 @@ class BraceController(LeafSystem):
         virtual, impedance, command, pose, memory = (
             discrete.get_mutable_value(i) for i in self._groups
         )
+        readings = np.concatenate(
+            [self._length_port.Eval(context), self._force_port.Eval(context)]
+        )
         law = context.get_numeric_parameter(self._law).CopyToVector()
         result = brace_control.advance_brace(
             self._kind,
-            self._length_port.Eval(context),
-            self._force_port.Eval(context),
+            law.reshape((self._rows, -1)),
+            (pose, memory.reshape(self._memory_shape), virtual, impedance),
+            readings,
             self._desired_port.Eval(context),
             self._AskedStiffness(context),
-            law.reshape((self._rows, -1)),
-            pose,
-            memory.reshape(self._memory_shape),
-            virtual,
-            impedance,
             command,
         )
         if result != brace_control.GOOD:

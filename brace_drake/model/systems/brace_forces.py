@@ -15,19 +15,20 @@ from pydrake.systems.framework import (
 )
 from pydrake.systems.primitives import ConstantVectorSource, Multiplexer
 
-from brace_drake.core.errors import EffectError
-from brace_drake.laws.loop import kernels
+from brace_drake.laws.loop.brace import make_brace
+from brace_drake.laws.loop.ticks import run_forces
+from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.laws.plug_in import PlugIn
-from brace_drake.model.systems.force_laws import ForceLaws
+from brace_drake.model.systems.force_laws import ForceEffects
 
 
 class BraceForces(LeafSystem):
-    """Legs, pads and posture of S stages: `kernels.calc_brace` between ports.
+    """Legs, pads and posture of S stages: `laws.loop.forces` between ports.
 
     Input ports:
         inputs: Plant state, that is q, p of the rings from the lowest up and,
             where present, of the torso, then [w; v] of each (13 S) or
-            (13 S + 13); held commands u (6 S), N; law, see `kernels.num_law`.
+            (13 S + 13); held commands u (6 S), N; `BraceNumbers.force_law`.
             One port, as each costs a look-up from Python.
         contact_force: Force of each ring on the torso (3 S,), N, as far as the
             plant resolves it; unconnected it is 0.
@@ -39,43 +40,50 @@ class BraceForces(LeafSystem):
             N, displacement of the torso (3), m.
 
     Without legs their forces are left out: they are bodies of the plant then.
-    Effects sit on a brace of one stage. Their parameters and states, see
-    ForceLaws, are this system's; the states advance once in each plant step.
+    Effects act on each stage alike. Their parameters and states, see
+    ForceEffects, are this system's; the states advance once in each plant step.
     """
 
     def __init__(
         self,
-        num_stages: int,
+        numbers: BraceNumbers,
         time_step: float,
         with_torso: bool,
-        with_pads: bool,
         with_legs: bool = True,
         plug_ins: Mapping[str, PlugIn] | None = None,
     ):
         super().__init__()
-        self._with_legs = with_legs
-        n = self._num_stages = num_stages
-        num_state = 13 * (n + with_torso)
-        num_inputs = num_state + 6 * n + kernels.num_law(n)
+        n = self._num_stages = numbers.num_stages
+        num_bodies = n + with_torso
+        self._law = numbers.force_law
+        self._ends = np.cumsum([7 * num_bodies, 6 * num_bodies, 6 * n])
+        num_inputs = self._ends[-1] + len(self._law)
         self._port = self.DeclareVectorInputPort("inputs", num_inputs)
         self._contact_port = self.DeclareVectorInputPort("contact_force", 3 * n)
-        self._with_pads = with_pads and with_torso
-        self._laws = ForceLaws(self, plug_ins or {}, time_step, self._with_pads)
-        if n > 1 and not self._laws.is_nominal:
-            raise EffectError(f"effects sit on one stage; the brace has {n}")
-        self._DeclareOutputs(6 * (n + with_torso))
-        if not self._laws.is_nominal:
+        self._hosted = ForceEffects(self, plug_ins or {}, n)
+        self._DeclareOutputs(6 * num_bodies)
+        if not self._hosted.is_nominal:
             self.DeclarePeriodicDiscreteUpdateEvent(
                 time_step, 0.0, self._AdvanceEffects
             )
-        self._brace = np.zeros(kernels.num_forces(n, with_work=True))
-        self._F = self._brace[0 : 6 * (n + with_torso)]
-        self._measured = self._brace[6 * n + 6 : 15 * n + 9]
+        brace = make_brace(numbers, with_torso, with_legs)
+        self._poses = brace.poses[:num_bodies].reshape(-1)
+        self._V = brace.V[:num_bodies].reshape(-1)
+        self._u, self._F = brace.u, brace.F[:num_bodies].reshape(-1)
+        self._measured = brace.readings
         self._contact = self._measured[6 * n : 9 * n]
+        self._time = np.zeros(1)
+        self._forces = run_forces(
+            time_step,
+            self._time,
+            numbers.with_force_law(self._law),
+            self._hosted.effects,
+            brace,
+        )
 
     def _DeclareOutputs(self, num_forces: int) -> None:
         sources = {self._port.ticket()}
-        if not self._laws.is_nominal:
+        if not self._hosted.is_nominal:
             sources |= {
                 self.all_parameters_ticket(),
                 self.all_state_ticket(),
@@ -98,16 +106,13 @@ class BraceForces(LeafSystem):
 
     def _Calc(self, context: Context) -> None:
         inputs = self._port.Eval(context)
-        if self._laws.is_nominal:
-            kernels.calc_brace(
-                inputs,
-                self._num_stages,
-                self._with_pads,
-                self._with_legs,
-                self._brace,
-            )
-        else:
-            self._laws.calc(context, inputs, self._brace)
+        a, b, c = self._ends
+        self._poses[:], self._V[:] = inputs[:a], inputs[a:b]
+        self._u[:], self._law[:] = inputs[b:c], inputs[c:]
+        if not self._hosted.is_nominal:
+            self._hosted.load(context)
+            self._time[0] = context.get_time()
+        next(self._forces)
 
     def _CalcGeneralizedForce(
         self, context: Context, output: BasicVector
@@ -122,9 +127,8 @@ class BraceForces(LeafSystem):
         output.SetFromVector(self._measured)
 
     def _AdvanceEffects(self, context: Context, discrete) -> None:
-        inputs = self._port.Eval(context)
-        memory = self._laws.calc(context, inputs, self._brace)
-        self._laws.store(memory, discrete)
+        self._Calc(context)
+        self._hosted.store(discrete)
 
 
 def ConnectBraceForces(
@@ -142,7 +146,8 @@ def ConnectBraceForces(
     Args:
         builder: That `forces` was added to.
         forces: The system.
-        law: See `kernels.num_law`; a numeric parameter of `force_law`.
+        law: `BraceNumbers.force_law`; a numeric parameter of the system
+            `force_law`.
         state: Of the plant's rings and torso.
         applied_force: Of the plant's rings and torso.
 

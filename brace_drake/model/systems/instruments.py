@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from brace_drake.laws.loop import blocks
+from brace_drake.laws.loop.ticks import round_readings
 from brace_drake.laws.plug_in import PlugIn, idle
 from brace_drake.model.systems.hosting import EffectHost
 from brace_drake.model.systems.ticks import DeclareTick
@@ -19,8 +19,8 @@ class BraceInstruments(LeafSystem):
     Input ports:
         measured: True leg lengths (6 S), m, force of each ring on the torso
             (3 S), N, displacement of the torso (3), m.
-        held_command: Commands of the last tick (6 S,), N; only effects of one
-            stage look at them.
+        held_command: Commands of the last tick (6 S,), N; only effects look
+            at them.
         noise: Standard normal draws of the tick (9 S + 3,); left unconnected
             the readings are exact and not rounded.
 
@@ -60,7 +60,9 @@ class BraceInstruments(LeafSystem):
             for a in (resolution, noise_sigma)
         )
         self._host = EffectHost(
-            self, (plug_ins or {}).get("sensing") or idle("sensing")
+            self,
+            (plug_ins or {}).get("sensing") or idle("sensing"),
+            self._num_lengths // 6,
         )
         self._output = self.DeclareVectorOutputPort(
             "readings", size, self._CalcReadings
@@ -80,20 +82,14 @@ class BraceInstruments(LeafSystem):
         readings[:] = self._measured_port.Eval(context)
         memory = self._host.memory(context)
         if not self._host.is_idle:
-            self._host.apply(
-                context,
-                memory,
-                context.get_time(),
-                self._period,
-                self._held_port.Eval(context),
-                readings[: self._num_lengths],
-                readings[self._num_lengths : -3],
-            )
+            times = context.get_time(), self._period
+            held = self._held_port.Eval(context)
+            self._host.read(context, memory, times, held, readings)
         if self._noise_port.HasValue(context):
             resolution = context.get_numeric_parameter(self._resolution)
             sigma = context.get_numeric_parameter(self._sigma)
             noise = self._noise_port.Eval(context) * sigma.value()
-            blocks.read_instruments(resolution.value(), noise, readings)
+            round_readings(resolution.value(), noise, readings)
         return memory
 
     def _CalcReadings(self, context: Context, output: BasicVector) -> None:
