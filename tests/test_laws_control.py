@@ -147,7 +147,7 @@ class TestSolve(unittest.TestCase):
         np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-10)
 
     def test_a_singular_matrix_is_told(self):
-        self.assertFalse(solve_in_place(np.ones((3, 3)), np.ones(3)))
+        self.assertFalse(solve_in_place(np.ones((6, 6)), np.ones(6)))
 
 
 if __name__ == "__main__":

@@ -71,5 +71,6 @@ def _of_stages(
 ) -> tuple[np.ndarray, ...]:
     """A row for each stage, copied."""
     return tuple(
-        np.array(np.broadcast_to(v, (num_stages, v.shape[-1]))) for v in values
+        np.array(np.broadcast_to(v, (num_stages, v.shape[-1])), order="C")
+        for v in values
     )
