@@ -58,7 +58,6 @@ class Rollout:
             that has failed.
         cause: The first limit of the task that was passed, or the failure of
             the simulation; "" where all went well.
-        failed: Whether the simulation has.
     """
 
     time: np.ndarray
@@ -66,7 +65,11 @@ class Rollout:
     stiffness: np.ndarray
     total: float
     cause: str
-    failed: bool = False
+
+    @property
+    def failed(self) -> bool:
+        """Whether the simulation has."""
+        return self.total == -np.inf
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,7 @@ class Benchmark(PreparedTask):
         episode = self.draw(np.random.default_rng(0), subject)
         held = self.law.action(self.law.start)
         asked = np.empty(0) if policy is None else self.stiffness(held)
-        samples, used, total, cause, failed = [], [], 0.0, "", False
+        samples, used, total, cause = [], [], 0.0, ""
         try:
             loop.start(episode, asked)
             before = self._share(loop, policy, held)
@@ -148,14 +151,13 @@ class Benchmark(PreparedTask):
                     samples[-1], task.limits, self.scenario.rings
                 )
         except BraceError as error:
-            cause, failed = cause or f"failed: {error}", True
+            cause, total = cause or f"failed: {error}", -np.inf
         return Rollout(
             time=task.sample_time / SAMPLES * np.arange(1, len(samples) + 1),
             signals=stack_signals(samples, len(self.selected)),
             stiffness=np.reshape(used, (-1, int(self.selected.sum()))),
-            total=-np.inf if failed else total,
+            total=total,
             cause=cause,
-            failed=failed,
         )
 
     def score(self, rollout: Rollout) -> TaskScore:

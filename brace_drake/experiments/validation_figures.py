@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from brace_drake.core.output import WriteBytes, WriteJson
 from brace_drake.experiments.tables import to_png
 from brace_drake.experiments.validate import (
     Regression,
@@ -108,6 +111,28 @@ def draw_forces(validation: Validation) -> bytes:
             top.legend()
         _grid(axes)
         return to_png(figure)
+
+
+def WriteValidation(folder: Path, validation: Validation) -> dict:
+    """Writes replay.png, regression.png, force.png and validation.json.
+
+    Args:
+        folder: It exists.
+        validation: What is drawn.
+
+    Returns:
+        What validation.json has.
+    """
+    shown = validation.runs["fit"]
+    for name, png in (
+        ("replay", draw_replay(shown)),
+        ("regression", draw_regression(validation.regression, shown.run.file)),
+        ("force", draw_forces(validation)),
+    ):
+        WriteBytes(folder / f"{name}.png", png)
+    document = validation.document()
+    WriteJson(folder / "validation.json", document)
+    return document
 
 
 def _grid(axes) -> None:

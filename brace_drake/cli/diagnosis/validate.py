@@ -15,7 +15,7 @@ from brace_drake.cli.options import (
     open_workers_option,
 )
 from brace_drake.core.errors import CampaignError, reason
-from brace_drake.core.output import HoldFolder, WriteBytes, WriteJson
+from brace_drake.core.output import HoldFolder
 
 _EPILOG = """\
 example:
@@ -64,8 +64,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Fits where needed, draws, and prints the errors."""
     from brace_drake.core.resources import example_campaign_path
-    from brace_drake.experiments import validation_figures as figures
     from brace_drake.experiments.validate import choose_run, validate_twin
+    from brace_drake.experiments.validation_figures import WriteValidation
     from brace_drake.recording import LoadCampaign
 
     path = args.campaign or example_campaign_path()
@@ -80,16 +80,7 @@ def Run(args: argparse.Namespace) -> int:
     out = HoldFolder(Path(args.out))
     found = given or _fit(campaign, scenario, args)
     shown = validate_twin(campaign, found, scenario, args.show)
-    fit_run = shown.runs["fit"]
-    for name, png in (
-        ("replay", figures.draw_replay(fit_run)),
-        ("regression",
-         figures.draw_regression(shown.regression, fit_run.run.file)),
-        ("force", figures.draw_forces(shown)),
-    ):  # fmt: skip
-        WriteBytes(out / f"{name}.png", png)
-    document = shown.document()
-    WriteJson(out / "validation.json", document)
+    document = WriteValidation(out, shown)
     network = document["regression"]
     print(
         f"network on {network['run']}: k {network['stiffness_N_m']:.0f} N/m,"
