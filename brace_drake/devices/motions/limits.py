@@ -26,12 +26,13 @@ from brace_drake.devices.motions.recorded_reach import (
 from brace_drake.devices.pad_bench.twin import PadBenchTwin
 from brace_drake.devices.subject import with_subject
 from brace_drake.recording import Run
+from brace_drake.recording.columns import BENCH_RINGS
 
 EXCURSION = 0.012  # m, of the reference
 _ROUNDING = 1e-9
 PAD_FORCE = 50.0  # N, of one pad
 
-_FORCE_Y = CHANNELS.index("ring2_force_y_N")
+_FORCE_Y = CHANNELS.index(f"ring{BENCH_RINGS[0]}_force_y_N")
 
 _DESIRED, _POSITION = "position_desired_m", "position_m"
 _COMMAND = "force_command_N"

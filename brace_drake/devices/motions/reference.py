@@ -149,9 +149,8 @@ def LoadReference(
     A column `contact` (1 with the torso, 0 without) tells it otherwise.
 
     Args:
-        path: CSV with time_s, ring2_y_desired_m, ring2_vy_desired_m_s and
-            ring2_ay_desired_m_s2, evenly sampled; further columns are left
-            out. Where other rings are asked for, theirs likewise.
+        path: CSV with time_s and `reference_columns` of the rings, evenly
+            sampled; further columns are left out.
         rings: Those whose references are taken, at least one of them.
 
     Raises:
