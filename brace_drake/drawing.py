@@ -6,22 +6,16 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import RigidBody
 from pydrake.systems.framework import Diagram
-from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.core.errors import OutputError, ScenarioError
 from brace_drake.core.output import MakeFolder, WriteText
 from brace_drake.core.resources import scenario_path
 from brace_drake.model.articulated import GetClosures
-from brace_drake.model.brace_station import MakeBraceStation
-from brace_drake.model.station import MakeBenchStation
-from brace_drake.model.systems.brace_controllers import MakeController
-from brace_drake.recording.columns import BRACE
-from brace_drake.scenario.brace import BenchScenario
-from brace_drake.scenario.brace_numbers import pack_rings
+from brace_drake.model.brace_station import MakeControlledBrace
+from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import LoadScenario, Scenario
 
 INSTALL = "apt-get install graphviz, or brew install graphviz"
@@ -144,24 +138,18 @@ def make_body_graph(
 def MakeDrawnDiagram(
     scenario: Scenario,
 ) -> tuple[Diagram, MultibodyPlant | None, list[tuple[RigidBody, RigidBody]]]:
-    """The diagram of any scenario, with a reference that stays at rest.
+    """The diagram of any scenario, with its own controller.
 
     Returns:
         The diagram; its plant, where it has one; and pairs of bodies that
         constraints hold together.
     """
-    if scenario.device == BRACE:
-        controller = MakeController(scenario.control, pack_rings(scenario))
-        station = MakeBraceStation(scenario, controller)
-        plant, closures = station.plant, []
-        if scenario.mechanism == "articulated":
-            closures = GetClosures(plant, scenario)
-        return station.diagram, plant, closures
-    if isinstance(scenario, BenchScenario):
-        rest = PiecewisePolynomial(np.zeros((3, 1)))
-        station = MakeBenchStation(scenario, rest)
-    else:
+    if not isinstance(scenario, BraceScenario):
         raise ScenarioError(
             f"a {scenario.device} has no diagram: its twin is one compiled law"
         )
-    return station.diagram, station.plant, []
+    station = MakeControlledBrace(scenario)
+    closures = []
+    if scenario.mechanism == "articulated":
+        closures = GetClosures(station.plant, scenario)
+    return station.diagram, station.plant, closures

@@ -6,7 +6,9 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import TrajectorySource
 from pydrake.trajectories import PiecewisePolynomial
 
+from brace_drake.devices.motions.reference import MakeReference
 from brace_drake.model.brace_station import MakeBraceStation
+from brace_drake.model.simulate import SimulateStation
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace
 from tests.brace_servo import BraceServo
@@ -31,6 +33,19 @@ def way_to(X, duration, back=False):
         np.zeros(3 * len(X)),
         np.zeros(3 * len(X)),
     )
+
+
+def along_y(time, samples):
+    """X_d, X_d', X_d'' (18 rows) of one ring from y, y', y'' (N, 3)."""
+    desired = np.zeros((len(time), 3, 6))
+    desired[:, :, 1] = samples
+    return MakeReference(time, desired)
+
+
+def bench_log(station, duration):
+    """A run of a bench as its channels are recorded (N, 19)."""
+    log, _ = SimulateStation(station, duration)
+    return np.hstack([log[:, 0:18], log[:, 19:20]])
 
 
 def hold(X):

@@ -6,15 +6,23 @@ import numpy as np
 from pydrake.systems.framework import LeafSystem
 
 from brace_drake.core.errors import ScenarioError
-from brace_drake.devices.motions.reference import MakeReference
 from brace_drake.kinematics import find_task_coordinates, static_leg_forces
 from brace_drake.model.brace_plant import SetBracePose
-from brace_drake.model.brace_station import MakeBraceStation
-from brace_drake.model.simulate import SimulateBench
-from brace_drake.model.station import MakeBenchStation
+from brace_drake.model.brace_station import (
+    MakeBraceStation,
+    MakeControlledBrace,
+)
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.brace_numbers import geometry_of, pack_brace
-from tests.brace_runs import brace, hold, replay, run, run_servo
+from tests.brace_runs import (
+    along_y,
+    bench_log,
+    brace,
+    hold,
+    replay,
+    run,
+    run_servo,
+)
 from tests.brace_servo import BraceServo
 from tests.test_station import smooth_push
 
@@ -24,8 +32,8 @@ class TestBench(unittest.TestCase):
         bench = BenchScenario(time_step=5e-4)
         bench.sensors.log_period = 0.001
         duration = 0.3
-        reference = MakeReference(*smooth_push(duration))
-        expected = SimulateBench(MakeBenchStation(bench, reference), duration)
+        station = MakeControlledBrace(bench, along_y(*smooth_push(duration)))
+        expected = bench_log(station, duration)
         scenario = brace(contact="linear", stages=[2], time_step=5e-4)
         scenario.sensors.log_period = 0.001
         _, _, log = replay(scenario, expected[:, 0:6], duration)
@@ -105,12 +113,13 @@ class TestStages(unittest.TestCase):
                     context = run(station.diagram, 0.02).get_context()
                     log = station.sink.FindLog(context).data().T
                     n = len(stages)
-                    self.assertEqual(log.shape[1], 15 * n + 3)
+                    self.assertEqual(log.shape[1], 33 * n + 3)
                     found = find_task_coordinates(
                         geometry_of(station.numbers), log[-1, 6 * n : 12 * n]
                     )
                     np.testing.assert_allclose(found, X, atol=3e-4)
-                    self.assertTrue((log[-1, 12 * n + 1 : -3 : 3] < 0).all())
+                    pushes = log[-1, 12 * n + 1 : 15 * n : 3]
+                    self.assertTrue((pushes < 0).all())
 
 
 class TestPorts(unittest.TestCase):

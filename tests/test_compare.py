@@ -12,7 +12,7 @@ from brace_drake.core.resources import scenario_path
 from brace_drake.devices.motions.reference import MakeBraceReference
 from brace_drake.experiments import compare
 from brace_drake.experiments.scores import FAILED
-from brace_drake.model.simulate_brace import BraceLog
+from brace_drake.model.simulate import BraceLog
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.load import LoadScenario
 from tests.commands import run_command

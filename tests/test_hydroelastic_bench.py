@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.devices.motions.reference import MakeReference
-from brace_drake.model.simulate import SimulateBench
-from brace_drake.model.station import MakeBenchStation
+from brace_drake.model.brace_station import MakeControlledBrace
 from brace_drake.scenario.brace import BenchScenario, Contact
+from tests.brace_runs import along_y, bench_log
 
 FORCE_Y = 13
 
@@ -42,8 +41,8 @@ def simulate(model, time_step, preload=1e-3):
     contact = Contact(model=model, preload=preload)
     scenario.contact.ring2 = mapped(contact)
     time, samples = cubic_push()
-    station = MakeBenchStation(scenario, MakeReference(time, samples))
-    return SimulateBench(station, time[-1])
+    station = MakeControlledBrace(scenario, along_y(time, samples))
+    return bench_log(station, time[-1])
 
 
 class TestMapping(unittest.TestCase):

@@ -32,7 +32,7 @@ from brace_drake.link.operation.station import MakeControl
 from brace_drake.link.protocol.limits import DEFAULT, SHARED, refuse_wider
 from brace_drake.link.protocol.limits import shared_values as values_of
 from brace_drake.link.protocol.words import Cause, DeviceState, Reason
-from brace_drake.model.simulate_brace import SimulateBrace
+from brace_drake.model.simulate import SimulateBrace
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import geometry_of, pack_brace
 from tests.link_bench import Lockstep, begin, wave

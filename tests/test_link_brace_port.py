@@ -16,7 +16,7 @@ from brace_drake.link.device.limits_file import LoadLimits
 from brace_drake.link.emulator.brace_plant import BracePlant
 from brace_drake.link.operation.rows import columns_of
 from brace_drake.link.protocol.words import DeviceState
-from brace_drake.model.simulate_brace import RecordBrace, SimulateBrace
+from brace_drake.model.simulate import RecordBrace, SimulateBrace
 from brace_drake.recording import CheckCampaign, LoadCampaign
 from brace_drake.recording.write import format_table
 from brace_drake.scenario.brace import BraceScenario

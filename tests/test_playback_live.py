@@ -9,8 +9,7 @@ import numpy as np
 
 from brace_drake.core.resources import scenario_path
 from brace_drake.devices.motions.reference import COLUMNS
-from brace_drake.model.simulate import RecordBench
-from brace_drake.model.simulate_brace import RecordBrace
+from brace_drake.model.simulate import RecordBrace
 from brace_drake.playback.live import LiveScene
 from brace_drake.playback.states import states_of_now, states_of_run
 from brace_drake.recording.recording import Run
@@ -49,7 +48,7 @@ class TestLive(unittest.TestCase):
         hydroelastic = BraceScenario(stages=[2], time_step=1e-3)
         hydroelastic.contact.ring2.model = "hydroelastic"
         for record, scenario, options in (
-            (RecordBench, BenchScenario(time_step=1e-3), {}),
+            (RecordBrace, BenchScenario(time_step=1e-3), {}),
             (RecordBrace, hydroelastic, {"log_pads": True}),
         ):
             seen, log = self.watched(record, scenario, ["ring2"], **options)
@@ -86,7 +85,7 @@ class TestLive(unittest.TestCase):
             )
             y.append(now[13])
 
-        RecordBench(scenario, short_motion(), watch=Watch)
+        RecordBrace(scenario, short_motion(), watch=Watch)
         self.assertLess(y[-1], -1e-3)
         self.assertTrue((np.diff(y) <= 1e-6).all())
 

@@ -13,18 +13,14 @@ from brace_drake.devices.bench.rollout import Motion
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.device import MakeDevice
 from brace_drake.devices.leg_bench.twin import LegBenchTwin
-from brace_drake.devices.motions.reference import (
-    MakeReference,
-    reference_at_ticks,
-)
+from brace_drake.devices.motions.reference import reference_at_ticks
 from brace_drake.devices.pad_bench.twin import PadBenchTwin
 from brace_drake.diagnose import diagnose
 from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
-from brace_drake.model.simulate import SimulateBench
-from brace_drake.model.station import MakeBenchStation
+from brace_drake.model.brace_station import MakeControlledBrace
 from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.brace import BenchScenario, EffectUse
 from brace_drake.scenario.effects import describe_use, scenario_uses
@@ -35,6 +31,7 @@ from brace_drake.validation.repaired import (
     MakeRepairedScenario,
     WriteRepairedScenario,
 )
+from tests.brace_runs import along_y, bench_log
 from tests.shared_data import EXAMPLE
 from tests.test_station import smooth_push
 
@@ -125,7 +122,7 @@ class TestEffectsInFiles(unittest.TestCase):
 class TestCarriedEffects(unittest.TestCase):
     def setUp(self):
         time, samples = smooth_push()
-        self.reference = MakeReference(time, samples)
+        self.reference = along_y(time, samples)
         self.duration = time[-1]
         desired = reference_at_ticks(time, samples, 1000.0)
         self.motion = Motion(desired, True)
@@ -144,8 +141,8 @@ class TestCarriedEffects(unittest.TestCase):
             twin = BenchTwin(scenario)
             rollout = twin.simulate(self.motion, SUBJECT)
             with self.subTest(effects=uses[0][0].name):
-                station = MakeBenchStation(scenario, self.reference)
-                log = SimulateBench(station, self.duration)
+                station = MakeControlledBrace(scenario, self.reference)
+                log = bench_log(station, self.duration)
                 # The tolerance of tests/test_station.py.
                 np.testing.assert_allclose(log, rollout, rtol=0, atol=1e-6)
 
@@ -176,7 +173,7 @@ class TestCarriedEffects(unittest.TestCase):
         with self.assertRaisesRegex(EffectError, "at most 2 effects, got 3"):
             BenchTwin(scenario).simulate(self.motion, SUBJECT, third)
         with self.assertRaisesRegex(EffectError, "at most 2 effects, got 3"):
-            MakeBenchStation(scenario, self.reference, third)
+            MakeControlledBrace(scenario, self.reference, uses=third)
         with self.assertRaisesRegex(ScenarioError, "carries 2 effects"):
             diagnose(LoadCampaign(EXAMPLE), 1, scenario=scenario)
 
@@ -184,7 +181,7 @@ class TestCarriedEffects(unittest.TestCase):
         scenario = self.repaired(use("hardening"))
         scenario.contact.ring2.model = "hydroelastic"
         with self.assertRaisesRegex(EffectError, "contact.*model"):
-            MakeBenchStation(scenario, self.reference)
+            MakeControlledBrace(scenario, self.reference)
 
     def test_hydroelastic_numbers_follow_the_subject(self):
         scenario = BenchTwin(BenchScenario()).scenario_of(SUBJECT)

@@ -11,12 +11,11 @@ from brace_drake.core.errors import BraceError, CampaignError
 from brace_drake.core.resources import scenario_path
 from brace_drake.devices.motions.reference import reference_columns
 from brace_drake.kinematics import find_task_coordinates, leg_lengths
-from brace_drake.model.simulate import RecordBench
-from brace_drake.model.simulate_brace import RecordBrace, SimulateBrace
+from brace_drake.model.simulate import RecordBrace, SimulateBrace
 from brace_drake.recording import LoadCampaign
 from brace_drake.recording.manifest import parse_manifest
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.brace import BenchScenario, BraceScenario
+from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_geometry
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from tests.commands import run_command
@@ -37,18 +36,6 @@ def reference(distances, seconds=0.5, contact=True):
 
 
 class TestRecordBrace(unittest.TestCase):
-    def test_stage_2_alone_records_what_the_bench_does(self):
-        # Another diagram, with a controller of its own.
-        bench = BenchScenario(time_step=5e-4)
-        push = reference({2: -0.005})
-        expected = RecordBench(bench, push, noise_seed=None).channels
-        found = RecordBrace(BraceScenario(stages=[2]), push).channels
-        self.assertEqual(set(found), set(expected))
-        for name, values in expected.items():
-            with self.subTest(channel=name):
-                np.testing.assert_allclose(found[name], values, atol=1e-7)
-        self.assertGreater(np.abs(found["ring2_force_y_N"]).max(), 3.0)
-
     def test_leg_lengths_are_those_of_the_rings_poses(self):
         scenario = BraceScenario()
         log = SimulateBrace(scenario, reference({1: 1e-3, 3: -2e-3}))
@@ -164,7 +151,7 @@ class TestCommand(unittest.TestCase):
         bench = scenario_path("bench.scenario.yaml")
         code, _, error = run_command("simulate", bench, *words)
         self.assertEqual(code, 2)
-        self.assertIn("--torso is for a brace", error)
+        self.assertIn("contact.ring2.model is 'linear'", error)
         linear = torso / "brace.scenario.yaml"
         code, _, error = run_command("simulate", linear, *words)
         self.assertEqual(code, 2)

@@ -169,7 +169,7 @@ class TestSimulate(unittest.TestCase):
         taken = self.folder / "taken"
         taken.mkdir()
         (taken / "notes.txt").write_text("kept")
-        with mock.patch("brace_drake.model.simulate.RecordBench") as record:
+        with mock.patch("brace_drake.model.simulate.RecordBrace") as record:
             code, _, error = run_command(
                 "simulate", self.file, "--motion", "push", "--out", taken
             )

@@ -7,22 +7,21 @@ from pydrake.systems.analysis import Simulator
 from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.devices.bench.rollout import Motion, simulate_bench
-from brace_drake.devices.motions.reference import (
-    MakeReference,
-    reference_at_ticks,
-)
+from brace_drake.devices.motions.reference import reference_at_ticks
 from brace_drake.effects.registry import find_effect
 from brace_drake.effects.stack import modify_numbers, stack_effects
 from brace_drake.laws.control import brace_control
-from brace_drake.model.brace_station import MakeBraceStation
-from brace_drake.model.simulate import SimulateBench
-from brace_drake.model.station import MakeBenchStation
+from brace_drake.model.brace_station import (
+    MakeBraceStation,
+    MakeControlledBrace,
+)
 from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
+from tests.brace_runs import along_y, bench_log
 
-RATE, PIC = 1000.0, "pic_controller"
+RATE, PIC = 1000.0, "controller"
 
 
 def smooth_push(duration: float = 1.5, depth: float = -0.01):
@@ -46,11 +45,11 @@ def run_both(scenario, noise=None, uses=()):
     time, samples = smooth_push()
     numbers = modify_numbers(pack_bench(scenario), uses)
     plug_ins = stack_effects(uses, numbers)
-    station = MakeBenchStation(
+    station = MakeControlledBrace(
         scenario,
-        MakeReference(time, samples),
-        uses,
-        None if noise is None else held_at_ticks(noise),
+        along_y(time, samples),
+        uses=uses,
+        noise=None if noise is None else held_at_ticks(noise),
     )
     desired = reference_at_ticks(time, samples, RATE)
     scaled = None if noise is None else noise * numbers.noise_sigma
@@ -61,7 +60,7 @@ def run_both(scenario, noise=None, uses=()):
         plug_ins,
         scaled,
     )
-    return SimulateBench(station, time[-1]), rollout
+    return bench_log(station, time[-1]), rollout
 
 
 def bench(time_step=5e-4, with_torso=True) -> BenchScenario:
@@ -130,7 +129,7 @@ class TestDiagramEqualsRollout(unittest.TestCase):
 class TestStation(unittest.TestCase):
     def setUp(self):
         time, samples = smooth_push(0.3)
-        self.reference = MakeReference(time, samples)
+        self.reference = along_y(time, samples)
 
     def run_with(self, station, change=lambda context: None):
         simulator = Simulator(station.diagram)
@@ -143,14 +142,14 @@ class TestStation(unittest.TestCase):
         brace = BraceScenario(stages=[2])
         controller = MakeController(brace.control, pack_rings(brace))
         expected = ports_of(MakeBraceStation(brace, controller).diagram)
-        station = MakeBenchStation(bench(), self.reference)
+        station = MakeControlledBrace(bench(), self.reference)
         inputs, outputs = ports_of(station.diagram)
         # The reference takes the place of `desired`.
         self.assertEqual(inputs, expected[0] - {("desired", 18)})
         self.assertEqual(outputs, expected[1])
 
     def test_a_stiffness_changed_in_the_context_changes_the_run(self):
-        station = MakeBenchStation(bench(), self.reference)
+        station = MakeControlledBrace(bench(), self.reference)
         law = station.diagram.GetSubsystemByName("force_law")
 
         def soften(context):
@@ -160,14 +159,14 @@ class TestStation(unittest.TestCase):
 
         scenario = bench()
         scenario.contact.ring2.stiffness = 3200.0
-        rebuilt = MakeBenchStation(scenario, self.reference)
+        rebuilt = MakeControlledBrace(scenario, self.reference)
         softened = self.run_with(station, soften)
         np.testing.assert_array_equal(softened, self.run_with(rebuilt))
         changed = np.abs(softened - self.run_with(station)).max()
         self.assertGreater(changed, 1e-4)
 
     def test_doubled_gain_in_the_context_equals_a_rebuilt_station(self):
-        station = MakeBenchStation(bench(), self.reference)
+        station = MakeControlledBrace(bench(), self.reference)
         system = station.diagram.GetSubsystemByName(PIC)
 
         def double(context):
@@ -178,15 +177,15 @@ class TestStation(unittest.TestCase):
 
         scenario = bench()
         scenario.control.inner.kp[:] = 3200.0
-        rebuilt = MakeBenchStation(scenario, self.reference)
+        rebuilt = MakeControlledBrace(scenario, self.reference)
         np.testing.assert_array_equal(
             self.run_with(station, double), self.run_with(rebuilt)
         )
 
     def test_a_rest_reference_leaves_the_bench_at_rest(self):
-        still = PiecewisePolynomial(np.zeros((3, 1)))
-        station = MakeBenchStation(bench(), still)
-        log = SimulateBench(station, 0.2)
+        still = PiecewisePolynomial(np.zeros((18, 1)))
+        station = MakeControlledBrace(bench(), still)
+        log = bench_log(station, 0.2)
         # Preloaded pads press equally from both sides.
         np.testing.assert_allclose(log[:, 12:18], 0.0, atol=1e-9)
         weight = 0.85 * 9.81

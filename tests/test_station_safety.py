@@ -10,8 +10,7 @@ from brace_drake.cli.options import load_motion
 from brace_drake.link.device.safety_memory import SafetyMode
 from brace_drake.link.protocol.limits import BY_STAGE, DEFAULT
 from brace_drake.link.protocol.words import Cause
-from brace_drake.model.simulate import RecordBench
-from brace_drake.model.simulate_brace import RecordBrace
+from brace_drake.model.simulate import RecordBrace
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
 from tests.commands import run_command
 
@@ -42,11 +41,11 @@ class TestSupervisedStation(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.run_ = short_push()
-        cls.free = RecordBench(bench(), cls.run_)
+        cls.free = RecordBrace(bench(), cls.run_)
 
     def test_what_keeps_the_limits_moves_as_without_a_supervisor(self):
         ended = Ended()
-        held = RecordBench(bench(), self.run_, at_end=ended, limits=DEFAULT)
+        held = RecordBrace(bench(), self.run_, at_end=ended, limits=DEFAULT)
         self.assertEqual(ended.memory.mode, SafetyMode.ARMED)
         for name, values in self.free.channels.items():
             np.testing.assert_array_equal(held.channels[name], values)
@@ -54,7 +53,7 @@ class TestSupervisedStation(unittest.TestCase):
     def test_what_breaks_one_is_stopped_and_the_torso_pushes_it_away(self):
         least = self.free.channels[FORCE].min()
         ended = Ended()
-        stopped = RecordBench(
+        stopped = RecordBrace(
             bench(),
             self.run_,
             at_end=ended,

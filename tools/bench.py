@@ -24,8 +24,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.reference import (
-    MakeReference,
-    reference_of_run,
+    MakeBraceReference,
 )
 from brace_drake.diagnose import diagnose
 from brace_drake.identification.campaign_fit import fit_campaign
@@ -37,8 +36,8 @@ from brace_drake.learning.task import (
     load_task_scenario,
 )
 from brace_drake.model.brace_plant import AddBraceBodies
-from brace_drake.model.simulate import SimulateBench
-from brace_drake.model.station import MakeBenchStation
+from brace_drake.model.brace_station import MakeControlledBrace
+from brace_drake.model.simulate import SimulateStation
 from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import SaveScenario
@@ -75,11 +74,11 @@ def closed_loop(run, step):
     """Times of the Drake diagram and of the compiled rollout, s."""
     scenario = BenchScenario()
     scenario.time_step = step
-    reference = MakeReference(*reference_of_run(run))
-    station = MakeBenchStation(scenario, reference)
+    reference = MakeBraceReference(run, scenario.stages, np.zeros(6))
+    station = MakeControlledBrace(scenario, reference)
     end = run.time_s[-1] - run.time_s[0]
-    SimulateBench(station, 0.1)
-    diagram = best_of(3, lambda: SimulateBench(station, end))
+    SimulateStation(station, 0.1)
+    diagram = best_of(3, lambda: SimulateStation(station, end))
     # A twin remembers what it has simulated.
     twins = [BenchTwin(scenario) for _ in range(5)]
     subject = np.array([p.nominal for p in twins[0].subject])

@@ -16,7 +16,7 @@ from brace_drake.devices.motions.reference import (
 )
 from brace_drake.experiments.scores import Push, Score, score_push
 from brace_drake.experiments.tables import TABLE_1_PIC as PAPER
-from brace_drake.model.simulate_brace import BraceLog, OnProgress, SimulateBrace
+from brace_drake.model.simulate import BraceLog, OnProgress, SimulateBrace
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.controllers import TAGS

@@ -1,4 +1,4 @@
-"""The whole brace as a Drake diagram with ports named by role."""
+"""A brace of one or more stages as a Drake diagram, ports named by role."""
 
 from __future__ import annotations
 
@@ -29,10 +29,13 @@ from brace_drake.model.station_parts import (
     Join,
 )
 from brace_drake.model.station_safety import NAME, AddSupervisor, Supervision
+from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.model.systems.contact_force import AddPadForceLog
 from brace_drake.model.systems.safety_supervisor import SafetySupervisor
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_brace, pack_rings
+from brace_drake.scenario.controllers import BraceControl
+from brace_drake.scenario.effects import scenario_uses
 
 
 @dataclass
@@ -47,10 +50,11 @@ class BraceStation:
     them; `marker` (3,), m, the torso's displacement; `drive_force` (6 S,), N,
     the commands within the drives' limits; the controller's own.
 
-    `sink` logs drive forces (6 S), leg lengths (6 S), forces (3 S) and marker
-    (3) every `log_period`, at a tick; `state_sink` the plant's state;
-    `pad_sink`, where it was asked for and the plant resolves contact, the force
-    of each pad on the torso (6 S), N, left before right.
+    `sink` logs drive forces (6 S), leg lengths (6 S), forces (3 S), marker (3)
+    and, of a controller, X_v, X_v', X_v'' (18 S) every `log_period`, at a tick;
+    `state_sink` the plant's state; `pad_sink`, where it was asked for and the
+    plant resolves contact, the force of each pad on the torso (6 S), N, left
+    before right.
     """
 
     diagram: Diagram
@@ -68,9 +72,21 @@ class BraceStation:
         return self.diagram.GetSubsystemByName(NAME)
 
 
+def MakeControlledBrace(
+    scenario: BraceScenario, desired: Trajectory | None = None, **options
+) -> BraceStation:
+    """Builds the brace of a scenario around the controller that it names.
+
+    Args:
+        scenario, desired: See `MakeBraceStation`.
+        options: Its other arguments.
+    """
+    return MakeBraceStation(scenario, scenario.control, desired, **options)
+
+
 def MakeBraceStation(
     scenario: BraceScenario,
-    controller: System | None = None,
+    controller: System | BraceControl | None = None,
     desired: Trajectory | None = None,
     noise: Trajectory | None = None,
     add_geometry: AddGeometry | None = None,
@@ -81,16 +97,16 @@ def MakeBraceStation(
     """Builds the brace of a scenario around a controller.
 
     Args:
-        scenario: Checked.
+        scenario: Checked; its effects are always on.
         controller: LeafSystem or Diagram with inputs `leg_length` (6 S,),
             `force` (3 S,), `desired` (18 S,), possibly `stiffness` (6 S,), and
             outputs `leg_command` (6 S,), `virtual` (18 S,), `impedance`
-            (18 S,), held from its last tick.
+            (18 S,), held from its last tick; or the numbers of one.
         desired: X_d, X_d', X_d'' (18 S rows), in place of the exported port.
         noise: Standard normal draws (9 S + 3 rows), constant around each
             tick, in place of the exported port.
         add_geometry: See `AddBracePlant`.
-        uses: Effects with their parameters, each on all stages alike.
+        uses: Effects with their parameters, beside those of the scenario.
         log_pads: Also log the forces of single pads, see `BraceStation`.
         limits: Of a supervisor behind the controller, which then has the
             output `estimate`; None: there is none.
@@ -100,16 +116,22 @@ def MakeBraceStation(
         ScenarioError: The controller's ports are of another number of stages,
             or a ring of the articulated brace is too light for its legs.
     """
-    numbers = _modify(pack_brace(scenario), uses)
-    plug_ins = stack_effects(uses, numbers)
+    uses = (*scenario_uses(scenario), *uses)
+    _check_contact(scenario, uses)
+    numbers = modify_numbers(pack_brace(scenario), uses)
+    if isinstance(controller, BraceControl):
+        rings = pack_rings(scenario)
+        controller = MakeController(controller, rings, numbers.control)
+    else:
+        _check_control(scenario, numbers, uses)
     mass, *inertia = numbers.ring[0, 0:4]
     ring = replace(scenario.ring, mass=mass, inertia=np.array(inertia))
     scenario = replace(scenario, ring=ring)
-    builder = DiagramBuilder()
+    plug_ins, builder = stack_effects(uses, numbers), DiagramBuilder()
     parts = AddBrace(builder, scenario, numbers, plug_ins, add_geometry)
     drives = AddDrives(builder, scenario, parts)
     period, drive_force = 1.0 / scenario.control.rate, drives.get_output_port()
-    readings, logged = AddInstruments(
+    readings, read = AddInstruments(
         builder, parts, drives, numbers, period, noise, plug_ins
     )
     ports = {"drive_force": drive_force, **readings}
@@ -125,63 +147,55 @@ def MakeBraceStation(
             builder, controller, readings, drives, desired,
             supervision=supervision,
         )  # fmt: skip
-    logged = Join(builder, "log_row", [drive_force, logged])
-    plant, period = parts.plant, scenario.sensors.log_period
-    sinks = FinishStation(
-        builder, plant, ports, logged, period, pads_of(scenario, log_pads)
-    )
+    row = [drive_force, read, *(ports[n] for n in ("virtual",) if n in ports)]
+    sinks = _AddLogs(builder, scenario, parts.plant, row, log_pads)
+    state = parts.plant.get_state_output_port()
+    for name, port in {"plant_state": state, **ports}.items():
+        builder.ExportOutput(port, name)
     diagram = builder.Build()
     diagram.set_name("brace_station")
-    return BraceStation(diagram, plant, numbers, *sinks)
+    return BraceStation(diagram, parts.plant, numbers, *sinks)
 
 
-def _modify(numbers: BraceNumbers, uses: Sequence[Use]) -> BraceNumbers:
-    """The numbers as effects have changed them, the controller's aside."""
-    changed = modify_numbers(numbers, uses)
-    if not np.array_equal(changed.control, numbers.control):
+def _check_contact(scenario: BraceScenario, uses: Sequence[Use]) -> None:
+    """Refuses effects whose plug points the plant's own contact has not."""
+    for effect, _ in uses if plant_resolves_contact(scenario) else ():
+        if not {"compression", "contact"}.isdisjoint(effect.laws):
+            raise EffectError(
+                f"effect {effect.key} changes the linear contact; the scenario"
+                " has contact.model hydroelastic"
+            )
+
+
+def _check_control(
+    scenario: BraceScenario, numbers: BraceNumbers, uses: Sequence[Use]
+) -> None:
+    """Refuses effects on a controller that is a system of its own."""
+    if not np.array_equal(pack_brace(scenario).control, numbers.control):
         names = ", ".join(e.key for e, _ in uses if e.modify is not None)
         raise EffectError(
             f"effect {names} changes the controller, which here is given as a"
             " system; allowed: effects of the brace"
         )
-    return changed
 
 
-def FinishStation(
+def _AddLogs(
     builder: DiagramBuilder,
+    scenario: BraceScenario,
     plant: MultibodyPlant,
-    ports: dict[str, OutputPort],
-    logged: OutputPort,
-    period: float,
-    pads: Sequence[str] = (),
+    row: list[OutputPort],
+    log_pads: bool,
 ) -> tuple[VectorLogSink, VectorLogSink, VectorLogSink | None]:
-    """Exports ports, the plant's state first, and adds the logs.
-
-    Args:
-        builder, plant: Of the station.
-        ports: To be exported, by name.
-        logged: What `sink` logs.
-        period: Of the logs, s.
-        pads: Rings whose pads' forces are logged too.
-
-    Returns:
-        `sink`, `state_sink`, `pad_sink`.
-    """
+    """Adds the logs of a station: `sink`, `state_sink`, `pad_sink`."""
+    period, sinks = scenario.sensors.log_period, []
+    logged = Join(builder, "log_row", row)
     state = plant.get_state_output_port()
-    for name, port in {"plant_state": state, **ports}.items():
-        builder.ExportOutput(port, name)
-    sinks = []
     for name, port in (("log", logged), ("state_log", state)):
         sinks.append(LogVectorOutput(port, builder, period))
         sinks[-1].set_name(name)
-    pad_sink = AddPadForceLog(builder, plant, pads, period) if pads else None
-    return sinks[0], sinks[1], pad_sink
-
-
-def pads_of(scenario: BraceScenario, log_pads: bool) -> Sequence[str]:
-    """Rings whose pads are to be logged: those whose contact plants resolve."""
-    log_pads = log_pads and plant_resolves_contact(scenario)
-    return scenario.rings if log_pads else ()
+    if not (log_pads and plant_resolves_contact(scenario)):
+        return sinks[0], sinks[1], None
+    return (*sinks, AddPadForceLog(builder, plant, scenario.rings, period))
 
 
 def _check_ports(controller: System, n: int) -> None:

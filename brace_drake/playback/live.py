@@ -37,7 +37,7 @@ class LiveScene:
         LookAtBrace(self.meshcat, self._look)
 
     def Show(self, station: BraceStation, context: Context) -> None:
-        """Puts all in its place; what `SimulateBench` may call as `watch`."""
+        """Puts all in its place; what `SimulateBrace` may call as `watch`."""
         states = states_of_now(station, context, self._look.rings)
         PlaceNow(self.meshcat, self._look, states)
 

@@ -79,9 +79,8 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.scenario.load import LoadScenario
 
     scenario = LoadScenario(args.scenario)
-    record = {BENCH: _record_bench, BRACE: _record_brace}
-    if scenario.device not in record:
-        names = " or ".join(repr(name) for name in record)
+    if scenario.device not in (BENCH, BRACE):
+        names = f"{BENCH!r} or {BRACE!r}"
         raise ScenarioError(
             f"{args.scenario}: simulated is {names}, this is a"
             f" {scenario.device!r}"
@@ -91,7 +90,7 @@ def Run(args: argparse.Namespace) -> int:
 
     out, ended = Path(args.out), []
     check_new_folder(out)
-    recorded, device, stages, live = record[scenario.device](
+    recorded, device, stages, live = _record(
         scenario, args, lambda *end: ended.append(end)
     )
     rate = 1.0 / scenario.sensors.log_period
@@ -161,22 +160,8 @@ def _torso_mesh(args) -> Path | None:
     return Path(args.torso) / SURFACE if args.torso else None
 
 
-def _record_bench(scenario, args, at_end):
-    from brace_drake.model.simulate import RecordBench
-
-    if args.torso:
-        raise ScenarioError(f"{args.scenario}: --torso is for a brace")
-    run = load_motion(args.motion)
-    options, live = _options(scenario, args, run, at_end)
-    with MakeBar(run) as on_progress:
-        recorded = RecordBench(
-            scenario, run, on_progress=on_progress, **options
-        )
-    return recorded, scenario.device, (), live
-
-
-def _record_brace(scenario, args, at_end):
-    from brace_drake.model.simulate_brace import (
+def _record(scenario, args, at_end):
+    from brace_drake.model.simulate import (
         RecordBrace,
         recorded_device,
         recorded_stages,

@@ -7,6 +7,8 @@ stages from the top down, each leg limited, the rings' weight carried).
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from pydrake.systems.framework import Context
 
@@ -111,6 +113,7 @@ _CONTROLLERS = {
 def MakeController(
     control: BraceControl,
     rings: BraceRings,
+    law: np.ndarray | None = None,
     source: str = "control",
 ) -> BraceController:
     """The controller that the numbers' tag names.
@@ -118,6 +121,7 @@ def MakeController(
     Args:
         control: Numbers.
         rings: Geometry, masses and limits as the controller knows them.
+        law: Rows in place of those that these two give.
         source: Named where a number is refused.
 
     Raises:
@@ -125,4 +129,6 @@ def MakeController(
     """
     check_control(control, rings, source)
     numbers = pack_control(control, rings)
+    if law is not None:
+        numbers = replace(numbers, law=law)
     return _CONTROLLERS[control.tag](numbers)
