@@ -46,19 +46,22 @@ def LoadSolid(path: str | Path) -> Solid:
     """
     path = Path(path)
     try:
-        words = iter(path.read_text(encoding="utf-8").split())
-        count = int(_after(words, "POINTS"))
-        next(words)
-        points = [float(next(words)) for _ in range(3 * count)]
-        count = int(_after(words, "CELLS"))
-        next(words)
-        cells = [int(next(words)) for _ in range(5 * count)]
-    except (OSError, ValueError, StopIteration, RuntimeError) as error:
+        words = path.read_text(encoding="utf-8").split()
+        points = _numbers_after("POINTS", words, 3, float)
+        cells = _numbers_after("CELLS", words, 5, int)
+    except (OSError, ValueError, IndexError) as error:
         raise TorsoError(f"{path}: no tetrahedra in VTK: {error}") from error
-    cells = np.array(cells, dtype=int).reshape(-1, 5)
     if np.any(cells[:, 0] != 4):
         raise TorsoError(f"{path}: a cell is no tetrahedron; allowed: 4 nodes")
-    return make_solid(np.array(points).reshape(-1, 3), cells[:, 1:])
+    return make_solid(points, cells[:, 1:])
+
+
+def _numbers_after(name: str, words: list[str], width: int, kind: type):
+    """The rows of `width` numbers that a keyword and their count announce."""
+    start = words.index(name) + 3
+    count = int(words[start - 2])
+    numbers = words[start : start + width * count]
+    return np.array(numbers, dtype=kind).reshape(count, width)
 
 
 def LoadSurface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
@@ -73,10 +76,3 @@ def LoadSurface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     # What trimesh raises on a broken file is not foreseen.
     except Exception as error:
         raise TorsoError(f"{path}: no surface in OBJ: {error}") from error
-
-
-def _after(words, name: str) -> str:
-    for word in words:
-        if word == name:
-            return next(words)
-    raise ValueError(f"{name} is missing")
