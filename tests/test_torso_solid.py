@@ -186,8 +186,8 @@ class TestSolid(unittest.TestCase):
     def solid(self, curve, resolution=0.03):
         loft = make_parametric_loft(TorsoMeasures(curve=curve))
         places = place_pads(loft, RINGS, SIZE)
-        grid = make_grid(loft, places, resolution)
-        return fill_outlines(grid.outlines, grid.axis), loft, places
+        solid = fill_outlines(*make_grid(loft, places, resolution))
+        return solid, loft, places
 
     def test_tetrahedra_are_positive_and_fill_the_surface(self):
         for curve in (Curve(), SCOLIOTIC):
@@ -261,8 +261,8 @@ class TestSolid(unittest.TestCase):
 class TestPads(unittest.TestCase):
     def pads(self, loft, resolution=0.01):
         places = place_pads(loft, RINGS, SIZE)
-        grid = make_grid(loft, places, resolution)
-        return make_pads(fill_outlines(grid.outlines, grid.axis), places)
+        solid = fill_outlines(*make_grid(loft, places, resolution))
+        return make_pads(solid, places)
 
     def test_a_cylinders_pads_sit_and_press_as_the_closed_form_says(self):
         radius, half = 0.15, 0.5 * SIZE[0]

@@ -105,8 +105,8 @@ def fit_torso(
             shape than its surface.
     """
     places = place_pads(loft, ring_heights, pad_size)
-    grid = make_grid(loft, places, resolution, pad_resolution)
-    solid = fill_outlines(grid.outlines, grid.axis, (SHELL,))
+    outlines, axis = make_grid(loft, places, resolution, pad_resolution)
+    solid = fill_outlines(outlines, axis, (SHELL,))
     surface = loft_surface(loft)
     ratio = surface_volume(solid.vertices, solid.triangles) / surface_volume(
         *surface

@@ -9,12 +9,11 @@ any grid: facets under them are smaller, so that points meet the true surface.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from brace_drake.torso.loft import Loft, loft_points, side_angle
+from brace_drake.torso.loft import Loft, loft_centre, loft_points, side_angle
 from brace_drake.torso.pads import PadPlace
 
 # Trunks are straighter along z than around: facets may be longer there.
@@ -23,20 +22,12 @@ _TALLER = 2.0
 _CLOSE = 0.004
 
 
-@dataclass(frozen=True)
-class Grid:
-    """Nodes of the surface: outlines (n, m, 3) and the axis (n, 3), m."""
-
-    outlines: np.ndarray
-    axis: np.ndarray
-
-
 def make_grid(
     loft: Loft,
     places: Sequence[PadPlace],
     resolution: float,
     pad_resolution: float | None = None,
-) -> Grid:
+) -> tuple[np.ndarray, np.ndarray]:
     """Nodes on a loft, with lines along the pads' edges.
 
     Args:
@@ -44,6 +35,9 @@ def make_grid(
             taller.
         pad_resolution: The same under pads, and above, below and between
             them; None: as elsewhere.
+
+    Returns:
+        Outlines (n, m, 3) and the axis (n, 3), m.
     """
     if pad_resolution is None:
         pad_resolution = resolution
@@ -62,11 +56,8 @@ def make_grid(
         share = np.arange(count) / count
         blocks.append(a[:, None] + (b - a)[:, None] * share)
     angles = np.concatenate(blocks, axis=1)
-    rows = np.broadcast_to(heights[:, None], angles.shape)
-    centres = [np.interp(heights, loft.heights, c) for c in loft.centres.T]
-    return Grid(
-        loft_points(loft, angles, rows), np.column_stack([*centres, heights])
-    )
+    outlines = loft_points(loft, angles, heights[:, None])
+    return outlines, np.column_stack([loft_centre(loft, heights), heights])
 
 
 def _heights(loft, places, resolution, pad_resolution) -> np.ndarray:
