@@ -1,5 +1,6 @@
 """A device on a pseudo-terminal: strangers, disconnects, kills, recordings."""
 
+import itertools
 import os
 import signal
 import subprocess
@@ -9,6 +10,7 @@ import threading
 import time
 import tty
 import unittest
+from multiprocessing import get_context
 from pathlib import Path
 from unittest import mock
 
@@ -157,6 +159,11 @@ def rows_on_disk(path):
     return path.read_bytes().count(b"\n") - 1 if path.exists() else 0
 
 
+# A recording waits for torso and pads to come to rest; tests need not.
+_QUICK = mock.patch("brace_drake.link.operation.recorder.SETTLE", 0.5)
+
+
+@_QUICK
 class TestDisconnect(unittest.TestCase):
     def pull(self, device, out):
         """Unplugs when more than 50 rows of the second run are on the disk."""
@@ -184,6 +191,7 @@ class TestDisconnect(unittest.TestCase):
             assert_device_stops(self, device, Cause.WATCHDOG)
 
 
+@_QUICK
 class TestRecording(unittest.TestCase):
     def test_a_recording_shows_the_motion_and_who_made_it(self):
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
@@ -195,7 +203,7 @@ class TestRecording(unittest.TestCase):
             for words in (
                 "identity: test-1",
                 "firmware: emulated 1.0",
-                "settled_s: 4.0",
+                "settled_s: 0.5",
             ):
                 self.assertIn(words, text)
             errors = [p for p in CheckCampaign(out) if p.severity == "error"]
@@ -226,45 +234,41 @@ class TestRecording(unittest.TestCase):
             self.assertEqual(device.firmware.state, DeviceState.DISARMED)
 
 
-_WRITER = """
-import sys
-from brace_drake.link.operation.journal import Journal
-from brace_drake.link.operation.rows import columns_of
-columns = columns_of((2,))
-head = {"device": "bench stage 2", "rate_hz": 200.0}
-run = Journal(sys.argv[1], head).NewRun(
-    "push", columns, True, "push", "fit")
-print("ready", flush=True)
-i = 0
-while True:
-    # Forces, lengths and positions of a push, that no check finds odd.
-    row = [i / 200.0]
-    for k in range(6):
-        row += [2.0 + 0.01 * ((i * 7 + k) % 13), 0.141 + 1e-5 * ((i + k) % 3)]
-    row += [0.01 * (i % 5), 0.02 * (i % 7), 0.03 * (i % 3)]
-    row += [1e-6 * i, 2e-4 + 1e-9 * i, 1e-9 * i, 1e-6 * i]
-    row += [1e-6 * (i % 5), 1e-6 * (i % 3), 1e-6 * (i % 7), 0, 0, 100]
-    run.Append(row)
-    run.Flush(now=i % 3 == 0)
-    i += 1
-"""
+_HEAD = {"device": "bench stage 2", "rate_hz": 200.0}
+
+
+def write_without_end(folder, ready):
+    """Rows of a push, that no check finds odd, until the process is killed."""
+    run = Journal(folder, _HEAD).NewRun(
+        "push", columns_of((2,)), True, "push", "fit"
+    )
+    ready.set()
+    for i in itertools.count():
+        row = [i / 200.0]
+        for k in range(6):
+            row += [2.0 + 0.01 * ((i * 7 + k) % 13)]
+            row += [0.141 + 1e-5 * ((i + k) % 3)]
+        row += [0.01 * (i % 5), 0.02 * (i % 7), 0.03 * (i % 3)]
+        row += [1e-6 * i, 2e-4 + 1e-9 * i, 1e-9 * i, 1e-6 * i]
+        row += [1e-6 * (i % 5), 1e-6 * (i % 3), 1e-6 * (i % 7), 0, 0, 100]
+        run.Append(row)
+        run.Flush(now=i % 3 == 0)
 
 
 class TestKill(unittest.TestCase):
     def test_a_journal_killed_at_any_moment_holds_whole_rows_only(self):
-        draw = np.random.default_rng(5)
+        draw, context = np.random.default_rng(5), get_context("fork")
         for _ in range(5):
             with tempfile.TemporaryDirectory() as folder:
-                child = subprocess.Popen(
-                    [sys.executable, "-c", _WRITER, folder],
-                    cwd=ROOT,
-                    stdout=subprocess.PIPE,
+                ready = context.Event()
+                child = context.Process(
+                    target=write_without_end, args=(folder, ready)
                 )
-                child.stdout.readline()
+                child.start()
+                ready.wait()
                 time.sleep(draw.uniform(0.05, 0.3))
                 child.kill()
-                child.wait()
-                child.stdout.close()
+                child.join()
                 problems = CheckCampaign(folder)
                 errors = [p for p in problems if p.severity == "error"]
                 self.assertEqual(errors, [])
@@ -273,9 +277,7 @@ class TestKill(unittest.TestCase):
 
     def test_rows_never_cross_a_page(self):
         with tempfile.TemporaryDirectory() as folder:
-            journal = Journal(
-                folder, {"device": "bench stage 2", "rate_hz": 200.0}
-            )
+            journal = Journal(folder, _HEAD)
             columns = columns_of((2,))
             run = journal.NewRun("push", columns, True, "push", "fit")
             for i in range(40):
