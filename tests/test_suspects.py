@@ -20,47 +20,47 @@ def explained(**shares):
 
 class TestSuspects(unittest.TestCase):
     def test_the_largest_share_is_named_and_the_controller_never(self):
-        ladder = [row("controller", 9.0, 0.6), row("torso", 3.0, 0.3)]
-        ladder.append(row("contact", 2.0, 0.1))
-        self.assertEqual(suspected_blocks(ladder, []), ["torso"])
-        self.assertEqual(suspected_blocks(ladder[:1], []), [])
+        tests = [row("controller", 9.0, 0.6), row("torso", 3.0, 0.3)]
+        tests.append(row("contact", 2.0, 0.1))
+        self.assertEqual(suspected_blocks(tests, []), ["torso"])
+        self.assertEqual(suspected_blocks(tests[:1], []), [])
 
     def test_of_blocks_within_their_thresholds_the_nearest_is_named(self):
-        ladder = [
+        tests = [
             row("actuation", 1.13, 0.0, 1.17),
             row("mechanism", 1.15, 0.0, 1.30),
         ]
-        self.assertEqual(suspected_blocks(ladder, []), ["actuation"])
+        self.assertEqual(suspected_blocks(tests, []), ["actuation"])
 
     def test_drives_that_seem_wrong_are_asked_for_the_shape_of_it(self):
-        ladder = [row("actuation", 24.0, 1.0), row("torso", 1.0, 0.0)]
+        tests = [row("actuation", 24.0, 1.0), row("torso", 1.0, 0.0)]
         for shares, block in (
             (explained(actuation=0.5, mechanism=0.99), "mechanism"),
             (explained(actuation=0.5, mechanism=0.8), "actuation"),
             ([], "actuation"),
         ):
-            self.assertEqual(suspected_blocks(ladder, shares), [block])
+            self.assertEqual(suspected_blocks(tests, shares), [block])
 
     def test_a_side_that_holds_on_the_way_of_the_ring_is_acquitted(self):
-        ladder = [row("actuation", 1.3, 0.3), row("torso", 1.5, 0.7)]
-        ladder += [row("contact", 1.0, 0.0), row("sensing", 1.0, 0.0)]
+        tests = [row("actuation", 1.3, 0.3), row("torso", 1.5, 0.7)]
+        tests += [row("contact", 1.0, 0.0), row("sensing", 1.0, 0.0)]
         for rms, block in ((1.15, "actuation"), (1.25, "actuation")):
             side = row("side", rms, None) | {"acquitted": rms <= 1.2}
-            self.assertEqual(suspected_blocks(ladder, [], side), [block])
+            self.assertEqual(suspected_blocks(tests, [], side), [block])
         side = row("side", 1.6, None) | {"acquitted": False}
-        self.assertEqual(suspected_blocks(ladder, [], side), ["torso"])
-        self.assertEqual(suspected_blocks(ladder, []), ["torso"])
+        self.assertEqual(suspected_blocks(tests, [], side), ["torso"])
+        self.assertEqual(suspected_blocks(tests, []), ["torso"])
 
     def test_what_drives_and_ring_do_not_show_is_on_the_contacts_side(self):
-        ladder = [row("actuation", 0.98, 0.0), row("mechanism", 1.25, 0, 1.28)]
-        ladder += [row("contact", 0.96, 0.0), row("torso", 0.98, 0.0)]
+        tests = [row("actuation", 0.98, 0.0), row("mechanism", 1.25, 0, 1.28)]
+        tests += [row("contact", 0.96, 0.0), row("torso", 0.98, 0.0)]
         side = row("side", 1.5, None) | {"acquitted": False}
-        self.assertEqual(suspected_blocks(ladder, [], side), ["torso"])
+        self.assertEqual(suspected_blocks(tests, [], side), ["torso"])
         side["acquitted"] = True
-        self.assertEqual(suspected_blocks(ladder, [], side), ["mechanism"])
+        self.assertEqual(suspected_blocks(tests, [], side), ["mechanism"])
 
     def test_errors_of_the_ring_do_not_clear_another_block(self):
-        ladder = [row("torso", 5.0, 1.0)]
+        tests = [row("torso", 5.0, 1.0)]
         shares = explained(actuation=0.2, mechanism=1.0)
-        found = suspected_blocks(ladder, shares)
+        found = suspected_blocks(tests, shares)
         self.assertEqual(found, ["torso"])
