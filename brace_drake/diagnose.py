@@ -51,6 +51,7 @@ class Diagnosis:
         fits: Of all causes.
         criterion: By which they were judged.
         is_cut: Whether the search for two effects at once ended early.
+        shown: Effects that an imposed motion shows by itself.
         verdict: Which effects explain the gap.
         estimates: Parameters of the winner, else of the nominal fit.
         fit_runs, validation_runs: Before and after the repair.
@@ -72,6 +73,7 @@ class Diagnosis:
     fits: list[CandidateFit]
     criterion: Criterion
     is_cut: bool
+    shown: frozenset[str]
     verdict: Verdict
     estimates: EstimateTable
     fit_runs: list[RunComparison]
@@ -185,6 +187,7 @@ def diagnose(
         fits=fits,
         criterion=criterion,
         is_cut=is_cut,
+        shown=shown,
         verdict=verdict,
         estimates=estimates,
         fit_runs=fit_runs,

@@ -66,7 +66,7 @@ def collect(case: Path, folder: Path) -> str:
         "numerical": null.numerical,
         "shown": sorted(d.shown),
         "fits": rows,
-        "ladder": d.block_tests,
+        "block_tests": d.block_tests,
         "verdict": {
             "gap": d.verdict.gap,
             "effects": _effects(d.verdict),
