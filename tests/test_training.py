@@ -2,10 +2,7 @@
 
 import io
 import json
-import os
-import signal
-import subprocess
-import sys
+import multiprocessing
 import tempfile
 import time
 import unittest
@@ -41,8 +38,6 @@ try:
 except ImportError as error:
     raise unittest.SkipTest("stable-baselines3 is not installed") from error
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-
 
 def tiny_task():
     # Episodes end in the middle of a horizon.
@@ -55,17 +50,14 @@ def tiny_numbers(**changes):
     return TrainingNumbers(**{**sizes, **rest, **changes})
 
 
-# What a process of its own runs, to be killed.
-SCRIPT = """
-from pathlib import Path
-import sys, time
-from tests.test_training import tiny_numbers, tiny_task
-from brace_drake.learning.training.train import StartTraining
-def slow(done, total, mean, best):
-    print(done, flush=True)
-    time.sleep(0.2)
-StartTraining(Path(sys.argv[1]), tiny_task(), tiny_numbers(), slow)
-"""
+def train_slowly(folder, updated):
+    """What a process of its own runs, to be killed."""
+
+    def slow(done, total, mean, best):
+        updated.release()
+        time.sleep(0.2)
+
+    StartTraining(folder, tiny_task(), tiny_numbers(), slow)
 
 
 class Folder(unittest.TestCase):
@@ -78,17 +70,16 @@ class TestResume(Folder):
         whole, killed = self.folder / "whole", self.folder / "killed"
         result = StartTraining(whole, tiny_task(), tiny_numbers())
         self.assertEqual(result["steps"], 40)
-        process = subprocess.Popen(
-            [sys.executable, "-c", SCRIPT, str(killed)],
-            stdout=subprocess.PIPE,
-            cwd=REPOSITORY,
-        )
+        # A copy of this process has its imports already.
+        context = multiprocessing.get_context("fork")
+        updated = context.Semaphore(0)
+        process = context.Process(target=train_slowly, args=(killed, updated))
+        process.start()
         for _ in range(2):
-            process.stdout.readline()
+            self.assertTrue(updated.acquire(timeout=60))
         time.sleep(0.05)
-        os.kill(process.pid, signal.SIGKILL)
-        process.wait()
-        process.stdout.close()
+        process.kill()
+        process.join()
         state = torch.load(killed / "checkpoint.pt", weights_only=False)
         self.assertLess(state["learner"]["counts"]["num_timesteps"], 40)
         self.assertEqual(ResumeTraining(killed), result)
