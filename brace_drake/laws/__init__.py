@@ -2,7 +2,8 @@
 
 Each is called alike by a LeafSystem, by the compiled rollout and by the
 tests. They write into arrays that the caller owns and allocate next to
-nothing.
+nothing. In this folder are the laws of single parts, in `control` those of the
+controllers, in `loop` all of them put together.
 
 They are kept in a folder for each state of their sources, see `kept`. Where
 that folder takes no files, as on a full disk or in a home that is
@@ -48,3 +49,32 @@ def _import(folder: str) -> None:
 
 
 _import(numba.config.CACHE_DIR or str(folder_of_sources(Path(__file__).parent)))
+
+# What callers of the loop need; the laws above are compiled first.
+from brace_drake.laws.hooks import PLUG_POINTS, Effects  # noqa: E402
+from brace_drake.laws.loop.brace import Brace, make_brace  # noqa: E402
+from brace_drake.laws.loop.rollout import (  # noqa: E402
+    DecisionPlan,
+    RunPlan,
+    rollout_brace,
+    run_decisions,
+)
+from brace_drake.laws.loop.ticks import run_forces, run_ticks  # noqa: E402
+from brace_drake.laws.numbers import BraceNumbers  # noqa: E402
+from brace_drake.laws.plug_in import PlugIn, make_effects  # noqa: E402
+
+__all__ = [
+    "PLUG_POINTS",
+    "Brace",
+    "BraceNumbers",
+    "DecisionPlan",
+    "Effects",
+    "PlugIn",
+    "RunPlan",
+    "make_brace",
+    "make_effects",
+    "rollout_brace",
+    "run_decisions",
+    "run_forces",
+    "run_ticks",
+]

@@ -15,6 +15,7 @@ from numba import float64, int64, njit, types
 from brace_drake.laws import stages
 from brace_drake.laws.compiled import LAW, compiled_law, compiled_maker
 from brace_drake.laws.control import mraic, npic, pid, task_impedance, vpic
+from brace_drake.laws.control.impedance import filter_force
 from brace_drake.laws.control.pose_estimate import (
     NUM_POSE_MEMORY,
     estimate_rings,
@@ -128,14 +129,6 @@ def take_geometry(law, n):
     return estimator, lower, upper
 
 
-@compiled_law
-def filter_force(force, gain, filtered):
-    """Low pass of the rings' forces (3n,) into rows with torques (6n,)."""
-    for i in range(force.shape[0]):
-        k = 6 * (i // 3) + i % 3
-        filtered[k] += gain * (force[i] - filtered[k])
-
-
 def start_held(start, rest, memory):
     """What a controller holds before its first tick, see `HELD`.
 
@@ -239,22 +232,13 @@ def advance_virtual(controller, stiffness):
 
 
 @compiled_law
-def is_saturated(command, limit):
-    """Whether a leg is at its limit."""
-    for k in range(command.shape[0]):
-        if abs(command[k]) >= limit[k]:
-            return True
-    return False
-
-
-@compiled_law
 def calc_forces(controller, command):
     """Task forces: inverse dynamics (6) to the virtual pose, or PID."""
     law, force = controller.law, controller.memory[0]
     if controller.kind == PID:
         pid.advance_pid(
             controller.desired, controller.state, force, law[ESTIMATOR, 3],
-            is_saturated(command, law[LIMIT]), law[NUM_SHARED_LAW:],
+            pid.is_saturated(command, law[LIMIT]), law[NUM_SHARED_LAW:],
             law[GRAVITY], controller.memory[1:], controller.F,
         )  # fmt: skip
     else:

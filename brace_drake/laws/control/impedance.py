@@ -29,6 +29,14 @@ def update_velocity_estimate(X, X_previous, V, gain, period):
 
 
 @compiled_law
+def filter_force(force, gain, filtered):
+    """Low pass of the rings' forces (3n,) into rows with torques (6n,)."""
+    for i in range(force.shape[0]):
+        k = 6 * (i // 3) + i % 3
+        filtered[k] += gain * (force[i] - filtered[k])
+
+
+@compiled_law
 def update_impedance(M_d, C_d, K_d, desired, force, period, virtual):
     """One step of the impedance filter along one axis, equation (5).
 

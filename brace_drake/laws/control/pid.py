@@ -27,6 +27,15 @@ def integrate(integral, growth, limit, saturated):
 
 
 @compiled_law
+def is_saturated(command, limit):
+    """Whether a leg is at its limit."""
+    for k in range(command.shape[0]):
+        if abs(command[k]) >= limit[k]:
+            return True
+    return False
+
+
+@compiled_law
 def advance_pid(
     desired, state, force, period, saturated, law, gravity, memory, F
 ):
