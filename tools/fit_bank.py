@@ -20,6 +20,7 @@ from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -41,13 +42,21 @@ def collect(case: Path, folder: Path) -> str:
     from brace_drake.selection.surrogate_data import loses_to_surrogates
 
     asked: dict[int, bool] = {}
+    shown: set[str] = set()
 
-    def remember(evaluator, nominal, fit, seed):
+    def remember_chance(evaluator, nominal, fit, seed):
         asked[id(fit)] = loses_to_surrogates(evaluator, nominal, fit, seed)
         return asked[id(fit)]
 
-    module.loses_to_surrogates = remember
-    d = module.diagnose(LoadCampaign(case), jobs=1, seed=0)
+    def remember_shown(criterion, fits, is_chance, effects):
+        shown.update(effects)
+        return decide(criterion, fits, is_chance, effects)
+
+    with (
+        mock.patch.object(module, "loses_to_surrogates", remember_chance),
+        mock.patch.object(module, "decide", remember_shown),
+    ):
+        d = module.diagnose(LoadCampaign(case), jobs=1, seed=0)
     arrays, rows = {}, []
     for i, fit in enumerate([d.nominal, *d.fits]):
         rows.append(_fit_row(d, fit, asked.get(id(fit))))
@@ -64,7 +73,7 @@ def collect(case: Path, folder: Path) -> str:
         "recorded": d.evaluator.recorded,
         "instruments_known": d.criterion.is_known,
         "numerical": null.numerical,
-        "shown": sorted(d.shown),
+        "shown": sorted(shown),
         "fits": rows,
         "block_tests": d.block_tests,
         "verdict": {
@@ -127,6 +136,7 @@ def pack(folder: Path, vault: Path, out: Path) -> int:
                 if name != "record":
                     arrays[f"{record['name']}_{name}"] = stored[name]
         record["truth"] = cases[record["name"]]["truth"]
+        record["block_tests"] = record.pop("ladder", record.get("block_tests"))
         records.append(record)
     document = json.dumps({"format": FORMAT, "cases": records})
     np.savez_compressed(out, document=document, **arrays)
