@@ -161,6 +161,16 @@ class TestVerdict(unittest.TestCase):
         self.assertEqual(found.winner.identifiers, ("force_bias",))
         self.assertEqual(found.ambiguous_with, ())
 
+    def test_a_richer_form_that_gains_nothing_is_no_rival(self):
+        plain = fit(0.1, "coulomb_friction")
+        same = fit(0.099, "stribeck_friction")
+        found = verdict(50.0, plain, same)
+        self.assertIs(found.winner, plain)
+        self.assertEqual(found.ambiguous_with, ())
+        other = fit(0.099, "viscous_leg")
+        found = verdict(50.0, plain, other)
+        self.assertEqual(found.ambiguous_with, ("coulomb_friction",))
+
     def test_a_pair_is_no_rival_of_itself(self):
         one = fit(0.01, "force_bias", "ring_mass")
         same = fit(0.011, "ring_mass", "force_bias")

@@ -3,6 +3,7 @@
     python tools/fit_bank.py make CASES --out FOLDER
     python tools/fit_bank.py pack FOLDER --vault VAULT.json --out BANK.npz
     python tools/fit_bank.py score [BANK.npz]
+    python tools/fit_bank.py restate [BANK.npz]
 
 `make` diagnoses cases of `brace-drake withheld make` and stores for each what
 a decision needs: excess, freedom and held-out error of every fit, triangle of
@@ -76,13 +77,7 @@ def collect(case: Path, folder: Path) -> str:
         "shown": sorted(shown),
         "fits": rows,
         "block_tests": d.block_tests,
-        "verdict": {
-            "gap": d.verdict.gap,
-            "effects": _effects(d.verdict),
-            "outside_library": d.verdict.outside_library,
-            "ambiguous_with": list(d.verdict.ambiguous_with),
-            "probability": d.verdict.probability,
-        },
+        "verdict": _verdict_row(d.verdict),
     }
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(record, default=float)
@@ -119,6 +114,16 @@ def _triangle_of(fit: CandidateFit) -> np.ndarray | None:
     if not fit.is_searched:
         return None
     return calc_triangle([fit.solution.jacobian, fit.solution.residual])
+
+
+def _verdict_row(verdict: Verdict) -> dict:
+    return {
+        "gap": verdict.gap,
+        "effects": _effects(verdict),
+        "outside_library": verdict.outside_library,
+        "ambiguous_with": list(verdict.ambiguous_with),
+        "probability": verdict.probability,
+    }
 
 
 def _effects(verdict: Verdict) -> list[str]:
@@ -222,6 +227,22 @@ def is_as_stored(record: dict, verdict: Verdict) -> bool:
     )
 
 
+def restate(path: Path) -> int:
+    """Writes today's verdicts into a bank; how many have changed."""
+    with np.load(path) as stored:
+        document = json.loads(str(stored["document"]))
+        arrays = {n: stored[n] for n in stored.files if n != "document"}
+    known = {record["name"]: record for record in document["cases"]}
+    changed = 0
+    for record, criterion, fits in read_bank(path):
+        verdict = decide_again(record, criterion, fits)
+        if not is_as_stored(record, verdict):
+            known[record["name"]]["verdict"] = _verdict_row(verdict)
+            changed += 1
+    np.savez_compressed(path, document=json.dumps(document), **arrays)
+    return changed
+
+
 def score(path: Path) -> None:
     """Prints how many verdicts on stored fits are right, by kind of case."""
     number, right, changed = Counter(), Counter(), []
@@ -252,11 +273,14 @@ def main() -> None:
     packed.add_argument("folder", type=Path)
     packed.add_argument("--vault", type=Path, required=True)
     packed.add_argument("--out", type=Path, default=BANK)
-    scored = parts.add_parser("score")
-    scored.add_argument("bank", type=Path, nargs="?", default=BANK)
+    for part in ("score", "restate"):
+        known = parts.add_parser(part)
+        known.add_argument("bank", type=Path, nargs="?", default=BANK)
     args = parser.parse_args()
     if args.part == "score":
         score(args.bank)
+    elif args.part == "restate":
+        print(f"{restate(args.bank)} verdicts have changed: {args.bank}")
     elif args.part == "pack":
         print(f"{pack(args.folder, args.vault, args.out)} cases: {args.out}")
     else:

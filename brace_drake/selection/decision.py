@@ -59,7 +59,7 @@ def decide(
         sure = with_less_known(sure_of_outside(short), criterion.recorded)
         return Verdict(True, None, True, (), sure)
     winner = _simplest_of_fewest(criterion, good)
-    rivals = _rivals(winner, fits)
+    rivals = _rivals(criterion, winner, fits)
     tied = {
         f.kinds: "+".join(f.identifiers)
         for f in sorted(rivals, key=lambda f: -f.excess)
@@ -71,8 +71,12 @@ def decide(
     return Verdict(True, winner, False, tuple(reversed(tied.values())), sure)
 
 
-def _rivals(winner, fits) -> list[CandidateFit]:
-    """Other effects, as many of them; one of dozens of parameters too."""
+def _rivals(criterion, winner, fits) -> list[CandidateFit]:
+    """Other effects, as many of them; one of dozens of parameters too.
+
+    A richer form of the winner that gains nothing by its freedom is the same
+    model and no rival.
+    """
     number = len(winner.effects)
     return [
         f
@@ -80,7 +84,18 @@ def _rivals(winner, fits) -> list[CandidateFit]:
         if f.kinds != winner.kinds
         and len(f.effects) in ((1, number) if f.is_flexible else (number,))
         and (f.is_scattered or not f.refined)
+        and not (_holds(f, winner) and not criterion.gains(f, winner))
     ]
+
+
+def _holds(rich: CandidateFit, special: CandidateFit) -> bool:
+    """Whether each effect of one fit is one of another's, or a special case
+    of it.
+    """
+    return len(rich.effects) == len(special.effects) and all(
+        any(r.name == s.name or r.is_richer_than(s) for r in rich.effects)
+        for s in special.effects
+    )
 
 
 def _sure_of_no_gap(criterion: Criterion) -> float:
