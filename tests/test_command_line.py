@@ -157,6 +157,8 @@ class TestManyCampaigns(unittest.TestCase):
                     "gap": True,
                     "effects": ["relaxation"],
                     "blocks": ["contact"],
+                    "outside_library": False,
+                    "ambiguous_with": [],
                     "probability": 0.97,
                     "sentence": "There is a gap.",
                 },

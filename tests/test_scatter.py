@@ -18,7 +18,13 @@ SUBJECT, ALIKE, ROWS, SPREAD = 3, 36, 400, 0.7
 
 def effect(spread):
     return SimpleNamespace(
-        spread=spread, run_parameters=(), is_continuous=np.ones(ALIKE, bool)
+        name="many",
+        key="many",
+        parameters=(),
+        is_flexible=True,
+        spread=spread,
+        run_parameters=(),
+        is_continuous=np.ones(ALIKE, bool),
     )
 
 

@@ -93,12 +93,14 @@ class GuidedBenchTwin(BenchTwin):
         rows = np.hstack([poses, spline(spline.x, 1)])
         start = motion.settled_ticks * numbers.period
         head = [start, rate, *numbers.ring[0], _HOLD]
+        way = np.concatenate([head, rows.ravel()])
         return GuidedMotion(
             motion.desired,
             motion.with_torso,
             motion.ticks_per_sample,
             motion.settled_ticks,
-            np.concatenate([head, rows.ravel()]),
+            motion.columns,
+            way,
         )
 
     def _replay(self, numbers, motion, subject, uses, generator):

@@ -98,7 +98,7 @@ def largest_pad_force(
         force_y: Force on the torso along y (N,), N.
     """
     contact = with_subject(twin.numbers, subject).contact
-    shared = contact[0] * contact[5]
+    shared = contact[0, 0] * contact[0, 5]
     return np.maximum(np.abs(force_y), 0.5 * np.abs(force_y) + shared)
 
 
