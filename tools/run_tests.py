@@ -11,15 +11,16 @@ the end how many tests passed and failed; status 1 where one failed.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import json
-import multiprocessing
 import os
+import subprocess
 import sys
 import time
 import unittest
 from collections import deque
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -103,14 +104,62 @@ def longest_first(names: list[str]) -> list[str]:
     return sorted(names, key=lambda n: -times.get(n, guess.get(n, 5.0)))
 
 
-def _begin(niceness: int, path: list[str]) -> None:
+class Process:
+    """A process of its own that runs one file after the other.
+
+    Names and outcomes go through pipes of their own: what tests and their
+    children write or read elsewhere does not disturb them.
+    """
+
+    def __init__(self, niceness: int):
+        ask, self._names = os.pipe()
+        self._outcomes, answer = os.pipe()
+        command = [sys.executable, __file__, "--serve", str(ask), str(answer)]
+        self._process = subprocess.Popen(
+            [*command, "--niceness", str(niceness)],
+            stdin=subprocess.DEVNULL,
+            pass_fds=(ask, answer),
+        )
+        os.close(ask)
+        os.close(answer)
+        self._answers = os.fdopen(self._outcomes, "r")
+
+    def run(self, name: str) -> Outcome:
+        """Runs a file; a process that dies meanwhile fails it."""
+        with contextlib.suppress(BrokenPipeError):
+            os.write(self._names, f"{name}\n".encode())
+            line = self._answers.readline()
+            if line:
+                values = json.loads(line)
+                values["failed"] = tuple(values["failed"])
+                return Outcome(**values)
+        why = f"the process ended with status {self._process.wait()}\n"
+        return Outcome(name, 0, (name,), 0, 0.0, why)
+
+    def close(self) -> None:
+        """Ends the process, whatever its threads still do."""
+        os.close(self._names)
+        self._answers.close()
+        self._process.kill()
+        self._process.wait()
+
+
+def serve(ask: int, answer: int, niceness: int) -> int:
+    """Runs files as their names come; the loop of a `Process`."""
     os.nice(niceness)
-    sys.path[:] = path
-
-
-def _open_process(niceness: int) -> ProcessPoolExecutor:
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(1, context, _begin, (niceness, sys.path))
+    # Children of tests must not hold the pipes open.
+    os.set_inheritable(ask, False)
+    os.set_inheritable(answer, False)
+    with os.fdopen(ask, "r") as names, os.fdopen(answer, "w") as outcomes:
+        for name in names:
+            try:
+                found = run_file(name.strip())
+            except Exception as error:
+                why = f"{type(error).__name__}: {error}\n"
+                found = Outcome(name.strip(), 0, (name.strip(),), 0, 0.0, why)
+            outcomes.write(json.dumps(found._asdict()) + "\n")
+            outcomes.flush()
+    return 0
 
 
 def run_line(names: deque[str], niceness: int) -> list[Outcome]:
@@ -118,27 +167,23 @@ def run_line(names: deque[str], niceness: int) -> list[Outcome]:
     which one runs at a time; prints a line for each file.
     """
     outcomes: list[Outcome] = []
-    process = _open_process(niceness)
+    process = Process(niceness)
     while True:
         try:
             name = names.popleft()
         except IndexError:
             break
-        try:
-            found = process.submit(run_file, name).result()
-        except Exception as error:
-            why = f"{type(error).__name__}: {error}\n"
-            found = Outcome(name, 0, (name,), 0, 0.0, why)
+        found = process.run(name)
         outcomes.append(found)
         if not found.seconds or len(outcomes) % FILES_PER_PROCESS == 0:
-            process.shutdown()
-            process = _open_process(niceness)
+            process.close()
+            process = Process(niceness)
         line = (
             f"{found.seconds:7.1f} s  {name}: {found.passed} passed,"
             f" {len(found.failed)} failed, {found.skipped} skipped\n"
         )
         print(line + found.report, end="", flush=True)
-    process.shutdown()
+    process.close()
     return outcomes
 
 
@@ -159,10 +204,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("names", nargs="*", metavar="tests.test_NAME")
     parser.add_argument("--processes", type=int, default=2, metavar="N")
+    parser.add_argument("--serve", type=int, nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--niceness", type=int, help=argparse.SUPPRESS)
     args = parser.parse_args()
     # Before any library of linear algebra starts threads of its own.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     sys.path.insert(0, str(ROOT))
+    if args.serve:
+        return serve(*args.serve, args.niceness)
     files = sorted((ROOT / "tests").glob("test_*.py"))
     names = args.names or [f"tests.{file.stem}" for file in files]
     start = time.monotonic()
