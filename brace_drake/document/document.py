@@ -103,7 +103,7 @@ def _warnings(d: Diagnosis) -> list[str]:
     if d.is_cut:
         found.append(
             "the search for two effects at once ended at its limit of replays:"
-            " pairs that promised less were not tried"
+            " pairs of which less was predicted were not tried"
         )
     found += [
         f"{p.name} is at its limit {p.value:.4g} {p.unit}"

@@ -147,7 +147,7 @@ def fit_effects(
         return correct_step(problem, finish_fit(problem, solution))
     if spread is not None:
         problem.spread = spread / problem.spread_scale
-    # Of dozens of parameters a Jacobian is dear, and a race has left one.
+    # Over dozens of parameters a Jacobian costs much; screening left one.
     is_fit = isinstance(start, CandidateFit)
     jacobian = start.solution.jacobian if is_fit else None
     known = None

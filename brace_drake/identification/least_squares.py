@@ -14,18 +14,19 @@ from scipy.optimize import lsq_linear
 _COPY = 1e-8
 # Rows at a time that stay in a processor's cache, with dozens of columns.
 _ROWS = 2000
-# A Jacobian is kept while steps bring this share of what it promised, and take
-# this share of the cost: less where its columns are many, and dear.
-_KEPT_PROMISE = 0.7
+# A Jacobian is kept while steps bring this share of the decrease that it
+# predicts, and take this share of the cost: less where its columns are many.
+_KEPT = 0.7
 _FEW, _FAST, _FAST_OF_MANY = 12, 0.5, 0.2
 # Of many columns combinations are hardly told of, and steps along them go too
-# far: where a step leaves more than this many times what it promised to leave,
+# far: where a step leaves more than this many times what was predicted,
 # these shares of the diagonal of J'J are added and the best step is taken
 # (Marquardt, SIAM J. Appl. Math. 11, 1963).
-_AS_PROMISED = 1.1
+_AS_PREDICTED = 1.1
 _DAMPED = (1e-4, 1e-3, 1e-2)
 # Noise in a Jacobian, as of drives that stick, makes steps too short: one of
-# few parameters that brings so many times its promise is tried so much longer.
+# few parameters that brings so many times the predicted decrease is tried so
+# much longer.
 _EXCEEDED, _LONGER = 1.3, (2.0, 4.0)
 
 
@@ -150,9 +151,9 @@ def solve_gauss_newton(
 
     Gauss-Newton; a step that does not help is halved up to three times, of
     many parameters damped before; of few parameters one that brings more than
-    it promised is lengthened. The Jacobian is kept (the chord method) as long
-    as steps bring what it has promised; the search ends when a step with a new
-    one brings nothing.
+    predicted is lengthened. The Jacobian is kept (the chord method) as long as
+    steps bring what it predicts; the search ends when a step with a new one
+    brings nothing.
 
     Args:
         batch: Residuals of many points at once.
@@ -200,23 +201,23 @@ def solve_gauss_newton(
             break
         fast = _FAST if len(z) <= _FEW else _FAST_OF_MANY
         slow = decrease < fast * cost
-        stale = small or slow or decrease < _KEPT_PROMISE * (cost - rest)
+        stale = small or slow or decrease < _KEPT * (cost - rest)
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
-def _improve(batch, z, step, triangle, limits, cost, promised_rest):
+def _improve(batch, z, step, triangle, limits, cost, predicted_rest):
     """The point and residual of a step that lowers the cost, or None.
 
     The full step, else halves of it; of many parameters damped steps before,
-    where the full one leaves more than promised. Of few parameters one that
-    brings more than it promised is lengthened.
+    where the full one leaves more than predicted. Of few parameters one that
+    brings more than predicted is lengthened.
     """
     lower, upper, _ = limits
     is_many, tries, full = len(z) > _FEW, 4, step
     if is_many:
         tries, points = 3, [np.clip(z + step, lower, upper)]
         best = _least(points, batch(points))
-        if best is None or _cost_of(best) > _AS_PROMISED * promised_rest:
+        if best is None or _cost_of(best) > _AS_PREDICTED * predicted_rest:
             steps = [step_within(triangle, z, limits, s) for s in _DAMPED]
             points = [np.clip(z + s, lower, upper) for s in steps]
             best = _least(points, batch(points), best)
@@ -231,7 +232,7 @@ def _improve(batch, z, step, triangle, limits, cost, promised_rest):
         step, best = 0.5 * step, None
     if best is None or is_many:
         return best
-    if cost - _cost_of(best) > _EXCEEDED * (cost - promised_rest):
+    if cost - _cost_of(best) > _EXCEEDED * (cost - predicted_rest):
         points = [np.clip(z + f * full, lower, upper) for f in _LONGER]
         best = _least(points, batch(points), best)
     return best

@@ -2,7 +2,7 @@
 
 The game. Players are the blocks. Each block may err: its output may be off by
 any combination of low powers of its own inputs, their signs and fading
-memory, and slow functions of time (`laws.disturbance`); the twin's loop
+memory, and slow functions of time (`laws.loop.disturbance`); the twin's loop
 answers each such error with a known change of all channels. The value v(S) of
 a coalition S is the part of the gap of the fitted nominal twin, the weighted
 sum of squares above the floor over the fit runs, that disappears when the

@@ -1,4 +1,4 @@
-"""Every number that decides a verdict or steers the search for it.
+"""The numbers that decide a verdict and steer the search for it.
 
 Misfits and gains are mean squares in units of the noise floor's; amplitudes
 are square roots of mean squares. The first part decides, the second part only

@@ -34,7 +34,7 @@ GENERIC = Effect(
 )
 
 # Small against what a block does, large against rounding; in the order of
-# `laws.disturbance.COUNTS`.
+# `laws.loop.disturbance.COUNTS`.
 _SIZES = {
     "actuation": [1e-2, 1e-4, 1e-2, 0.1, 1.0, 1e-2, 10.0, *[1e-2] * 7],
     "mechanism": [1e-2, 10.0, 10.0, 1e3, 1.0],
@@ -52,8 +52,8 @@ _ANCHOR = 1e-6
 
 
 def bench_errors() -> list[SmallError]:
-    """Each coefficient of `laws.disturbance`, elastic legs, and each anchor of
-    the moving ring along each axis.
+    """Each coefficient of `laws.loop.disturbance`, elastic legs, and each
+    anchor of the moving ring along each axis.
     """
     errors = []
     for block, count in COUNTS.items():
@@ -76,7 +76,7 @@ def bench_errors() -> list[SmallError]:
 
 def _generic_uses(block: str, coefficients: np.ndarray, prepared) -> list[Use]:
     """An error of a block in a run: its coefficients, then the recording's
-    rate, Hz, and rates of the legs, m/s, as `laws.disturbance` has them.
+    rate, Hz, and rates of the legs, m/s, as `laws.loop.disturbance` has them.
     """
     if block in _NEED_TORSO and not prepared.run.contact:
         return []

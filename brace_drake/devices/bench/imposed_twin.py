@@ -29,7 +29,7 @@ from brace_drake.laws.loop import guide
 from brace_drake.recording.recording import Run
 
 # The way is taken from leg lengths up to here, beyond which their noise is more
-# than it; k of `laws.guide`, 1/s.
+# than it; k of `laws.loop.guide`, 1/s.
 _WAY_HZ, _HOLD = 15.0, 2.0 * np.pi * 20.0
 # Readings are compared up to here, where 86 % of the way are left.
 _READ_HZ = 12.0
@@ -50,7 +50,7 @@ _GUIDE = Effect(
 
 @dataclass(frozen=True)
 class GuidedMotion(Motion):
-    """A motion with the way of its ring, see `laws.guide`."""
+    """A motion with the way of its ring, see `laws.loop.guide`."""
 
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
 

@@ -1,7 +1,7 @@
 """A whole run of the leg bench in one compiled call, and its laws.
 
-The same laws in the same order as the Drake diagram of
-`brace_drake.model.leg_station`, which remains the reference.
+It is the only engine of this device; closed forms in the tests are its
+reference.
 """
 
 import numpy as np

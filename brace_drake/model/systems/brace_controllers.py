@@ -45,9 +45,10 @@ class BraceMraic(BraceController):
     """Model reference adaptive impedance control, after the paper's ref. 17.
 
     The full law is not public: this is a reconstruction, the standard Lyapunov
-    law with projection and sigma modification (`laws.mraic`). V = z'Pz +
-    d'Gamma^-1 d of model error z and parameter error d does not grow without
-    the leak; with it V is bounded. `impedance` holds the adapted values.
+    law with projection and sigma modification (`laws.control.mraic`).
+    V = z'Pz + d'Gamma^-1 d of model error z and parameter error d does not
+    grow without the leak; with it V is bounded. `impedance` holds the adapted
+    values.
     """
 
     TAG = "mraic"
@@ -56,7 +57,7 @@ class BraceMraic(BraceController):
 class BraceNpic(BraceController):
     """Novel position-based impedance control, after the paper's ref. 18.
 
-    The full law is not public: this is a reconstruction (`laws.npic`).
+    The full law is not public: this is a reconstruction (`laws.control.npic`).
     Recursive least squares estimates the realised impedance, and its error
     corrects the force in (5): F_c = F + kappa phi' (theta_hat - theta_d).
     Stable by small gain for kappa < 1; at rest e = F / K_d for any kappa.
@@ -73,7 +74,7 @@ class BraceVpic(BraceController):
     coordinates without an impedance are not read. It stays within its limits,
     rises no faster than the condition of Kronander and Billard (2016) allows,
     and damping is 2 ratio sqrt(M_d K): the stored energy of the error never
-    grows without a force, whatever is asked (`laws.vpic`).
+    grows without a force, whatever is asked (`laws.control.vpic`).
     """
 
     TAG = "vpic"
@@ -95,8 +96,8 @@ class BracePid(BraceController):
 
     The baseline of robotic braces before the paper's. Not Drake's
     PidController, which has no limits. Integrals do not wind up; stable for
-    ki < kd kp / m on a bare ring (`laws.pid`). There is no impedance, and the
-    measured force is not fed forward.
+    ki < kd kp / m on a bare ring (`laws.control.pid`). There is no impedance,
+    and the measured force is not fed forward.
     """
 
     TAG = "pid"

@@ -16,7 +16,7 @@ _ROTATION_FIRST = [3, 4, 5, 0, 1, 2]
 class LegForceBalance(LeafSystem):
     """Forces on the torso that commands and poses tell, without a sensor.
 
-    The law is `laws.force_left.calc_forces_left`, of n moving rings.
+    The law is `laws.loop.force_left.calc_forces_left`, of n moving rings.
 
     Input ports:
         estimate: X, X', and the filtered force (18n,), of a controller.

@@ -236,7 +236,7 @@ class SecondEffects:
         """
         single, bar = beside.base, self._bar()
         if flexible:
-            # With so much freedom those drawn alike have to promise much.
+            # So much freedom has to be predicted to take much.
             bar = min(bar, 0.5 * single.excess)
         found = screen(beside, others(self._effects, single, flexible), say)
         search_best(

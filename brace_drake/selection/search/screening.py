@@ -1,7 +1,7 @@
 """Screening: each effect's predicted gain, then a short search of the best.
 
 One replay for each start of an effect, linearised, predicts what it could
-explain; those that promise most are searched a few steps each.
+explain; those that are predicted to leave least are searched a few steps each.
 """
 
 from __future__ import annotations
@@ -181,8 +181,8 @@ def _search(
             break
         before = left
     has_failed = end < left and predicted < thresholds.FAILED * left
-    has_strayed = must_explain and left > base.remaining
-    if predicted < near_best and has_failed and not (is_lost or has_strayed):
+    is_behind = must_explain and left > base.remaining
+    if predicted < near_best and has_failed and not (is_lost or is_behind):
         # Far from the base its sensitivities may lead nowhere.
         return candidate.step(base, thresholds.STEPS, own=True)
     return True
