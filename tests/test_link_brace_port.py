@@ -176,13 +176,19 @@ class TestRefusals(unittest.TestCase):
                 ("record", "--motion", "push", "--ring", 4, *out, *port),
                 "ring 4",
             ),
-            (("emulate", "--effect", "ring_mass"), "numbers of the bench"),
             (("emulate", "--subject", "preload_m=1"), "torso and contact"),
         ):
             with self.subTest(words=words):
                 status, _, errors = run_command(*words, "--scenario", brace)
                 self.assertEqual((status, errors.count("\n")), (2, 1), errors)
                 self.assertIn(said, errors)
+
+    def test_a_brace_takes_an_effect_that_is_other_numbers(self):
+        brace = Path(__file__).parents[1] / "diagrams" / "brace.scenario.yaml"
+        words = ("emulate", "--effect", "ring_mass", "--duration", 0.1)
+        status, said, _ = run_command(*words, "--scenario", brace)
+        self.assertEqual(status, 0)
+        self.assertIn("port: ", said)
 
     def test_a_bench_has_its_one_ring(self):
         words = ("deploy", "--ring", 1, "--port", "/dev/ttyNone7")

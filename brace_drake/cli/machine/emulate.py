@@ -60,8 +60,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         default=[],
         metavar="NAME[:P=V,...]",
         help="effect of the library, at its first start; twice at most; on a"
-        " brace alike on every stage, but none that changes the bench's"
-        " numbers",
+        " brace alike on every stage",
     )
     add(
         "--subject",

@@ -13,6 +13,7 @@ from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.messages import BAUD
 from brace_drake.link.protocol.words import Cause, DeviceState, cause_name
 from brace_drake.scenario.brace import BraceScenario
+from brace_drake.scenario.check import CheckScenario
 
 # How far an anchor of device and twin may lie apart, m.
 _SAME_PLACE = 5e-5
@@ -114,4 +115,5 @@ def MakeControl(
     if tag is not None:
         control = dataclasses.replace(scenario.control, tag=tag)
         scenario = dataclasses.replace(scenario, control=control)
+        CheckScenario(scenario, "--controller")
     return HostControl(scenario, limits)
