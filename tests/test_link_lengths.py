@@ -12,11 +12,11 @@ from tests.link_bench import SCENARIO, Lockstep
 
 def lengths_of(y):
     """Leg lengths (6,) of the ring displaced along y, m."""
-    stage = SCENARIO.stage
+    stage = SCENARIO.joints.stage2
     geometry = make_geometry(
         [(stage.lower.radius, stage.lower.angles_deg)],
         [(stage.upper.radius, stage.upper.angles_deg)],
-        [stage.lower_height, stage.upper_height],
+        SCENARIO.ring_heights[1:3],
     )
     return geometry.at(np.array([0.0, y, 0.0, 0.0, 0.0, 0.0]))[0]
 

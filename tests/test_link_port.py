@@ -106,7 +106,7 @@ class TestStrangers(unittest.TestCase):
 
     def test_a_device_of_another_geometry_is_refused_by_place(self):
         other = BenchScenario(time_step=5e-4)
-        other.stage.upper.radius = 0.182
+        other.joints.stage2.upper.radius = 0.182
         with emulated() as device, tempfile.TemporaryDirectory() as folder:
             with self.assertRaisesRegex(LinkError, r"geometry.*upper\["):
                 Recorder(device.terminal.path, other, DEFAULT, folder)
