@@ -264,6 +264,16 @@ class ReportTest(unittest.TestCase):
                 for word in words:
                     self.assertIn(word, text)
 
+    def test_imposed_motion_and_a_motion_in_words_have_their_place(self):
+        document = copy.deepcopy(STORED)
+        row = {k: v for k, v in STORED["where"]["blocks"][0].items()}
+        del row["share"]
+        document["where"]["contact_side"] = row | {"block": "on its motion"}
+        document["next_experiment"] = {"why": "so", "motion": "slow stairs"}
+        page = render_page(document, [])
+        self.assertIn("on its motion", page)
+        self.assertIn("slow stairs", page)
+
     def test_nothing_in_it_is_taken_for_markup_or_mathematics(self):
         hostile = "<script>alert('x')</script>"
         diagnosis = make_diagnosis()
