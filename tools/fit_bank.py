@@ -141,7 +141,6 @@ def pack(folder: Path, vault: Path, out: Path) -> int:
                 if name != "record":
                     arrays[f"{record['name']}_{name}"] = stored[name]
         record["truth"] = cases[record["name"]]["truth"]
-        record["block_tests"] = record.pop("ladder", record.get("block_tests"))
         records.append(record)
     document = json.dumps({"format": FORMAT, "cases": records})
     np.savez_compressed(out, document=document, **arrays)

@@ -101,6 +101,9 @@ OTHER_CHOICES, CHOICE_STEPS = 2, 4
 NESTED_SHARES, NESTED_SHAPES = (0.1, 0.4), (0.5, 1.0, 2.0)
 NESTED_BETTER, NESTED_NEAR = 0.9, 2.0
 NESTED_STEPS, NESTED_ROUNDS, NESTED_WORTH = 4, 3, 0.8
+# Excess of a second effect, of what one leaves, that makes it worth a search,
+# and of a round of a pair's search, of what the one before has left.
+WORTH_A_SECOND, WORTH_A_PAIR_ROUND = 0.5, 0.5
 # Pairs: searched of all that are predicted; set out afresh, in so many rounds
 # of so many steps at these strengths, as long as each halves what is left.
 NUM_PAIRS, PAIRS_AFRESH = 4, 2

@@ -124,7 +124,7 @@ class SecondEffects:
         if np.isfinite(bar) and len(plausible(self._all())[0].effects) == 1:
             # As screening has left them: then all are equally unfinished.
             left = [f.excess for f in best_fits(self._candidates)]
-            bar = 0.5 * min(left, default=np.inf)
+            bar = thresholds.WORTH_A_SECOND * min(left, default=np.inf)
         predicted = predict_pairs(self._base, self._candidates)
         predicted = predicted[: thresholds.NUM_PAIRS]
         found = search_pairs(self._base, predicted, say, bar, self._enough)
@@ -137,7 +137,9 @@ class SecondEffects:
             self._keep(afresh, self._nominal.excess)
         least = min((f.excess for f in self._singles), default=np.inf)
         for pair in refined(self.found)[:1]:
-            self.found += without_one(self._base, pair, 0.5 * least)
+            self.found += without_one(
+                self._base, pair, thresholds.WORTH_A_SECOND * least
+            )
 
     def search(
         self, fits: Sequence[CandidateFit], say: Say
@@ -237,7 +239,7 @@ class SecondEffects:
         single, bar = beside.base, self._bar()
         if flexible:
             # So much freedom has to be predicted to take much.
-            bar = min(bar, 0.5 * single.excess)
+            bar = min(bar, thresholds.WORTH_A_SECOND * single.excess)
         found = screen(beside, others(self._effects, single, flexible), say)
         search_best(
             beside, found, say, bar=bar, enough=self._enough, must_explain=True
@@ -289,4 +291,6 @@ class SecondEffects:
         """Excess above which a pair is not worth its second effect."""
         if not self._is_settled():
             return np.inf
-        return 0.5 * min(f.excess for f in plausible(self._all()))
+        return thresholds.WORTH_A_SECOND * min(
+            f.excess for f in plausible(self._all())
+        )

@@ -174,7 +174,7 @@ def search_afresh(
         if not best.step(base, thresholds.AFRESH_STEPS, own=True):
             break
         left = best.fit().excess
-        if left <= enough or left > 0.5 * before:
+        if left <= enough or left > thresholds.WORTH_A_PAIR_ROUND * before:
             break
         before = left
     return [best]
