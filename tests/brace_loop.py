@@ -7,9 +7,8 @@ from brace_drake.laws.loop.brace import make_brace
 from brace_drake.laws.loop.ticks import run_ticks
 from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.laws.plug_in import make_effects
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
-from brace_drake.scenario.brace_numbers import geometry_of
+from brace_drake.scenario.brace_numbers import geometry_of, pack_bench
 from brace_drake.scenario.control_numbers import BraceRings, pack_control
 from brace_drake.scenario.controllers import BraceControl
 

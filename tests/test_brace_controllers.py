@@ -8,8 +8,8 @@ from pydrake.systems.analysis import Simulator
 from brace_drake.core.errors import BraceError, ScenarioError
 from brace_drake.kinematics import leg_jacobian, leg_lengths, make_geometry
 from brace_drake.model.systems.brace_controllers import MakeController
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 from brace_drake.scenario.control_numbers import BraceRings
 from brace_drake.scenario.controllers import TAGS, BraceControl
 from tests.brace_loop import PERIOD, bench_rings

@@ -10,9 +10,8 @@ import yaml
 
 from brace_drake.core.errors import ScenarioError
 from brace_drake.core.resources import scenario_path
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
-from brace_drake.scenario.brace_numbers import pack_brace
+from brace_drake.scenario.brace_numbers import pack_bench, pack_brace
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from tests.test_scenario import SHEET, differences
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from brace_drake.core.errors import ScenarioError
 from brace_drake.laws.control import brace_control
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 from brace_drake.scenario.control_numbers import (
     pack_control,
     parse_coordinates,

@@ -9,8 +9,8 @@ from brace_drake.laws import contact, posture
 from brace_drake.laws.loop.brace import make_brace
 from brace_drake.laws.loop.ticks import round_readings, run_forces
 from brace_drake.laws.plug_in import make_effects
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 
 # Stiffness, damping, friction, regularisation speed, pad offset, preload.
 LAW = np.array([6400.0, 150.0, 0.35, 0.005, 0.15, 0.001])

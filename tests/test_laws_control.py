@@ -8,8 +8,8 @@ import numpy as np
 from brace_drake.laws.control import brace_control, pose_estimate
 from brace_drake.laws.control import impedance as control
 from brace_drake.laws.linear_solve import solve_in_place
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 
 M_D, K_D = 2.0, 6000.0
 C_D = 2.0 * math.sqrt(M_D * K_D)

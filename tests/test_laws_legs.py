@@ -11,8 +11,8 @@ from brace_drake.laws.rotation import (
     quaternion_to_rotation_vector,
     rotate_quaternion,
 )
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 
 NUMBERS = pack_bench(BenchScenario())
 

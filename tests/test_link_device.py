@@ -17,7 +17,7 @@ from brace_drake.link.operation.control import HostControl
 from brace_drake.link.operation.session import Session
 from brace_drake.link.protocol.limits import DEFAULT, shared_values
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, Reason
-from brace_drake.scenario.bench_numbers import pack_bench
+from brace_drake.scenario.brace_numbers import pack_bench
 from tests.link_bench import SCENARIO, Lockstep, begin, start
 
 PERIOD_MS = 1

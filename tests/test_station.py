@@ -16,9 +16,8 @@ from brace_drake.model.brace_station import (
     MakeControlledBrace,
 )
 from brace_drake.model.systems.brace_controllers import MakeController
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
-from brace_drake.scenario.brace_numbers import pack_rings
+from brace_drake.scenario.brace_numbers import pack_bench, pack_rings
 from tests.brace_runs import along_y, bench_log
 
 RATE, PIC = 1000.0, "controller"

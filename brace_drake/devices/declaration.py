@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -74,6 +75,29 @@ class SmallError:
 
 
 @dataclass(frozen=True)
+class Nuisance:
+    """One number of the twin that is known to a tolerance.
+
+    Attributes:
+        name: With its unit as the last part.
+        unit: SI.
+        block: That the number belongs to.
+        deviation: Standard deviation of its normal prior around the number of
+            the scenario, in its unit; above 0.
+        uses: Effects that put it off by exactly one deviation, upwards.
+        lower: Least that it can be off, in deviations; 0 where it only adds,
+            and its prior is the upper half of the normal one.
+    """
+
+    name: str
+    unit: str
+    block: str
+    deviation: float
+    uses: tuple[Use, ...]
+    lower: float = -math.inf
+
+
+@dataclass(frozen=True)
 class Term:
     """One error as it shows in a force balance.
 
@@ -121,6 +145,12 @@ class Device(ABC):
 
     def small_errors(self) -> list[SmallError]:
         """Small errors of its blocks; none where they are not known."""
+        return []
+
+    def tolerances(self) -> list[Nuisance]:
+        """Numbers that may be off by their tolerance without being a finding;
+        none where they are fitted or exactly known.
+        """
         return []
 
     def force_balance(

@@ -11,6 +11,7 @@ import numpy as np
 from brace_drake.recording.columns import BENCH, BRACE
 from brace_drake.scenario.controllers import AXES, BraceControl
 from brace_drake.scenario.fields import items, number, vector, word
+from brace_drake.scenario.tolerances import Tolerances
 
 _LOWER, _UPPER = (-13, 13, 107, 133, 227, 253), (-47, 47, 73, 167, 193, 287)
 
@@ -212,6 +213,7 @@ class BraceScenario:
     contact: RingContacts = field(default_factory=RingContacts)
     control: BraceControl = field(default_factory=BraceControl)
     sensors: Sensors = field(default_factory=Sensors)
+    tolerances: Tolerances = field(default_factory=Tolerances)
     effects: list[EffectUse] = items()
 
     @property

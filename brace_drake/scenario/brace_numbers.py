@@ -123,3 +123,15 @@ def pack_brace(scenario: BraceScenario) -> BraceNumbers:
         control=pack_control(scenario.control, rings).law,
         **pack_instruments(scenario.sensors, n),
     )
+
+
+def pack_bench(scenario: BraceScenario) -> BraceNumbers:
+    """Arrays of the nominal compiled twin that a scenario describes.
+
+    It knows the linear law of contact alone, whatever the model.
+
+    Raises:
+        KinematicsError: Legs without length, or a stage singular at rest.
+    """
+    contact = np.array([pack_contact(c) for c in scenario.contacts])
+    return pack_brace(scenario).with_changes(contact=contact)

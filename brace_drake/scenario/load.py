@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from brace_drake.scenario.check import CheckScenario
 from brace_drake.scenario.fields import fail, merge
 from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.scenario.pad_bench import PadBenchScenario
+from brace_drake.scenario.tolerances import Tolerances, split_tolerances
 
 # The device that a file names decides what it may hold.
 SCHEMAS = {
@@ -50,6 +52,9 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
         overrides: YAML text, for instance "torso: {mass: 30.0}"; maps are
             merged into those of the file, lists and arrays replace.
 
+    Where neither says a word on tolerances, those of the scenario are the
+    defaults and not stated.
+
     Raises:
         ScenarioError: One line: file, key path, value, what is allowed.
     """
@@ -62,6 +67,8 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
     if not isinstance(device, str) or device not in SCHEMAS:
         fail(source, "device", device, f"one of {', '.join(SCHEMAS)}")
     scenario = SCHEMAS[device]()
+    if isinstance(scenario, BraceScenario):
+        scenario.tolerances.is_stated = False
     _merge(scenario, data, source)
     if overrides:
         source = f"{path} with overrides"
@@ -90,7 +97,7 @@ def SaveScenario(scenario: Scenario, path: str | Path) -> None:
     path = Path(path)
     CheckScenario(scenario, str(path))
     try:
-        WriteText(path, yaml_dump_typed(scenario))
+        WriteText(path, _text(scenario))
     except OutputError as error:
         raise ScenarioError(str(error)) from error
 
@@ -103,7 +110,19 @@ def _merge(scenario: Scenario, data: dict, source: str) -> None:
         there = not key or (isinstance(own, dict) and key in own)
         if part in data and there:
             raise ScenarioError(f"{source}: {old}: no such key; it is {new}")
+    data, tolerances = split_tolerances(scenario, data, source)
     merge(scenario, data, source)
+    if tolerances is not None:
+        scenario.tolerances = tolerances
+
+
+def _text(scenario: Scenario) -> str:
+    """A scenario as YAML; tolerances that are assumed are not stated."""
+    text = yaml_dump_typed(scenario)
+    own = getattr(scenario, "tolerances", None)
+    if own is None or own.is_stated or own != Tolerances():
+        return text
+    return re.sub(r"^tolerances:\n(?: .*\n)+", "", text, flags=re.MULTILINE)
 
 
 def _read(path: Path) -> str:

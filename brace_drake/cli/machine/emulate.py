@@ -146,8 +146,8 @@ def _make_plant(scenario, args: argparse.Namespace):
 
     from brace_drake.devices.subject import bench_subject
     from brace_drake.link.emulator import BenchPlant, BracePlant
-    from brace_drake.scenario.bench_numbers import pack_bench
     from brace_drake.scenario.brace import BenchScenario
+    from brace_drake.scenario.brace_numbers import pack_bench
 
     uses = tuple(parse_effect(text) for text in args.effect)
     changes = parse_numbers(args.subject)

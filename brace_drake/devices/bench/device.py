@@ -12,8 +12,9 @@ from brace_drake.devices.bench.force_balance import balance_of_run
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.devices.bench.recorded_motion import ring_poses
 from brace_drake.devices.bench.rollout import FORCE, LENGTHS
+from brace_drake.devices.bench.tolerances import bench_tolerances
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.devices.declaration import Device, MotionSignals
+from brace_drake.devices.declaration import Device, MotionSignals, Nuisance
 from brace_drake.devices.motions.library import (
     MOTIONS,
     RATE_HZ,
@@ -68,6 +69,10 @@ class Bench(Device):
     def small_errors(self):
         """Any small error of each block, and of the places of anchors."""
         return bench_errors()
+
+    def tolerances(self) -> list[Nuisance]:
+        """Of the numbers that its scenario states or assumes."""
+        return bench_tolerances(self.twin.scenario)
 
     def force_balance(self, prepared):
         """The balance of the leg forces along the recorded way."""

@@ -26,8 +26,8 @@ from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 
 # Three plant steps in a control period: long enough to save a third of the
 # cost, well inside the limit that the regularised friction sets (see

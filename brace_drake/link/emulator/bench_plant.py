@@ -7,8 +7,8 @@ import numpy as np
 from brace_drake.devices.subject import with_subject
 from brace_drake.effects.stack import Use
 from brace_drake.link.emulator.plant import EmulatedPlant
-from brace_drake.scenario.bench_numbers import pack_bench
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 from brace_drake.scenario.effects import scenario_uses
 
 
