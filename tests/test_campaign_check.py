@@ -137,8 +137,11 @@ class TestManifest(CheckTest):
         self.assert_manifest_problem("line 2", "UTF-8")
 
     def test_an_impossible_date_in_yaml_is_an_error(self):
-        self.put_manifest("format: 2024-99-99\n")
-        self.assert_manifest_problem("unreadable YAML")
+        path = self.path / "campaign.yaml"
+        lines = path.read_text().splitlines()
+        lines = [s for s in lines if not s.startswith("rate_hz")]
+        self.put_manifest("\n".join([*lines, "rate_hz: 2024-99-99"]))
+        self.assert_manifest_problem("rate_hz", "'2024-99-99'")
 
     def test_yaml_that_is_no_mapping_is_an_error(self):
         for text in ("", "- a\n- b\n", "42"):

@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from brace_drake.core.errors import CampaignError, OutputError
+from brace_drake.core.reading import files
 from brace_drake.recording import Campaign, LoadCampaign, Run, WriteCampaign
 
 ROWS = 400
@@ -209,13 +210,13 @@ class TestReadAndWrite(CampaignFolderTest):
     def test_each_file_is_read_once(self):
         WriteCampaign(make_campaign(), self.path)
         opened = []
-        read_bytes = Path.read_bytes
+        read = open
 
-        def count(path):
+        def count(path, *args, **options):
             opened.append(path.name)
-            return read_bytes(path)
+            return read(path, *args, **options)
 
-        with mock.patch.object(Path, "read_bytes", count):
+        with mock.patch.object(files, "open", count, create=True):
             LoadCampaign(self.path)
         self.assertEqual(sorted(opened), sorted(os.listdir(self.path)))
 

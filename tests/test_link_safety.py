@@ -69,7 +69,7 @@ class TestLimits(unittest.TestCase):
                 ("leg_force: -1", "greater than 0"),
                 ("leg_force: .nan", "greater than 0"),
                 ("leg_shortest: 0.2", "less than leg_longest"),
-                ("[1]", "must hold names"),
+                ("[1]", "must hold a mapping"),
                 ("a: [", "not YAML"),
             ):
                 path.write_text(text)

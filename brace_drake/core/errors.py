@@ -1,11 +1,27 @@
 """Exceptions of the package: every one is meant for the caller to read."""
 
 import difflib
+import re
 from collections.abc import Iterable
+
+# Characters that a terminal obeys, and those that cannot be written at all.
+_HIDDEN = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]"
+)
+_LONGEST = 4000
+# Words beyond these are no misspelt names.
+_MOST_WORDS, _LONGEST_WORD = 1000, 100
 
 
 class BraceError(Exception):
     """Base of all errors that brace_drake raises on purpose."""
+
+    def __str__(self) -> str:
+        return one_line(super().__str__())
+
+
+class ReadError(BraceError, ValueError):
+    """A file cannot be read; the message is the reason, without the file."""
 
 
 class ScenarioError(BraceError, ValueError):
@@ -60,12 +76,17 @@ def reason(error: Exception) -> str:
     """Why a file could not be read, on one line, without number and path."""
     if isinstance(error, UnicodeDecodeError):
         return "not UTF-8 text"
+    if isinstance(error, UnicodeEncodeError):
+        return "no file can have that name"
     return getattr(error, "strerror", None) or " ".join(str(error).split())
 
 
 def suggest(word: object, words: Iterable[object]) -> str:
     """A hint at the word that was meant, or nothing."""
-    close = difflib.get_close_matches(str(word), map(str, words), n=1)
+    if len(str(word)) > _LONGEST_WORD:
+        return ""
+    known = [w for w in map(str, words) if len(w) <= _LONGEST_WORD]
+    close = difflib.get_close_matches(str(word), known[:_MOST_WORDS], n=1)
     return f", did you mean {close[0]}?" if close else ""
 
 
@@ -73,3 +94,20 @@ def quoted(value: object, length: int = 60) -> str:
     """`value` as it would be typed, on one line and not too long."""
     text = " ".join(repr(value).split())
     return text if len(text) <= length else text[: length - 3] + "..."
+
+
+def is_plain(text: str) -> bool:
+    """Whether text has no line break and nothing that a terminal obeys."""
+    return _HIDDEN.search(text) is None
+
+
+def one_line(text: str) -> str:
+    """Text for a terminal: one line, what it would obey as escapes."""
+    if len(text) > _LONGEST:
+        text = text[:_LONGEST] + "..."
+    return _HIDDEN.sub(_escape, text)
+
+
+def _escape(match: re.Match) -> str:
+    character = match.group()
+    return " " if character in "\t\n\r" else ascii(character)[1:-1]

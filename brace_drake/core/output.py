@@ -85,7 +85,7 @@ def WriteText(path: Path, text: str) -> None:
     Raises:
         OutputError: It cannot be written.
     """
-    WriteBytes(path, text.encode("utf-8"))
+    WriteBytes(path, text.encode("utf-8", "backslashreplace"))
 
 
 def WriteBytes(path: Path, data: bytes) -> None:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-import yaml
-
-from brace_drake.core.errors import quoted
+from brace_drake.core.errors import is_plain
 
 
 class Field(NamedTuple):
@@ -33,19 +30,23 @@ class Fault(NamedTuple):
     value: object
 
 
-# Numbers that fit a float; true and false are none.
-POSITIVE = Field(
-    "a positive number",
-    lambda v: type(v) in (int, float) and 0 < v <= sys.float_info.max,
-)
-NOT_NEGATIVE = Field(
-    "a number from 0",
-    lambda v: type(v) in (int, float) and 0 <= v <= sys.float_info.max,
-    required=False,
-)
+def number_from(low: float, high: float, required: bool = True) -> Field:
+    """A number between two; true and false are none."""
+    return Field(
+        f"a {'positive ' * (low > 0.0)}number from {low:g} to {high:g}",
+        lambda v: type(v) in (int, float) and low <= v <= high,
+        required,
+    )
+
+
+# Far beyond any quantity of a bench in SI units, and far from overflow.
+HUGE = 1e12
+POSITIVE = number_from(1 / HUGE, HUGE)
+RATE = number_from(1e-3, 1e6)
+DURATION = number_from(0.0, 1e6, required=False)
 TEXT = Field(
-    "text",
-    lambda v: isinstance(v, str) and v != "" and "\0" not in v,
+    "text on one line",
+    lambda v: isinstance(v, str) and v != "" and is_plain(v),
     required=False,
 )
 SWITCH = Field("true or false", lambda v: isinstance(v, bool), required=False)
@@ -63,29 +64,3 @@ def take(
         elif value is not None or field.required:
             faults.append(Fault(name, field.wanted, value))
     return taken, faults
-
-
-def parse_yaml(data: bytes) -> dict:
-    """The mapping that a YAML file holds.
-
-    Raises:
-        ValueError: It holds none; the message is one line.
-    """
-    try:
-        content = yaml.safe_load(data.decode("utf-8-sig"))
-    except UnicodeDecodeError as e:
-        line = data[: e.start].count(b"\n") + 1
-        raise ValueError(f"line {line}: not UTF-8 text") from e
-    except yaml.YAMLError as e:
-        mark = getattr(e, "problem_mark", None)
-        place = f" in line {mark.line + 1}" if mark is not None else ""
-        reason = " ".join((getattr(e, "problem", None) or str(e)).split())
-        raise ValueError(f"unreadable YAML{place}: {reason}") from e
-    except (ValueError, RecursionError) as e:
-        # PyYAML lets these through for impossible dates and deep nesting.
-        raise ValueError(f"unreadable YAML: {e}") from e
-    if not isinstance(content, dict):
-        raise ValueError(
-            f"must hold a mapping of keys, found {quoted(content)}"
-        )
-    return content

@@ -6,16 +6,17 @@ import math
 from pathlib import Path
 from posixpath import isabs, normpath
 
-from brace_drake.core.errors import quoted, suggest
+from brace_drake.core.errors import ReadError, quoted, suggest
+from brace_drake.core.reading import parse_yaml
 from brace_drake.recording.columns import DEVICES, Device
 from brace_drake.recording.fields import (
-    NOT_NEGATIVE,
+    DURATION,
     POSITIVE,
+    RATE,
     SWITCH,
     TEXT,
     Fault,
     Field,
-    parse_yaml,
     take,
 )
 from brace_drake.recording.findings import Problem, error, warning
@@ -32,9 +33,9 @@ _HEAD = {
         "one of " + ", ".join(map(repr, DEVICES)),
         lambda v: isinstance(v, str) and v in DEVICES,
     ),
-    "rate_hz": POSITIVE,
+    "rate_hz": RATE,
     "runs": Field("a list of runs", lambda v: isinstance(v, list) and v != []),
-    "settled_s": NOT_NEGATIVE,
+    "settled_s": DURATION,
 }
 _RUN = {
     "file": TEXT,
@@ -56,7 +57,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
     """
     try:
         content = parse_yaml(data)
-    except ValueError as e:
+    except ReadError as e:
         return None, [error(MANIFEST, str(e))]
     absent = [key for key in _KEYS if key not in content]
     unknown = [key for key in content if key not in _KEYS]

@@ -14,7 +14,8 @@ from posixpath import normpath
 
 import numpy as np
 
-from brace_drake.core.errors import CampaignError, quoted, reason
+from brace_drake.core.errors import CampaignError, ReadError, quoted
+from brace_drake.core.reading import ReadBytes
 from brace_drake.recording.columns import (
     LEG_BENCH,
     Channel,
@@ -81,10 +82,9 @@ def _examine(
 ) -> tuple[Campaign | None, list[Problem]]:
     """A campaign, None where it has errors, and everything wrong with it."""
     try:
-        data = (path / MANIFEST).read_bytes()
-    except OSError as e:
+        campaign, problems = parse_manifest(ReadBytes(path / MANIFEST, 4))
+    except ReadError as e:
         return None, [_explain_absence(path, e)]
-    campaign, problems = parse_manifest(data)
     if campaign is None:
         return None, problems
     channels = device_channels(campaign.device, campaign.stages)
@@ -113,7 +113,7 @@ def _examine(
     return campaign, problems
 
 
-def _explain_absence(path: Path, error_: OSError) -> Problem:
+def _explain_absence(path: Path, why: ReadError) -> Problem:
     """Why a folder has no campaign.yaml to read."""
     if not path.exists():
         return error(str(path), "no such folder")
@@ -121,7 +121,7 @@ def _explain_absence(path: Path, error_: OSError) -> Problem:
         return error(str(path), "is a file, not a campaign's folder")
     names = sorted(item.name for item in path.iterdir())
     if MANIFEST in names:
-        return error(MANIFEST, f"cannot be read: {error_.strerror}")
+        return error(MANIFEST, str(why))
     if not names:
         return error(str(path), "the folder is empty")
     found = ", ".join(names[:3]) + (", ..." if len(names) > 3 else "")
@@ -151,11 +151,11 @@ def _read_run(
     """Columns of one run and everything wrong with them."""
     file = run.file
     try:
-        data = (path / file).read_bytes()
-    except FileNotFoundError:
-        return {}, [error(file, "no such file in the campaign's folder")]
-    except (OSError, ValueError) as e:
-        return {}, [error(file, f"cannot be read: {reason(e)}")]
+        data = ReadBytes(path / file)
+    except ReadError as e:
+        if isinstance(e.__cause__, FileNotFoundError):
+            return {}, [error(file, "no such file in the campaign's folder")]
+        return {}, [error(file, str(e))]
     columns, problems = parse_table(data, file, {"time_s", *channels})
     if not columns:
         return columns, problems

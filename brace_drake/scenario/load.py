@@ -7,11 +7,11 @@ import re
 from dataclasses import fields
 from pathlib import Path
 
-import yaml
 from pydrake.common.yaml import yaml_dump_typed
 
-from brace_drake.core.errors import OutputError, ScenarioError, reason
+from brace_drake.core.errors import OutputError, ScenarioError
 from brace_drake.core.output import WriteText
+from brace_drake.core.reading import LoadYaml, in_file, parse_yaml
 from brace_drake.recording.columns import BENCH, BRACE, LEG_BENCH, PAD_BENCH
 from brace_drake.scenario.brace import BenchScenario, BraceScenario, Contact
 from brace_drake.scenario.check import CheckScenario
@@ -59,7 +59,7 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
         ScenarioError: One line: file, key path, value, what is allowed.
     """
     source = str(path)
-    data = _parse(_read(Path(path)), source)
+    data = LoadYaml(path, ScenarioError, may_be_empty=True)
     if "format" in data:
         kind = " ".join(repr(data["format"]).split())
         raise ScenarioError(f"{path}: this is {kind:.60}, not a scenario")
@@ -72,7 +72,9 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
     _merge(scenario, data, source)
     if overrides:
         source = f"{path} with overrides"
-        _merge(scenario, _parse(overrides, source), source)
+        with in_file(source, ScenarioError):
+            data = parse_yaml(overrides, may_be_empty=True)
+        _merge(scenario, data, source)
     CheckScenario(scenario, source)
     return scenario
 
@@ -84,7 +86,8 @@ def LoadRecord(defaults, path: str | Path):
         ScenarioError: One line: file, key path, value, what is allowed.
     """
     record = copy.deepcopy(defaults)
-    merge(record, _parse(_read(Path(path)), str(path)), str(path))
+    data = LoadYaml(path, ScenarioError, may_be_empty=True)
+    merge(record, data, str(path))
     return record
 
 
@@ -123,23 +126,3 @@ def _text(scenario: Scenario) -> str:
     if own is None or own.is_stated or own != Tolerances():
         return text
     return re.sub(r"^tolerances:\n(?: .*\n)+", "", text, flags=re.MULTILINE)
-
-
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ScenarioError(
-            f"{path}: cannot be read: {reason(error)}"
-        ) from error
-
-
-def _parse(text: str, source: str) -> dict:
-    try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        line = " ".join(str(error).split())
-        raise ScenarioError(f"{source}: not YAML: {line}") from error
-    if data is not None and not isinstance(data, dict):
-        fail(source, "the whole text", data, "a map of keys")
-    return data or {}

@@ -9,6 +9,7 @@ import yaml
 
 from brace_drake.core.errors import TorsoError
 from brace_drake.core.output import WriteText
+from brace_drake.core.reading import LoadYaml
 from brace_drake.torso.contact import TorsoContact
 from brace_drake.torso.fitted import FittedTorso, calc_inertia
 from brace_drake.torso.meshes import LoadSolid, LoadSurface, obj_text, vtk_text
@@ -146,11 +147,11 @@ def LoadTorso(folder: str | Path) -> FittedTorso:
     solid = LoadSolid(folder / SOLID)
     surface = LoadSurface(folder / SURFACE)
     path = folder / PADS
+    document = LoadYaml(path, TorsoError)
     try:
-        document = yaml.safe_load(path.read_text(encoding="utf-8"))
         heights = np.array(document["ring_heights"], dtype=float)
         pads = [_load_pad(folder, entry) for entry in document["pads"]]
-    except (OSError, yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         line = " ".join(str(error).split())
         raise TorsoError(f"{path}: no pads: {line}") from error
     return FittedTorso(

@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 
 from brace_drake.core.errors import TorsoError
+from brace_drake.core.reading import ReadBytes, check_file, decode, in_file
 from brace_drake.torso.solid import Solid, make_solid
 
 _TETRAHEDRON = 10  # VTK's number of that cell
@@ -45,11 +46,12 @@ def LoadSolid(path: str | Path) -> Solid:
         TorsoError: It is not such a file.
     """
     path = Path(path)
+    with in_file(path, TorsoError):
+        words = decode(ReadBytes(path)).split()
     try:
-        words = path.read_text(encoding="utf-8").split()
         points = _numbers_after("POINTS", words, 3, float)
         cells = _numbers_after("CELLS", words, 5, int)
-    except (OSError, ValueError, IndexError) as error:
+    except (ValueError, IndexError, OverflowError) as error:
         raise TorsoError(f"{path}: no tetrahedra in VTK: {error}") from error
     if np.any(cells[:, 0] != 4):
         raise TorsoError(f"{path}: a cell is no tetrahedron; allowed: 4 nodes")
@@ -70,6 +72,8 @@ def LoadSurface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     Raises:
         TorsoError: It is not such a file.
     """
+    with in_file(path, TorsoError):
+        check_file(path)
     try:
         mesh = trimesh.load_mesh(path, process=False, maintain_order=True)
         return np.asarray(mesh.vertices), np.asarray(mesh.faces)

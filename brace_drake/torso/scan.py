@@ -14,6 +14,7 @@ import numpy as np
 import trimesh
 
 from brace_drake.core.errors import TorsoError
+from brace_drake.core.reading import check_file, in_file
 
 FORMATS = (".obj", ".ply", ".stl")
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
@@ -99,6 +100,8 @@ def _read(path: Path) -> trimesh.Trimesh:
             f"{path}: {'is a folder' if path.is_dir() else found}; allowed: a"
             f" scan, {words}, or measures, *.yaml"
         )
+    with in_file(path, TorsoError):
+        check_file(path)
     try:
         mesh = trimesh.load(
             path, force="mesh", process=False, skip_materials=True

@@ -7,7 +7,6 @@ again.
 
 from __future__ import annotations
 
-import json
 import shutil
 import subprocess
 import sys
@@ -17,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from brace_drake.core.output import HoldFolder, WriteText
+from brace_drake.core.reading import LoadJson, ReadBytes
 from brace_drake.withheld.judged import label
 from brace_drake.withheld.seals import (
     SEALS,
@@ -74,7 +74,7 @@ def _bind(folder: Path, answers: Path) -> None:
     digest, path = digest_of(folder / SEALS), answers / CASES
     if not path.exists():
         WriteText(path, f"{digest}\n")
-    elif path.read_text().strip() != digest:
+    elif ReadBytes(path).decode(errors="replace").strip() != digest:
         raise AnswerError(
             f"{answers}: holds answers to other cases than those of {folder};"
             " give another folder"
@@ -86,14 +86,14 @@ def _answer(case: Path, out: Path) -> dict:
     path = out / "diagnosis.json"
     error = None if path.exists() else _diagnose(case, out)
     try:
-        document = json.loads(path.read_text())
+        document = LoadJson(path, AnswerError)
         shrink = document.get("shrink") or {}
         return {
             "verdict": document["verdict"],
             "closed": shrink.get("closed"),
             "error": None,
         }
-    except (OSError, ValueError, KeyError) as problem:
+    except (AnswerError, AttributeError, KeyError, TypeError) as problem:
         error = error or str(problem)
         return {"verdict": None, "closed": None, "error": error}
 

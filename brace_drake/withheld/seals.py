@@ -18,9 +18,14 @@ import yaml
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.output import WriteJson, WriteText
+from brace_drake.core.reading import LoadJson, LoadYaml, ReadBytes, in_file
 
 SEALS, ANSWERS, COMMITMENT = "SEALS.yaml", "answers.json", "COMMITMENT"
 VAULT_FORMAT, ANSWERS_FORMAT = "brace-vault/1", "brace-answers/1"
+_CASE_KEYS = {
+    VAULT_FORMAT: {"truth", "salt"},
+    ANSWERS_FORMAT: {"verdict", "closed"},
+}
 
 
 class SealError(BraceError, ValueError):
@@ -61,11 +66,10 @@ def read_seals(folder: Path) -> dict[str, str]:
         AnswerError: The folder holds no readable SEALS.yaml.
     """
     path = Path(folder) / SEALS
-    try:
-        seals = yaml.safe_load(_read(path))["seals"]
-        return {str(name): str(value) for name, value in seals.items()}
-    except (yaml.YAMLError, KeyError, TypeError, AttributeError) as error:
-        raise AnswerError(f"{path}: holds no seals") from error
+    seals = LoadYaml(path, AnswerError).get("seals")
+    if not isinstance(seals, dict):
+        raise AnswerError(f"{path}: holds no seals")
+    return {str(name): str(value) for name, value in seals.items()}
 
 
 def read_cases(path: Path, wanted: str) -> dict:
@@ -74,14 +78,19 @@ def read_cases(path: Path, wanted: str) -> dict:
     Raises:
         AnswerError: The file is missing or of another format.
     """
-    try:
-        document = json.loads(_read(path))
-        found, cases = document["format"], document["cases"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise AnswerError(f"{path}: not a {wanted} document") from error
-    if found != wanted:
-        raise AnswerError(f"{path}: format {found!r}, expected {wanted!r}")
-    return cases
+    document = LoadJson(path, AnswerError)
+    if not isinstance(document, dict) or not _are_cases(document, wanted):
+        raise AnswerError(f"{path}: not a {wanted} document")
+    return document["cases"]
+
+
+def _are_cases(document: dict, wanted: str) -> bool:
+    cases, keys = document.get("cases"), _CASE_KEYS[wanted]
+    return (
+        document.get("format") == wanted
+        and isinstance(cases, dict)
+        and all(isinstance(c, dict) and keys <= {*c} for c in cases.values())
+    )
 
 
 def digest_of(path: Path) -> str:
@@ -90,7 +99,8 @@ def digest_of(path: Path) -> str:
     Raises:
         AnswerError: It cannot be read.
     """
-    return hashlib.sha256(_read(path)).hexdigest()
+    with in_file(path, AnswerError):
+        return hashlib.sha256(ReadBytes(path)).hexdigest()
 
 
 def commit(folder: Path, answers: Path, cases: dict) -> None:
@@ -105,7 +115,7 @@ def commit(folder: Path, answers: Path, cases: dict) -> None:
         cases: Answer by case.
     """
     path = answers / COMMITMENT
-    before = yaml.safe_load(path.read_text()) if path.exists() else None
+    before = LoadYaml(path, AnswerError) if path.exists() else None
     WriteJson(answers / ANSWERS, {"format": ANSWERS_FORMAT, "cases": cases})
     lines: dict[str, object] = {
         "answers_sha256": digest_of(answers / ANSWERS),
@@ -113,7 +123,7 @@ def commit(folder: Path, answers: Path, cases: dict) -> None:
         "committed_at": datetime.now(UTC).isoformat(timespec="seconds"),
     }
     if before is not None:
-        if before["answers_sha256"] == lines["answers_sha256"]:
+        if before.get("answers_sha256") == lines["answers_sha256"]:
             return
         earlier = before.pop("earlier", [])
         lines["earlier"] = [*earlier, before]
@@ -128,19 +138,11 @@ def check_commitment(folder: Path, answers: Path) -> None:
         AnswerError: There is no commitment.
     """
     path = answers / COMMITMENT
-    try:
-        promised = yaml.safe_load(_read(path))
-        expected = promised["answers_sha256"], promised["seals_sha256"]
-    except (yaml.YAMLError, KeyError, TypeError) as error:
-        raise AnswerError(f"{path}: no commitment") from error
+    promised = LoadYaml(path, AnswerError)
+    expected = promised.get("answers_sha256"), promised.get("seals_sha256")
+    if None in expected:
+        raise AnswerError(f"{path}: no commitment")
     kept = answers / ANSWERS, folder / SEALS
     for file, digest in zip(kept, expected, strict=True):
         if digest_of(file) != digest:
             raise SealError(f"{file}: changed since the commitment")
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return Path(path).read_bytes()
-    except OSError as error:
-        raise AnswerError(f"{path}: {error.strerror}") from error

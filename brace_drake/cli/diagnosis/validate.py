@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 
 from brace_drake.cli.options import (
@@ -14,8 +13,9 @@ from brace_drake.cli.options import (
     load_scenario_option,
     open_workers_option,
 )
-from brace_drake.core.errors import CampaignError, reason
+from brace_drake.core.errors import CampaignError
 from brace_drake.core.output import HoldFolder
+from brace_drake.core.reading import LoadJson
 
 _EPILOG = """\
 example:
@@ -107,14 +107,7 @@ def _fit(campaign, scenario, args) -> dict:
 def _load_fit(path: str) -> dict:
     from brace_drake.identification.campaign_fit import FORMAT
 
-    try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CampaignError(
-            f"{path}: cannot be read: {reason(error)}"
-        ) from error
-    except ValueError:
-        found = None
+    found = LoadJson(path, CampaignError)
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise CampaignError(
             f"{path}: is not a fit.json of `brace-drake fit --out`"

@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.core.errors import CampaignError, reason
+from brace_drake.core.errors import CampaignError
+from brace_drake.core.reading import ReadBytes, in_file
 from brace_drake.recording import LoadCampaign, Run
 from brace_drake.recording.columns import (
     BENCH_RINGS,
@@ -157,12 +158,8 @@ def LoadReference(
         CampaignError: One line: file, row or column, and what is wrong.
     """
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise CampaignError(
-            f"{path}: cannot be read: {reason(error)}"
-        ) from error
+    with in_file(path, CampaignError):
+        data = ReadBytes(path)
     known = ("time_s", *reference_columns(*rings))
     columns, problems = parse_table(data, str(path), known)
     errors = [p for p in problems if p.severity == "error"]

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import csv
 import io
-import json
-import pickle
 from pathlib import Path
 
 import numpy as np
 import torch
-import yaml
 from pydrake.common.yaml import yaml_dump_typed
 
 from brace_drake.core.errors import BraceError, PolicyError
 from brace_drake.core.output import HoldFolder, WriteBytes, WriteJson, WriteText
+from brace_drake.core.reading import (
+    LoadJson,
+    ReadBytes,
+    check_file,
+    decode,
+    in_file,
+    parse_yaml,
+)
 from brace_drake.core.versions import installed_versions
 from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.learning.training.numbers import TrainingNumbers
@@ -26,6 +31,7 @@ PACKAGES = (
     "stable-baselines3",
 )  # fmt: skip
 CHECKPOINT = "checkpoint.pt"
+_CHECKPOINT_MB = 2000
 SCENARIO = "used.scenario.yaml"
 # What a checkpoint is made of beside tensors and plain values.
 _ARRAYS = (
@@ -106,9 +112,7 @@ def CheckSame(
          LoadRecord(TrainingNumbers(), folder / "training.yaml"), numbers),
         (SCENARIO, LoadScenario(folder / SCENARIO), load_task_scenario(task)),
     ):  # fmt: skip
-        kept, asked = (
-            yaml.safe_load(yaml_dump_typed(r)) for r in (kept, asked)
-        )
+        kept, asked = (parse_yaml(yaml_dump_typed(r)) for r in (kept, asked))
         for key, value in asked.items():
             if key != "scenario" and kept.get(key) != value:
                 raise PolicyError(
@@ -120,10 +124,8 @@ def CheckSame(
 
 def _load_versions(manifest: Path) -> dict:
     try:
-        return dict(
-            json.loads(manifest.read_text(encoding="utf-8"))["versions"]
-        )
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        return dict(LoadJson(manifest, PolicyError)["versions"])
+    except (PolicyError, ValueError, KeyError, TypeError) as error:
         raise PolicyError(
             f"{manifest}: no manifest of a training run"
         ) from error
@@ -135,7 +137,8 @@ def _is_same(task: LearningTask, kept: Path) -> bool:
         text = yaml_dump_typed(load_task_scenario(task))
     except BraceError:
         return False
-    return text == kept.read_text(encoding="utf-8")
+    with in_file(kept, PolicyError):
+        return text == decode(ReadBytes(kept))
 
 
 def WriteCheckpoint(folder: Path, state: dict) -> None:
@@ -153,9 +156,11 @@ def LoadCheckpoint(folder: Path) -> dict:
     """
     path = folder / CHECKPOINT
     try:
+        check_file(path, _CHECKPOINT_MB)
         with torch.serialization.safe_globals(_ARRAYS):
             return torch.load(path, weights_only=True)
-    except (pickle.UnpicklingError, RuntimeError, EOFError, OSError) as error:
+    # What torch raises on a broken file is not foreseen.
+    except Exception as error:
         raise PolicyError(f"{path}: no checkpoint of a training run") from error
 
 

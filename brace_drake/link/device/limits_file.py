@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.core.errors import LimitsError, reason, suggest
+from brace_drake.core.errors import LimitsError, quoted, suggest
+from brace_drake.core.reading import LoadYaml
 from brace_drake.core.resources import scenario_path
 from brace_drake.link.protocol.limits import (
     BY_STAGE,
@@ -37,20 +38,8 @@ def LoadLimits(
     Raises:
         LimitsError: One line: file, name, value, what is allowed.
     """
-    import yaml
-
     path = scenario_path(FILE) if path is None else Path(path)
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise LimitsError(f"{path}: cannot be read: {reason(error)}") from error
-    except yaml.YAMLError as error:
-        line = " ".join(str(error).split())
-        raise LimitsError(f"{path}: not YAML: {line}") from error
-    if content is None:
-        content = {}
-    if not isinstance(content, dict):
-        raise LimitsError(f"{path}: must hold names of limits with values")
+    content = LoadYaml(path, LimitsError, may_be_empty=True)
     for name in content:
         if name not in Limits._fields:
             hint = suggest(name, Limits._fields)
@@ -94,7 +83,7 @@ def check_limits(limits: Limits, source: str = "limits") -> None:
 
 
 def _check_value(limit: Limit, value: object, source: str) -> None:
-    place = f"{source}: {limit.name} is {value!r}"
+    place = f"{source}: {limit.name} is {quoted(value)}"
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise LimitsError(f"{place}; allowed: a number")
     if not (math.isfinite(value) and 0.0 < value < 1e9):

@@ -10,13 +10,14 @@ from pathlib import Path
 from brace_drake.core.errors import (
     CampaignError,
     StoppedError,
-    reason,
+    quoted,
     suggest,
 )
+from brace_drake.core.reading import LoadYaml
 from brace_drake.devices.motions.library import MOTIONS, MakeMotion
 from brace_drake.link.operation.console import ReadKeys
 from brace_drake.link.operation.recorder import Recorder
-from brace_drake.recording.fields import SWITCH, TEXT, Field, parse_yaml, take
+from brace_drake.recording.fields import SWITCH, TEXT, Field, take
 
 FORMAT = "brace-plan/1"
 _SPLITS = ("fit", "validation")
@@ -65,12 +66,7 @@ def LoadPlan(path: str | Path | None) -> tuple[PlannedRun, ...]:
     """
     if path is None:
         return STANDARD_PLAN
-    try:
-        content = parse_yaml(Path(path).read_bytes())
-    except (OSError, ValueError) as error:
-        raise CampaignError(
-            f"{path}: cannot be read: {reason(error)}"
-        ) from error
+    content = LoadYaml(path, CampaignError)
     if content.get("format") != FORMAT:
         raise CampaignError(f"{path}: format must be {FORMAT!r}")
     runs = content.get("runs")
@@ -86,12 +82,14 @@ def _parse_run(run: object, place: str) -> PlannedRun:
     for key in run:
         if key not in _RUN:
             hint = suggest(key, _RUN)
-            raise CampaignError(f"{place}: no key {key!r}{hint}")
+            raise CampaignError(f"{place}: no key {quoted(key)}{hint}")
     values, faults = take(run, _RUN)
     for name, wanted, value in faults:
         if value is None:
             raise CampaignError(f"{place} has no {name}")
-        raise CampaignError(f"{place}: {name} is {value!r}; allowed: {wanted}")
+        raise CampaignError(
+            f"{place}: {name} is {quoted(value)}; allowed: {wanted}"
+        )
     if values["motion"] not in MOTIONS:
         MakeMotion(values["motion"])
     return PlannedRun(**values)

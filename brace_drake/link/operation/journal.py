@@ -20,14 +20,19 @@ from pathlib import Path
 
 import yaml
 
-from brace_drake.core.errors import CampaignError, OutputError
+from brace_drake.core.errors import CampaignError, OutputError, quoted
 from brace_drake.core.output import HoldFolder, ReleaseFolder, WriteText
+from brace_drake.core.reading import LoadYaml
 from brace_drake.recording.columns import split_unit
+from brace_drake.recording.fields import TEXT, take
 from brace_drake.recording.manifest import FORMAT, MANIFEST
 from brace_drake.recording.write import DECIMALS
 
 _PAGE = 4096
 _SYNC = 0.25
+_ITEM = {
+    name: TEXT._replace(required=True) for name in ("file", "motion", "split")
+}
 
 
 class Journal:
@@ -70,16 +75,21 @@ class Journal:
                 self.folder.rmdir()
 
     def _Continue(self, path: Path) -> None:
-        try:
-            content = yaml.safe_load(path.read_text(encoding="utf-8"))
-            runs = content["runs"]
-        except (OSError, yaml.YAMLError, KeyError, TypeError) as error:
-            raise CampaignError(f"{path}: cannot be continued") from error
+        content = LoadYaml(path, CampaignError)
+        runs = content.get("runs")
+        runs = runs if isinstance(runs, list) else [runs]
+        for number, run in enumerate(runs, 1):
+            if not isinstance(run, dict) or take(run, _ITEM)[1]:
+                raise CampaignError(
+                    f"{path}: cannot be continued: run {number} is"
+                    f" {quoted(run)}; allowed: {', '.join(_ITEM)}"
+                )
         for key in ("device", "rate_hz", "recorded", "stages", "settled_s"):
             mine, there = self.head.get(key), content.get(key)
             if mine != there:
                 raise CampaignError(
-                    f"{path}: {key} is {there!r}, this recording's is {mine!r}"
+                    f"{path}: {key} is {quoted(there)}, this recording's is"
+                    f" {mine!r}"
                 )
         self.head["subject"] = content.get("subject", "")
         self._runs = runs

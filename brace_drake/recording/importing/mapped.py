@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from brace_drake.core.errors import CampaignError, reason, suggest
+from brace_drake.core.errors import CampaignError, quoted, suggest
+from brace_drake.core.reading import LoadYaml
 from brace_drake.recording.columns import DEVICES
 from brace_drake.recording.fields import (
-    NOT_NEGATIVE,
+    DURATION,
+    HUGE,
+    RATE,
     SWITCH,
     TEXT,
     Field,
-    parse_yaml,
+    number_from,
     take,
 )
 from brace_drake.recording.importing.tables import OPTIONS, LoadTable
@@ -35,12 +37,8 @@ _HEAD = {
     "options": Field(
         "a map of names", lambda v: isinstance(v, dict), required=False
     ),
-    "rate_hz": Field(
-        "above 0 up to 1e6",
-        lambda v: type(v) in (int, float) and 0.0 < v <= 1e6,
-        required=False,
-    ),
-    "settled_s": NOT_NEGATIVE,
+    "rate_hz": RATE._replace(required=False),
+    "settled_s": DURATION,
     "subject": Field("text", lambda _: True, required=False),
 }
 _RUN = {
@@ -48,11 +46,7 @@ _RUN = {
     "contact": SWITCH,
     **dict.fromkeys(("motion", "repeat_of", "split", "name"), TEXT),
 }
-_NUMBER = Field(
-    "a number",
-    lambda v: type(v) in (int, float) and abs(v) <= sys.float_info.max,
-    required=False,
-)
+_NUMBER = number_from(-HUGE, HUGE, required=False)
 _RULE = {"from": TEXT, "scale": _NUMBER, "offset": _NUMBER, "constant": _NUMBER}
 
 
@@ -69,13 +63,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
         CampaignError: One line: file, key or column, and what is allowed.
     """
     path = Path(path)
-    try:
-        content = parse_yaml(path.read_bytes())
-    except (OSError, ValueError) as error:
-        raise CampaignError(
-            f"{path}: cannot be read: {reason(error)}"
-        ) from error
-    head = _take(content, _HEAD, f"{path}: ")
+    head = _take(LoadYaml(path, CampaignError), _HEAD, f"{path}: ")
     channels = DEVICES[head["device"]].channels
     rules = {
         name: _parse_rule(path, name, rule)
@@ -84,7 +72,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
     for name in rules:
         if name not in channels:
             hint = suggest(name, channels)
-            raise CampaignError(f"{path}: no channel {name!r}{hint}")
+            raise CampaignError(f"{path}: no channel {quoted(name)}{hint}")
     missing = [n for n, c in channels.items() if c.required and n not in rules]
     if missing:
         raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
@@ -112,14 +100,18 @@ def ImportCampaign(path: str | Path) -> Campaign:
 def _take(values: object, fields: Mapping[str, Field], place: str) -> dict:
     """The declared fields of a mapping; refuses any other, and bad values."""
     if not isinstance(values, dict):
-        raise CampaignError(f"{place}is {values!r}; allowed: a map of names")
+        raise CampaignError(
+            f"{place}is {quoted(values)}; allowed: a map of names"
+        )
     for key in values:
         if key not in fields:
             hint = suggest(key, fields) or f"; allowed: {', '.join(fields)}"
-            raise CampaignError(f"{place}no key {key!r}{hint}")
+            raise CampaignError(f"{place}no key {quoted(key)}{hint}")
     taken, faults = take(values, fields)
     for name, wanted, value in faults:
-        raise CampaignError(f"{place}{name} is {value!r}; allowed: {wanted}")
+        raise CampaignError(
+            f"{place}{name} is {quoted(value)}; allowed: {wanted}"
+        )
     return taken
 
 
@@ -147,7 +139,7 @@ def _read_channels(
             channels[name] = np.full(rows, float(rule["constant"]))
         elif column not in table:
             hint = suggest(column, table)
-            raise CampaignError(f"{source}: no column {column!r}{hint}")
+            raise CampaignError(f"{source}: no column {quoted(column)}{hint}")
         else:
             scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
             channels[name] = scale * table[column] + offset
