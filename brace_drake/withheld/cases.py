@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from brace_drake.withheld.faults import FAULTS, OUTSIDE, SEVERITIES, Fault
+from brace_drake.withheld.faults import (
+    FAULTS,
+    OUTSIDE,
+    SEVERITIES,
+    Fault,
+    severities,
+    vary,
+)
 from brace_drake.withheld.simulator import Flaws, Subject, with_flaws
+from brace_drake.withheld.tolerances import Deviations, draw_deviations
 
 KINDS = ("none", "outside", "pair", "single")
 # Shares of the kinds among many cases.
@@ -31,8 +38,8 @@ class Case:
         severity: Of all its faults; None where there is none.
         subject: The wearer.
         decoy: Flaws that every machine has.
-        flaws: The decoy and the faults.
         changes: What the faults changed, per fault.
+        off: How far the machine is off within its tolerances.
     """
 
     kind: str
@@ -40,13 +47,23 @@ class Case:
     severity: str | None
     subject: Subject
     decoy: Flaws
-    flaws: Flaws
     changes: dict[str, dict] = field(default_factory=dict)
+    off: Deviations = Deviations()
+
+    @property
+    def machine(self) -> Flaws:
+        """The machine before anything went wrong with it."""
+        return self.without(*self.faults)
+
+    @property
+    def flaws(self) -> Flaws:
+        """The machine with its faults."""
+        return self.without()
 
     def truth(self) -> dict:
         """What a perfect diagnosis says, and what made the case."""
         outside = self.kind == "outside"
-        return {
+        truth = {
             "kind": self.kind,
             "severity": self.severity,
             "effects": sorted(f.name for f in self.faults if not outside),
@@ -55,11 +72,20 @@ class Case:
             "parameters": self.changes,
             "subject": self.subject._asdict(),
         }
+        if self.off.added:
+            truth["within_tolerances"] = self.off.truth()
+        return truth
 
-    def without(self, fault: Fault) -> Flaws:
-        """The flaws with one of the faults left out."""
-        left = (c for name, c in self.changes.items() if name != fault.name)
-        return _with_all(self.decoy, left)
+    def without(self, *faults: Fault) -> Flaws:
+        """The flaws with some of the faults left out.
+
+        A fault sets a number, the machine's deviation adds to that.
+        """
+        out, flaws = {f.name for f in faults}, self.decoy
+        for name, change in self.changes.items():
+            if name not in out:
+                flaws = with_flaws(flaws, change)
+        return self.off.on(flaws)
 
 
 def draw_kinds(rng: np.random.Generator, count: int) -> list[str]:
@@ -94,12 +120,14 @@ def draw_decoy(rng: np.random.Generator) -> Flaws:
 
 
 def draw_faults(
-    rng: np.random.Generator, kind: str
+    rng: np.random.Generator, kind: str, tolerances: float = 0.0
 ) -> tuple[tuple[Fault, ...], str | None]:
-    """Faults of a case and their severity."""
+    """Faults of a case and their severity, beside that multiple of the
+    tolerances.
+    """
     if kind == "none":
         return (), None
-    severity = str(rng.choice(SEVERITIES))
+    severity = str(rng.choice(severities(tolerances)))
     if kind == "outside":
         return (OUTSIDE[rng.integers(len(OUTSIDE))],), severity
     if kind == "single":
@@ -118,6 +146,7 @@ def build_case(
     faults: tuple[Fault, ...],
     severity: str | None,
     largest_command,
+    tolerances: float = 0.0,
 ) -> Case:
     """Draws the numbers of a case.
 
@@ -128,21 +157,15 @@ def build_case(
         severity: Of SEVERITIES, None without faults.
         largest_command: From a subject to the largest command, N, of the
             bench with nothing wrong.
+        tolerances: Multiple of them that the machine is off by.
     """
     subject, decoy = draw_subject(rng), draw_decoy(rng)
     changes = {}
     for fault in faults:
-        strength = fault.strengths[SEVERITIES.index(severity)]
-        change = fault.make(rng, strength * rng.uniform(0.9, 1.1))
+        strength = fault.strength(SEVERITIES.index(severity), tolerances)
+        change = fault.make(rng, strength * vary(rng))
         if "legs.limit" in change:
             change = {"legs.limit": strength * largest_command(subject)}
         changes[fault.name] = change
-    flaws = _with_all(decoy, changes.values())
-    return Case(kind, faults, severity, subject, decoy, flaws, changes)
-
-
-def _with_all(flaws: Flaws, changes: Iterable[dict]) -> Flaws:
-    """Flaws with each of the changes."""
-    for change in changes:
-        flaws = with_flaws(flaws, change)
-    return flaws
+    off = draw_deviations(rng, tolerances)
+    return Case(kind, faults, severity, subject, decoy, changes, off)

@@ -5,6 +5,9 @@ A fault turns a strength into numbers of the simulator. Its three strengths
 nominal subject, where physics allows; the truth of a case records how far it
 really lies. A strength of `saturation` is a part of the largest command that
 the bench sends while nothing is wrong.
+
+Among machines that are off within tolerances no fault is small, and one on a
+number with a tolerance lies far outside it.
 """
 
 from __future__ import annotations
@@ -14,8 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brace_drake.withheld.tolerances import FAR, TOLERANCES
+
 SEVERITIES = ("small", "medium", "large")
 Changes = dict[str, object]
+# Strengths vary by so much from case to case, relative.
+_VARIATION = 0.1
 
 
 @dataclass(frozen=True)
@@ -27,12 +34,35 @@ class Fault:
         block: Where it lies.
         strengths: Small, medium, large; SI units.
         make: From a generator and a strength to changes of the flaws.
+        tolerance: Standard deviation that machines have of what the strength
+            measures, 0 for none.
     """
 
     name: str
     block: str
     strengths: tuple[float, float, float]
     make: Callable[[np.random.Generator, float], Changes]
+    tolerance: float = 0.0
+
+    def strength(self, place: int, tolerances: float) -> float:
+        """The strength that a case's varies about.
+
+        Args:
+            place: Of the severity in SEVERITIES.
+            tolerances: Multiple of them that the machines are off by.
+        """
+        least = FAR * self.tolerance * tolerances / (1.0 - _VARIATION)
+        return max(self.strengths[place], least)
+
+
+def severities(tolerances: float) -> tuple[str, ...]:
+    """Those to draw from beside a multiple of the tolerances."""
+    return SEVERITIES[1:] if tolerances > 0.0 else SEVERITIES
+
+
+def vary(rng: np.random.Generator) -> float:
+    """The variation of one case's strength, about 1."""
+    return rng.uniform(1.0 - _VARIATION, 1.0 + _VARIATION)
 
 
 def _plain(field: str):
@@ -119,23 +149,47 @@ def _in_block(block: str, *rows) -> tuple[Fault, ...]:
     return tuple(Fault(name, block, *rest) for name, *rest in rows)
 
 
+# Six legs stand out from gains off by less only where these are larger.
+_GAIN = 0.03 / FAR
+_OFF = TOLERANCES
+
 FAULTS = (
     *_in_block(
         "actuation",
-        ("coulomb_friction", (0.015, 0.08, 0.6), _plain("legs.coulomb")),
-        ("stribeck_friction", (0.015, 0.08, 0.6), _stribeck),
-        ("viscous_leg", (7.0, 30.0, 100.0), _plain("legs.viscous")),
+        (
+            "coulomb_friction",
+            (0.015, 0.08, 0.6),
+            _plain("legs.coulomb"),
+            _OFF.leg_friction,
+        ),
+        ("stribeck_friction", (0.015, 0.08, 0.6), _stribeck, _OFF.leg_friction),
+        (
+            "viscous_leg",
+            (7.0, 30.0, 100.0),
+            _plain("legs.viscous"),
+            _OFF.leg_viscous,
+        ),
         ("backlash", (6e-5, 2e-4, 6e-4), _plain("legs.play")),
         ("force_deadzone", (0.008, 0.05, 0.3), _plain("legs.deadzone")),
-        ("command_delay", (3.0, 6.0, 10.0), _delay),
-        ("weak_leg", (0.006, 0.03, 0.2), _one_leg("legs.gain", 1.0, [-1.0])),
-        ("force_gain", (0.004, 0.02, 0.12), _all_legs),
+        ("command_delay", (3.0, 6.0, 10.0), _delay, _OFF.delay),
+        (
+            "weak_leg",
+            (0.006, 0.03, 0.2),
+            _one_leg("legs.gain", 1.0, [-1.0]),
+            _GAIN,
+        ),
+        ("force_gain", (0.004, 0.02, 0.12), _all_legs, _GAIN),
         ("saturation", (0.985, 0.95, 0.85), _plain("legs.limit")),
     ),
     *_in_block(
         "mechanism",
-        ("anchor_error", (5e-5, 3e-4, 2e-3), _anchors),
-        ("ring_mass", (0.004, 0.02, 0.15), _plain("ring.mass")),
+        ("anchor_error", (5e-5, 3e-4, 2e-3), _anchors, _OFF.anchor),
+        (
+            "ring_mass",
+            (0.004, 0.02, 0.15),
+            _plain("ring.mass"),
+            _OFF.ring_mass,
+        ),
         ("leg_compliance", (3e-5, 8e-5, 1.6e-4), _plain("legs.compliance")),
     ),
     *_in_block(
@@ -154,14 +208,25 @@ FAULTS = (
     ),
     *_in_block(
         "sensing",
-        ("force_bias", (0.02, 0.1, 0.45), _either_sign("sensors.bias")),
-        ("force_scale", (0.006, 0.03, 0.12), _either_sign("sensors.scale")),
+        (
+            "force_bias",
+            (0.02, 0.1, 0.45),
+            _either_sign("sensors.bias"),
+            _OFF.force_bias,
+        ),
+        (
+            "force_scale",
+            (0.006, 0.03, 0.12),
+            _either_sign("sensors.scale"),
+            _OFF.force_scale,
+        ),
         ("force_drift", (0.003, 0.015, 0.08), _either_sign("sensors.drift")),
         ("force_lag", (0.008, 0.025, 0.07), _plain("sensors.lag")),
         (
             "encoder_offset",
             (1.2e-4, 4e-4, 1.2e-3),
             _one_leg("sensors.lengths", 0.0, [-1.0, 1.0]),
+            _OFF.anchor,
         ),
     ),
 )

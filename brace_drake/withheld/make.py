@@ -26,6 +26,7 @@ from brace_drake.withheld.simulator import (
     make_motions,
     run_bench,
 )
+from brace_drake.withheld.tolerances import check_factor
 
 _DEVICE = "bench stage 2"
 
@@ -74,13 +75,13 @@ def largest_command(motions: list[Motion]) -> Callable[[Subject], float]:
 
 
 def size_of(case: Case, motions: list[Motion]) -> dict:
-    """Sizes in floors of the faults and, apart from them, of the decoy; of two
-    faults also what each adds beside the other.
+    """Sizes in floors of the faults on their machine and, apart from them, of
+    the decoy; of two faults also what each adds beside the other.
     """
     decoy = measure(motions, case.subject, Flaws(), case.decoy, refit=False)
     sizes = {"decoy": decoy._asdict(), "faults": None}
     if case.faults:
-        gap = measure(motions, case.subject, case.decoy, case.flaws)
+        gap = measure(motions, case.subject, case.machine, case.flaws)
         sizes["faults"] = gap._asdict()
     if len(case.faults) > 1:
         sizes["beside"] = {
@@ -99,6 +100,7 @@ def make_cases(
     seed: int | None = None,
     progress: Callable[[int], None] = lambda done: None,
     jobs: int = 1,
+    tolerances: float = 0.0,
 ) -> None:
     """Writes `count` cases, their seals, and the vault.
 
@@ -110,10 +112,14 @@ def make_cases(
             operating system's entropy, which is not kept.
         progress: Told how many cases are done.
         jobs: Cases at a time; they do not depend on it.
+        tolerances: Multiple of its tolerances that each machine is off by;
+            with 0 machines are as their data sheet says.
 
     Raises:
         OutputError: A place is taken or the vault lies among the cases.
+        ToleranceError: There is no such multiple.
     """
+    check_factor(tolerances)
     out, vault = Path(out).resolve(), Path(vault).resolve()
     if out == vault.parent or out in vault.parents:
         raise OutputError(f"{vault}: the vault must lie outside {out}")
@@ -127,7 +133,7 @@ def make_cases(
     kinds_rng, *children = source.spawn(count + 1)
     kinds = draw_kinds(np.random.default_rng(kinds_rng), count)
     tasks = [
-        (out / f"case{i:03d}", kind, np.random.default_rng(child))
+        (out / f"case{i:03d}", kind, np.random.default_rng(child), tolerances)
         for i, (kind, child) in enumerate(zip(kinds, children, strict=True))
     ]
     with Workers(jobs) as workers:
@@ -143,10 +149,13 @@ def make_cases(
     WriteText(out / SEALS, yaml.safe_dump({"seals": seals}))
 
 
-def _make_case(path: Path, kind: str, rng: np.random.Generator) -> dict:
+def _make_case(
+    path: Path, kind: str, rng: np.random.Generator, tolerances: float
+) -> dict:
     motions = make_motions(rng)
-    faults, severity = draw_faults(rng, kind)
-    case = build_case(rng, kind, faults, severity, largest_command(motions))
+    faults, severity = draw_faults(rng, kind, tolerances)
+    largest = largest_command(motions)
+    case = build_case(rng, kind, faults, severity, largest, tolerances)
     WriteCampaign(record_campaign(case, motions, path.name, rng), path)
     floors = size_of(case, motions)
     return {"name": path.name, **case.truth(), "floors": floors}

@@ -88,6 +88,16 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
         help="makes repeatable cases, which are then not blind (default:"
         " entropy of the operating system)",
     )
+    parser.add_argument(
+        "--tolerances",
+        nargs="?",
+        type=float,
+        const=1.0,
+        default=0.0,
+        metavar="FACTOR",
+        help="machines are off by draws of so many times their tolerances,"
+        " 0 to 5 (default: 0; 1 without FACTOR), and no fault is small",
+    )
     AddJobCount(parser, "cases at a time (default: all cores)")
 
 
@@ -159,6 +169,7 @@ def RunMake(args: argparse.Namespace) -> int:
             args.seed,
             lambda done: bar.update(done - bar.n),
             args.jobs,
+            args.tolerances,
         )
     print(f"cases: {out}, promised by {out / SEALS}")
     print(f"truth: {args.vault}")

@@ -37,7 +37,7 @@ from brace_drake.validation.repaired import FILE, MakeRepairedScenario
 from brace_drake.withheld.cases import Case, draw_decoy, draw_subject
 from brace_drake.withheld.faults import FAULTS, SEVERITIES
 from brace_drake.withheld.make import record_campaign
-from brace_drake.withheld.simulator import make_motions, with_flaws
+from brace_drake.withheld.simulator import make_motions
 
 # Streams of chance of a seed: campaigns, pushes.
 _RECORDED, _PUSHED = 1, 2
@@ -124,9 +124,8 @@ def make_case(cause: str, severity: str, seed: int) -> Case:
     rng = np.random.default_rng([seed, names.index(cause)])
     strength = fault.strengths[SEVERITIES.index(severity)]
     subject, decoy = draw_subject(rng), draw_decoy(rng)
-    change = fault.make(rng, strength)
-    flaws, told = with_flaws(decoy, change), {cause: change}
-    return Case("single", (fault,), severity, subject, decoy, flaws, told)
+    changes = {cause: fault.make(rng, strength)}
+    return Case("single", (fault,), severity, subject, decoy, changes)
 
 
 def repair_twin(
