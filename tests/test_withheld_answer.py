@@ -51,14 +51,16 @@ class TestMake(unittest.TestCase):
         kept = json.loads(self.vault.read_text())["cases"]["case000"]
         seals = yaml.safe_load((self.cases / SEALS).read_text())["seals"]
         check_seal("case000", kept["truth"], kept["salt"], seals["case000"])
+        self.assertNotIn("within_tolerances", kept["truth"])
         decoy = kept["truth"]["floors"]["decoy"]
         # Every machine has its imperfections, but they must not show.
         self.assertGreater(decoy["rms"], 0.0)
         self.assertLess(decoy["rms"], 0.3)
 
     def test_cases_do_not_depend_on_how_many_are_made_at_a_time(self):
-        def drawn(path, kind, rng):
-            return {"kind": kind, "number": int(rng.integers(10**9))}
+        def drawn(path, kind, rng, tolerances):
+            number = int(rng.integers(10**9))
+            return {"kind": kind, "number": number, "off": tolerances}
 
         truths = []
         for jobs in (1, 3):
@@ -67,10 +69,18 @@ class TestMake(unittest.TestCase):
                 mock.patch("brace_drake.withheld.make._make_case", drawn),
             ):
                 vault = Path(folder) / "vault.json"
-                make_cases(Path(folder) / "cases", vault, 7, seed=1, jobs=jobs)
+                make_cases(
+                    Path(folder) / "cases",
+                    vault,
+                    7,
+                    seed=1,
+                    jobs=jobs,
+                    tolerances=2.0,
+                )
                 kept = json.loads(vault.read_text())["cases"]
                 truths.append({n: c["truth"] for n, c in kept.items()})
         self.assertEqual(len({t["number"] for t in truths[0].values()}), 7)
+        self.assertEqual({t["off"] for t in truths[0].values()}, {2.0})
         self.assertEqual(truths[0], truths[1])
 
     def test_readings_come_in_steps_of_their_instruments(self):
