@@ -58,6 +58,18 @@ def fill_tables(text: str) -> str:
             for m in MESSAGES
         ),
         "limits": _limits(),
+        "transitions": _rows(
+            ("from", "to", "on", "when"),
+            (
+                (
+                    ", ".join(s.name for s in t.before),
+                    t.after.name,
+                    t.on,
+                    t.when,
+                )
+                for t in words.TRANSITIONS
+            ),
+        ),
     }
     for _, title, kind in _ENUMS:
         rows = ((int(w), w.name, w.meaning) for w in kind)
@@ -109,12 +121,14 @@ def _messages() -> str:
 
 def _limits() -> str:
     return _rows(
-        ("limit", "unit", "holds as", "held by", "of", "meaning"),
+        ("limit", "unit", "holds as", "from", "to", "held by", "of", "meaning"),
         (
             (
                 f"`{limit.name}`",
                 limit.unit,
                 f"at {limit.side}",
+                f"{limit.least:g}",
+                f"{limit.most:g}",
                 "device and host" if limit.shared else "host",
                 "each stage" if limit.by_stage else "all",
                 limit.meaning,
@@ -147,6 +161,12 @@ def _constants() -> str:
         "",
     ]
     lines += [f"#define BRACE_{m.name} 0x{m.code:02X}" for m in MESSAGES]
+    lines.append("\n/* What a device must refuse: limits below or above. */")
+    lines += [
+        f"#define BRACE_{limit.name.upper()}_{side} {value:g}f"
+        for limit in SHARED
+        for side, value in (("LEAST", limit.least), ("MOST", limit.most))
+    ]
     lines.append("\n/* What feeds the watchdog, and what the session. */")
     for what in ("watchdog", "session"):
         tests = [

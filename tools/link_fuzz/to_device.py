@@ -3,7 +3,7 @@
 import struct
 
 from brace_drake.link.device.firmware import Firmware
-from brace_drake.link.device.ticks import Identity, Measured
+from brace_drake.link.device.ticks import SESSION, Identity, Measured
 from brace_drake.link.protocol.codec import Decoder
 from brace_drake.link.protocol.limits import DEFAULT, shared_values
 from brace_drake.link.protocol.words import DeviceState
@@ -32,7 +32,9 @@ class ToDevice(Fuzz):
         return self.codec.encode(name, values, self.sequence, 1, session)
 
     def arm(self):
+        """Begins a session: a forged end may have made the last one's old."""
         device = self.device
+        self.now += SESSION + 0.1
         device.tick(_REST, self.now)
         if device.state in (DeviceState.HELLO, DeviceState.STOPPED):
             self.pass_on(self.encode("LIMITS", shared_values(DEFAULT)))

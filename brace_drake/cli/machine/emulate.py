@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import shlex
 import signal
 import sys
@@ -30,6 +31,7 @@ Lines on standard input change it while it runs:
   unplug | plug              the line
   stop                       ends
 """
+_LONGEST_LINE, _MOST_NOISE = 1000, 100_000
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -201,11 +203,14 @@ def parse_effect(text: str):
 
 
 def _Obey(device) -> None:
-    for line in sys.stdin:
-        try:
-            carry_out(device, line)
-        except BraceError as error:
-            print(f"brace-drake: {error}", file=sys.stderr, flush=True)
+    """Takes lines until the input ends; none of them ends it."""
+    lines = getattr(sys.stdin, "buffer", None)
+    while lines and (line := lines.readline(_LONGEST_LINE)):
+        with contextlib.suppress(OSError, ValueError):
+            try:
+                carry_out(device, line.decode("utf-8", "replace"))
+            except BraceError as error:
+                print(f"brace-drake: {error}", file=sys.stderr, flush=True)
 
 
 def carry_out(device, line: str) -> None:
@@ -214,10 +219,9 @@ def carry_out(device, line: str) -> None:
     Raises:
         LinkError: No such line.
     """
-    words = shlex.split(line)
     faults, plant = device.faults, device.plant
     try:
-        match words:
+        match shlex.split(line):
             case []:
                 pass
             case ["torso", "on" | "off" as value]:
@@ -238,7 +242,7 @@ def carry_out(device, line: str) -> None:
                 line_faults = getattr(faults, way.replace("-", "_"))
                 line_faults.set(name, float(value))
             case ["noise", number]:
-                faults.noise_before_hello = int(number)
+                faults.noise_before_hello = _noise(number)
             case ["unplug" | "plug" as word]:
                 device.plug(word == "plug")
             case ["stop"]:
@@ -247,6 +251,13 @@ def carry_out(device, line: str) -> None:
                 raise LinkError(f"{line.strip()!r}: no such line; see --help")
     except ValueError as error:
         raise LinkError(f"{line.strip()!r}: {error}") from error
+
+
+def _noise(text: str) -> int:
+    number = int(text)
+    if not 0 <= number <= _MOST_NOISE:
+        raise LinkError(f"noise {number}: allowed: 0 to {_MOST_NOISE} bytes")
+    return number
 
 
 def _leg(text: str, plant) -> int:

@@ -10,12 +10,13 @@ from brace_drake.link.device.guards import NO_TRIP, Trip
 from brace_drake.link.device.ticks import Answer, DeviceTicks
 from brace_drake.link.protocol.codec import Packet, seal_fits
 from brace_drake.link.protocol.limits import (
-    each_value,
+    SHARED,
     first_wider,
     shared_of,
     shared_values,
 )
 from brace_drake.link.protocol.messages import BY_NAME
+from brace_drake.link.protocol.sequence import steps_ahead
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, Reason
 
 _ACCEPTS_LIMITS = (
@@ -23,6 +24,11 @@ _ACCEPTS_LIMITS = (
     DeviceState.DISARMED,
     DeviceState.STOPPED,
 )
+# What ends a motion is always obeyed, and nothing sent before it any more.
+_MARKS = ("LIMITS", "COMMAND", "ARM", "CLEAR", "DISARM", "STOP")
+# A sequence goes round: of messages that are so far apart only the sender's
+# clock tells which is newer, us.
+_SOON = 10_000_000
 
 
 class Firmware(DeviceTicks):
@@ -42,8 +48,17 @@ class Firmware(DeviceTicks):
             self.rejected += 1
         elif message.feeds != "nothing" and self.session:
             self._heard = now
+            if packet.name in _MARKS and self._is_fresh(packet):
+                self._mark = packet.sequence, packet.time_us
         pending, self._pending = self._pending, []
         return pending + answers
+
+    def _is_fresh(self, packet: Packet) -> bool:
+        """Whether a message is newer than all that its session has accepted."""
+        sequence, time_us = self._mark
+        later = packet.time_us - time_us
+        ahead = steps_ahead(packet.sequence, sequence)
+        return later > _SOON or (later >= 0 and ahead > 0)
 
     def _on_hello_request(self, packet: Packet, now: float):
         own = self.identity
@@ -65,7 +80,7 @@ class Firmware(DeviceTicks):
         if reason == Reason.ACCEPTED:
             self.limits = self.limits._replace(**values)
             self.session = self._new_session()
-            self._heard = now
+            self._mark = packet.sequence, packet.time_us
             if self.state == DeviceState.HELLO:
                 self.state = DeviceState.DISARMED
         session = self.session if reason == Reason.ACCEPTED else 0
@@ -78,9 +93,14 @@ class Firmware(DeviceTicks):
             return Reason.WRONG_SESSION, 0
         if self.state not in _ACCEPTS_LIMITS:
             return Reason.WRONG_STATE, 0
-        for i, value in enumerate(values.values()):
-            if not all(0.0 < v < 1e9 for v in each_value(value)):
+        if self.session and not self._is_fresh(packet):
+            return Reason.REPLAYED, 0
+        for i, limit in enumerate(SHARED):
+            if not limit.allows(values[limit.name]):
                 return Reason.BAD_VALUE, i
+        legs = zip(values["leg_shortest"], values["leg_longest"], strict=True)
+        if not all(shortest < longest for shortest, longest in legs):
+            return Reason.BAD_VALUE, list(values).index("leg_longest")
         wider = first_wider(values, self.own_limits)
         if wider is not None:
             return Reason.LIMIT_TOO_WIDE, wider
@@ -117,11 +137,11 @@ class Firmware(DeviceTicks):
             return Reason.NOT_SUPPORTED
         if self._mode not in (None, mode):
             return Reason.BAD_VALUE
-        age = self.tick_count - packet.values.tick
-        ahead = (packet.sequence - self._sequence) & 0xFFFF
-        longest = self.limits.watchdog / self._period
-        if not 0 <= age <= longest or not 0 < ahead < 0x8000:
+        age = steps_ahead(self.tick_count, packet.values.tick, 32)
+        if not 0 <= age <= self.limits.watchdog / self._period:
             return Reason.BAD_VALUE
+        if not self._is_fresh(packet):
+            return Reason.REPLAYED
         return Reason.ACCEPTED
 
     def _on_heartbeat(self, packet: Packet, now: float):
@@ -133,6 +153,8 @@ class Firmware(DeviceTicks):
             reason = Reason.WRONG_STATE
         elif not seal_fits(packet, self.session):
             reason = Reason.WRONG_SESSION
+        elif not self._is_fresh(packet):
+            reason = Reason.REPLAYED
         elif self._measured is None or self._present() is not None:
             reason = Reason.CAUSE_PRESENT
         if reason == Reason.ACCEPTED:
@@ -161,6 +183,8 @@ class Firmware(DeviceTicks):
             reason = Reason.WRONG_STATE
         elif not self.session or not seal_fits(packet, self.session):
             reason = Reason.WRONG_SESSION
+        elif not self._is_fresh(packet):
+            reason = Reason.REPLAYED
         elif packet.values.cause != self.trip.cause:
             reason = Reason.BAD_VALUE
         elif self._measured is None or self._measured.estop:

@@ -43,6 +43,8 @@ class Trip(NamedTuple):
 
     def __str__(self) -> str:
         words = self.cause.text
+        if self.cause == Cause.DISARMED:
+            return f"{words}: {self.cause.meaning}"
         if self.limit == 0.0:
             return words
         part, factor, unit = _SHOWN.get(self.cause, ("", 1.0, ""))

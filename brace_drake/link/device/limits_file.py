@@ -88,3 +88,7 @@ def _check_value(limit: Limit, value: object, source: str) -> None:
         raise LimitsError(f"{place}; allowed: a number")
     if not (math.isfinite(value) and 0.0 < value < 1e9):
         raise LimitsError(f"{place} {limit.unit}; allowed: greater than 0")
+    if not limit.allows(value):
+        raise LimitsError(
+            f"{place} {limit.unit}; allowed: {limit.least:g} to {limit.most:g}"
+        )

@@ -16,6 +16,7 @@ from brace_drake.link.device.length_servo import (
     follow_lengths,
     start_servo,
 )
+from brace_drake.link.device.limits_file import check_limits
 from brace_drake.link.device.release import limit_command, release_command
 from brace_drake.link.protocol.limits import Limits, shared_values
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, StateFlag
@@ -62,7 +63,7 @@ class DeviceTicks:
         state: Where it is.
         trip: What made the latched stop.
         session: Number of the session, 0 for none.
-        tick_count: Control ticks so far.
+        tick_count: Control ticks so far, modulo 2^32.
         rejected: Messages refused so far.
         accepted: Commands accepted so far.
     """
@@ -74,6 +75,7 @@ class DeviceTicks:
         hold: Sequence[float],
         seed: int | None = None,
     ):
+        check_limits(limits, "limits of the device")
         self.identity, self.hold = identity, tuple(hold)
         self.own_limits = shared_values(limits, identity.stages)
         self.limits = limits
@@ -88,6 +90,7 @@ class DeviceTicks:
         self._mode: Mode | None = None
         self._servo: ServoMemory | None = None
         self._sequence = 0
+        self._mark = 0, 0
         self._is_new = self._clamped = False
         self._measured: Measured | None = None
         self._speed = (0.0,) * len(self.hold)
@@ -105,7 +108,7 @@ class DeviceTicks:
             )
         if self.state == DeviceState.BOOT:
             self.state = DeviceState.HELLO
-        self.tick_count += 1
+        self.tick_count = (self.tick_count + 1) & 0xFFFFFFFF
         self._watch(now)
         out, self._pending = self._pending, []
         if self.session:

@@ -12,7 +12,11 @@ from brace_drake.link.device.ticks import Identity, Measured
 from brace_drake.link.emulator.line import Line, LineFaults
 from brace_drake.link.emulator.plant import EmulatedPlant
 from brace_drake.link.emulator.terminal import Terminal
-from brace_drake.link.protocol.codec import Decoder, make_codec
+from brace_drake.link.protocol.codec import (
+    Decoder,
+    longest_frame,
+    make_codec,
+)
 from brace_drake.link.protocol.limits import DEFAULT, Limits
 from brace_drake.link.protocol.words import DeviceState
 
@@ -213,7 +217,8 @@ class EmulatedDevice:
         """What has come in goes through the line and to the firmware."""
         now, tick_time = self._Now(), self._tick_time
         if data:
-            *frames, self._rest = (self._rest + data).split(b"\0")
+            *frames, rest = (self._rest + data).split(b"\0")
+            self._rest = rest[-longest_frame() :]
             for frame in frames:
                 if frame:
                     self._in.send(b"\0" + frame + b"\0", now)

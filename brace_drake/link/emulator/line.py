@@ -8,6 +8,9 @@ from dataclasses import dataclass, fields
 
 from brace_drake.core.errors import LinkError
 
+# Frames on their way: more than a host sends in the longest delay.
+_MOST_QUEUED = 20_000
+
 
 @dataclass
 class LineFaults:
@@ -65,7 +68,9 @@ class Line:
         self._held: bytes | None = None
 
     def send(self, frame: bytes, now: float) -> None:
-        """Takes a frame at a time, s."""
+        """Takes a frame at a time, s; a full line loses it."""
+        if len(self._queue) >= _MOST_QUEUED:
+            return
         for piece in self._spoil(frame):
             self._number += 1
             due = now + self.faults.delay

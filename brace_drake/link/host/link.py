@@ -17,9 +17,7 @@ from brace_drake.link.protocol.codec import Decoder, Packet, make_codec
 from brace_drake.link.protocol.limits import (
     SHARED,
     Limits,
-    as_sent,
-    each_value,
-    format_value,
+    refuse_other,
     refuse_wider,
     shared_of,
     shared_values,
@@ -29,6 +27,9 @@ from brace_drake.link.protocol.sequence import Counts, SequenceWatch
 from brace_drake.link.protocol.words import Cause, Mode, Reason, reason_text
 
 _AGAIN, _HEARTBEAT = 0.2, 0.1
+# Longer than a session lasts whose host has gone, s.
+_SESSION_ENDS = 3.0
+_OF_LIMIT = (Reason.LIMIT_TOO_WIDE, Reason.BAD_VALUE)
 
 
 class Link:
@@ -96,26 +97,31 @@ class Link:
         Raises:
             LimitsError: They are wider than the device's own, or what it
                 echoes is not what it was told.
-            LinkError: No answer.
+            LinkError: No answer, or another host has it.
         """
         stages = self.hello.stages
         refuse_wider(limits, self.device_limits, stages)
         asked = shared_values(limits, stages)
+        ends = time.monotonic() + _SESSION_ENDS
         echo = self._Ask("LIMITS", asked, "LIMITS_ECHO").values
+        while echo.reason == Reason.REPLAYED and time.monotonic() < ends:
+            # A host was here before us: its numbers are ahead of ours, which
+            # half a turn mends, or its clock is, which takes until it is over.
+            self._sequence ^= 0x8000
+            time.sleep(_AGAIN)
+            echo = self._Ask("LIMITS", asked, "LIMITS_ECHO").values
+        if echo.reason not in (Reason.ACCEPTED, *_OF_LIMIT):
+            raise LinkError(
+                f"{self.path}: the device refuses the limits:"
+                f" {reason_text(echo.reason)}"
+            )
         if echo.reason != Reason.ACCEPTED:
             name = SHARED[min(echo.index, len(SHARED) - 1)].name
             raise LimitsError(
                 f"{self.path}: the device refuses the limits at {name}:"
                 f" {reason_text(echo.reason)}"
             )
-        held = shared_of(echo)
-        for name, told in asked.items():
-            if tuple(map(as_sent, each_value(told))) != each_value(held[name]):
-                raise LimitsError(
-                    f"{self.path}: limit {name} was told as"
-                    f" {format_value(told)}, the device holds"
-                    f" {format_value(held[name])}"
-                )
+        refuse_other(asked, shared_of(echo))
         self.session = echo.session
 
     def Arm(self) -> None:
@@ -208,10 +214,9 @@ class Link:
         return self._inbox.error
 
     def Close(self) -> None:
-        """Ends the reading and closes the port."""
+        """Ends the reading and closes the port; not from the reading thread."""
         self._closed.set()
-        if threading.current_thread() is not self._reader:
-            self._reader.join(1.0)
+        self._reader.join(1.0)
         self._port.close()
 
     def __enter__(self) -> Link:

@@ -23,9 +23,10 @@ from brace_drake.link.operation.rows import Row
 from brace_drake.link.operation.tally import Tally
 from brace_drake.link.protocol.codec import Packet
 from brace_drake.link.protocol.limits import Limits
+from brace_drake.link.protocol.sequence import steps_ahead
 from brace_drake.link.protocol.words import Cause, DeviceState, StateFlag
 
-# More missing ticks than this are not bridged: the supervisor has stopped.
+# Most ticks that are bridged: the supervisor has stopped before.
 _MOST_BRIDGED = 100
 # A released ring may have been pushed away. It is brought home in this time, s;
 # until shortly after, it may be far from its virtual pose.
@@ -52,11 +53,12 @@ class Session:
         self._memory = start_memory(self._setup)
         self._desired, self._legs = np.zeros((0, 3)), len(control.hold)
         self._at, self._home_at, self._moving = 0, 0, False
-        self._last_tick: int | None = None
+        # Of the last state: the device's count, and ours, which does not wrap.
+        self._last_tick = self._last_arrival = None
+        self._ticks = 0
         self._last_readings = np.zeros(0)
-        self._last_arrival: float | None = None
         self._tick_of: dict[int, int] = {}
-        self._told, self._now = False, 0.0
+        self._told, self._armed, self._now = False, False, 0.0
         self.rows: deque[Row] = deque()
         self.done, self.trip, self.tally = False, None, Tally()
         link.on_state = self._OnState
@@ -82,8 +84,8 @@ class Session:
         Raises:
             LimitsError, LinkError: As `Start` and `Finish`.
         """
-        self.Start(desired, settle)
         try:
+            self.Start(desired, settle)
             while not self.is_over:
                 time.sleep(_PAUSE)
                 self.CheckAlive()
@@ -91,7 +93,8 @@ class Session:
                     self.Stop(Cause.STOP_KEY)
                 take(self._TakeRows())
         except BaseException:
-            self.Stop(Cause.HOST_ERROR)
+            if self._moving:
+                self.Stop(Cause.HOST_ERROR)
             raise
         else:
             # Before the last rows: a full disk must not keep the ring pressed.
@@ -122,11 +125,15 @@ class Session:
         self._control.GoHome(round(home / period))
         self._home_at = self._at + round((home + _HOME_MARGIN) / period)
         self.done, self._moving = False, True
-        if self._last_arrival is None:
-            # A device that never sends a state must not be waited for forever.
-            self._last_arrival = time.perf_counter()
+        # A device that never sends a state must not be waited for forever.
+        self._last_arrival = self._last_arrival or time.perf_counter()
         if not self._dry:
-            self._link.Arm()
+            try:
+                self._link.Arm()
+            except LinkError:
+                self._moving = False
+                raise
+            self._armed = True
 
     def Stop(self, cause: Cause = Cause.STOP_KEY) -> None:
         """Stops at once; both sides latch."""
@@ -141,6 +148,7 @@ class Session:
         Raises:
             LinkError: The device does not answer, or has stopped meanwhile.
         """
+        self._armed = False
         try:
             if not self._dry and self.trip is None:
                 self._link.Disarm()
@@ -149,10 +157,7 @@ class Session:
             self._memory = safety.disarm(self._memory, self._now)
 
     def CheckAlive(self) -> None:
-        """Stops where no state has come for longer than `stale`.
-
-        To be called from another thread than the one that reads.
-        """
+        """Stops where no state has come for longer than `stale`."""
         if not self._moving or self._last_arrival is None:
             return
         age = time.perf_counter() - self._last_arrival
@@ -166,15 +171,14 @@ class Session:
     @property
     def is_over(self) -> bool:
         """Whether nothing more will be recorded."""
-        ended = self.trip is not None or self._link.error is not None
-        return self.done or ended
+        return self.done or self.trip is not None
 
     @property
     def stopped_by(self) -> str:
         """What stopped it in words, with those of an error of our own."""
         error = self._link.error
         told = error is None or isinstance(error, LinkError)
-        return str(self.trip or error) + ("" if told else f": {error}")
+        return str(self.trip) + ("" if told else f": {error}")
 
     def _Trip(self, trip: Trip) -> None:
         self._memory = safety.stop(self._memory, trip, self._now)
@@ -191,28 +195,27 @@ class Session:
     def _OnState(self, packet: Packet, lost: int) -> None:
         arrived, values = time.perf_counter(), packet.values
         readings = np.array([*values.leg_length, *values.force, *values.marker])
-        missing = 0
-        if self._last_tick is not None:
-            missing = max(0, values.tick - self._last_tick - 1)
+        last = values.tick - 1 if self._last_tick is None else self._last_tick
+        ahead = steps_ahead(values.tick, last, 32)
+        missing, self._ticks = max(0, ahead - 1), self._ticks + ahead
         # The device's ticks are the supervisor's time: a burst of messages is
         # no jump, and a lost one is a tick all the same.
-        self._now = values.tick * self._setup.period
+        self._now = self._ticks * self._setup.period
         if self._last_arrival is not None:
             self.tally.periods.Add(arrived - self._last_arrival)
         self._last_arrival = arrived
-        if not self._moving:
-            self._last_tick, self._last_readings = values.tick, readings
-            self._See(readings, missing, None)
-            return
-        armed = values.state == DeviceState.ARMED or self._dry
         stopped = values.state in (DeviceState.STOPPED, DeviceState.FAULT)
-        if stopped and not self._dry:
+        if not self._moving:
+            self._See(readings, missing, None)
+        elif stopped and not self._dry:
             self._told = True
             self._Trip(self._Told(values.cause))
-        elif armed:
+        elif values.state == DeviceState.ARMED or self._dry:
             self._memory = safety.arm(self._memory)
             self._Bridge(readings, min(missing, _MOST_BRIDGED))
             self._Control(arrived, values, readings, missing)
+        elif self._armed:
+            self._Trip(Trip(Cause.DISARMED))
         self._last_tick, self._last_readings = values.tick, readings
 
     def _Told(self, cause: int) -> Trip:
@@ -222,8 +225,7 @@ class Session:
         fault = self._link.fault
         if fault is None or fault.values.cause != cause:
             return Trip(Cause(cause))
-        told = fault.values
-        return Trip(Cause(cause), told.index, told.value, told.limit)
+        return Trip(Cause(cause), *fault.values[2:])
 
     def _See(self, readings, missing, command) -> None:
         """Shows the supervisor a tick's readings, and the command for it."""
@@ -266,9 +268,9 @@ class Session:
         age = 0
         if not self._dry:
             sent = self._link.Command(memory.command, values.tick)
-            self._tick_of[sent] = values.tick
+            self._tick_of[sent] = self._ticks
             answered = self._tick_of.get(values.command)
-            age = 1 if answered is None else values.tick - answered
+            age = 1 if answered is None else self._ticks - answered
             if len(self._tick_of) > 1000:
                 self._tick_of.pop(next(iter(self._tick_of)))
             if values.flags & StateFlag.NO_NEW_COMMAND and self.tally.ticks:
@@ -288,12 +290,11 @@ class Session:
         self.tally.ticks += 1
         self.tally.bridged += bridged
         if 0 <= self._at < len(self._desired):
-            row = Row(
+            self.rows.append(Row(
                 self._at, command.copy(), readings, self._Reference(),
                 control.y_virtual, control.y_ring, latency, age, bridged,
                 control.stiffness,
-            )  # fmt: skip
-            self.rows.append(row)
+            ))  # fmt: skip
         self._at += 1
         if self._at >= len(self._desired):
             self.done = True

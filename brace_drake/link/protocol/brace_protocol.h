@@ -36,6 +36,30 @@
 #define BRACE_ANSWER 0x17
 #define BRACE_FAULT 0x18
 
+/* What a device must refuse: limits below or above. */
+#define BRACE_LEG_FORCE_LEAST 1f
+#define BRACE_LEG_FORCE_MOST 200f
+#define BRACE_LEG_FORCE_RATE_LEAST 100f
+#define BRACE_LEG_FORCE_RATE_MOST 50000f
+#define BRACE_LEG_SHORTEST_LEAST 0.05f
+#define BRACE_LEG_SHORTEST_MOST 0.4f
+#define BRACE_LEG_LONGEST_LEAST 0.05f
+#define BRACE_LEG_LONGEST_MOST 0.4f
+#define BRACE_LEG_SPEED_LEAST 0.001f
+#define BRACE_LEG_SPEED_MOST 0.5f
+#define BRACE_PAD_FORCE_LEAST 1f
+#define BRACE_PAD_FORCE_MOST 200f
+#define BRACE_PAD_PRELOAD_LEAST 0.1f
+#define BRACE_PAD_PRELOAD_MOST 50f
+#define BRACE_TOTAL_FORCE_LEAST 1f
+#define BRACE_TOTAL_FORCE_MOST 500f
+#define BRACE_WATCHDOG_LEAST 0.005f
+#define BRACE_WATCHDOG_MOST 1f
+#define BRACE_RELEASE_TIME_LEAST 0.05f
+#define BRACE_RELEASE_TIME_MOST 2f
+#define BRACE_RELEASE_DAMPING_LEAST 1f
+#define BRACE_RELEASE_DAMPING_MOST 100f
+
 /* What feeds the watchdog, and what the session. */
 #define BRACE_FEEDS_WATCHDOG(t) ( \
   (t) == BRACE_COMMAND)
@@ -79,6 +103,7 @@ enum brace_cause_code {
   BRACE_CAUSE_NO_POSE = 18, /* no ring pose fits the leg lengths */
   BRACE_CAUSE_DISCONNECTED = 19, /* the port is gone */
   BRACE_CAUSE_HOST_ERROR = 20, /* the host's control law failed */
+  BRACE_CAUSE_DISARMED = 21, /* the device left ARMED, and its host had not asked for it */
 };
 
 enum brace_flag_code {
@@ -103,6 +128,7 @@ enum brace_reason_code {
   BRACE_REASON_LIMIT_TOO_WIDE = 5, /* a limit is wider than the device's own */
   BRACE_REASON_BAD_VALUE = 6, /* a value is no finite number, or makes no sense */
   BRACE_REASON_NOT_SUPPORTED = 7, /* the device cannot do that */
+  BRACE_REASON_REPLAYED = 8, /* not newer than what this session has accepted */
 };
 
 #pragma pack(push, 1)
@@ -197,7 +223,7 @@ struct brace_state {
   uint8_t state; /* see states */
   uint8_t cause; /* see causes */
   uint16_t flags; /* see flags */
-  uint32_t tick; /* counts control ticks */
+  uint32_t tick; /* counts control ticks, modulo 2^32 */
   uint16_t command; /* sequence of the command in use */
   uint16_t rejected; /* messages refused so far, modulo 2^16 */
   float leg_length[6 * BRACE_STAGES]; /* of each leg, m */

@@ -22,6 +22,7 @@ class Limit(NamedTuple):
         side: "most" or "least".
         shared: Whether the device is told.
         default: Of the bench.
+        least, most: Between which any value must lie, of a device too.
         meaning: In a few words.
         by_stage: Whether each stage may have a value of its own.
     """
@@ -31,49 +32,69 @@ class Limit(NamedTuple):
     side: str
     shared: bool
     default: float
+    least: float
+    most: float
     meaning: str
     by_stage: bool = False
 
+    def allows(self, value: Value) -> bool:
+        """Whether all numbers of a value may be a limit at all."""
+        # Four bytes of a message hold no more digits.
+        least, most = self.least * (1.0 - 1e-6), self.most * (1.0 + 1e-6)
+        return all(least <= v <= most for v in each_value(value))
 
-LIMITS = (
-    Limit("leg_force", "N", "most", True, 40.0, "command of a leg"),
-    Limit(
-        "leg_force_rate", "N/s", "most", True, 5000.0, "change of the command"
-    ),
-    Limit("leg_shortest", "m", "least", True, 0.116, "length of a leg", True),
-    Limit("leg_longest", "m", "most", True, 0.166, "length of a leg", True),
-    Limit("leg_speed", "m/s", "most", True, 0.1, "rate of a leg"),
-    Limit("pad_force", "N", "most", True, 50.0, "of the pad that presses more"),
-    Limit(
-        "pad_preload",
-        "N",
-        "least",
-        True,
-        6.4,
-        "on both pads at rest, as the pad's force is found with it",
-    ),
-    Limit("total_force", "N", "most", True, 80.0, "sum of |F| of all rings"),
-    Limit("watchdog", "s", "most", True, 0.05, "longest wait for a command"),
-    Limit("release_time", "s", "most", True, 0.5, "from a stop to no force"),
-    Limit("release_damping", "N s/m", "least", True, 20.0, "of a released leg"),
-    Limit("ring_position", "m", "most", False, 0.016, "displacement of a ring"),
-    Limit("ring_rotation", "rad", "most", False, 0.1, "rotation of a ring"),
-    Limit("tracking_position", "m", "most", False, 0.004, "from virtual pose"),
-    Limit("tracking_rotation", "rad", "most", False, 0.04, "from virtual pose"),
-    Limit("stiffness", "N/m", "most", False, 12000.0, "desired, translation"),
-    Limit("stiffness_rate", "N/m/s", "most", False, 20000.0, "its change"),
-    Limit("turn_stiffness", "N m/rad", "most", False, 200.0, "desired"),
-    Limit("turn_stiffness_rate", "N m/rad/s", "most", False, 400.0, "change"),
-    Limit("stale", "s", "most", False, 0.03, "age of the newest reading"),
-    Limit("lost_messages", "", "most", False, 20.0, "in a row"),
-    Limit("length_jump", "m", "most", False, 0.0005, "change within a tick"),
-    Limit("force_jump", "N", "most", False, 5.0, "change within a tick"),
-    Limit("disagreement", "N", "most", False, 15.0, "reading - legs' force"),
-    Limit("disagreement_time", "s", "most", False, 0.2, "how long at most"),
-    Limit(
-        "stuck_travel", "m", "most", False, 0.003, "of a stage, one leg still"
-    ),
-)
+
+# name, unit, side, shared, default, least, most, meaning, by stage
+# fmt: off
+LIMITS = tuple(Limit(*row) for row in (
+    ("leg_force", "N", "most", True, 40.0, 1.0, 200.0, "command of a leg"),
+    ("leg_force_rate", "N/s", "most", True, 5e3, 100.0, 50e3,
+     "change of the command"),
+    ("leg_shortest", "m", "least", True, 0.116, 0.05, 0.4,
+     "length of a leg", True),
+    ("leg_longest", "m", "most", True, 0.166, 0.05, 0.4,
+     "length of a leg", True),
+    ("leg_speed", "m/s", "most", True, 0.1, 1e-3, 0.5, "rate of a leg"),
+    ("pad_force", "N", "most", True, 50.0, 1.0, 200.0,
+     "of the pad that presses more"),
+    ("pad_preload", "N", "least", True, 6.4, 0.1, 50.0,
+     "on both pads at rest, as the pad's force is found with it"),
+    ("total_force", "N", "most", True, 80.0, 1.0, 500.0,
+     "sum of |F| of all rings"),
+    ("watchdog", "s", "most", True, 0.05, 5e-3, 1.0,
+     "longest wait for a command"),
+    ("release_time", "s", "most", True, 0.5, 0.05, 2.0,
+     "from a stop to no force"),
+    ("release_damping", "N s/m", "least", True, 20.0, 1.0, 100.0,
+     "of a released leg"),
+    ("ring_position", "m", "most", False, 0.016, 1e-4, 0.05,
+     "displacement of a ring"),
+    ("ring_rotation", "rad", "most", False, 0.1, 1e-3, 0.5,
+     "rotation of a ring"),
+    ("tracking_position", "m", "most", False, 0.004, 1e-4, 0.05,
+     "from virtual pose"),
+    ("tracking_rotation", "rad", "most", False, 0.04, 1e-3, 0.5,
+     "from virtual pose"),
+    ("stiffness", "N/m", "most", False, 12e3, 1.0, 100e3,
+     "desired, translation"),
+    ("stiffness_rate", "N/m/s", "most", False, 20e3, 1.0, 10e6, "its change"),
+    ("turn_stiffness", "N m/rad", "most", False, 200.0, 0.1, 2e3, "desired"),
+    ("turn_stiffness_rate", "N m/rad/s", "most", False, 400.0, 0.1, 100e3,
+     "change"),
+    ("stale", "s", "most", False, 0.03, 2e-3, 10.0,
+     "age of the newest reading"),
+    ("lost_messages", "", "most", False, 20.0, 1.0, 1000.0, "in a row"),
+    ("length_jump", "m", "most", False, 0.0005, 1e-5, 0.01,
+     "change within a tick"),
+    ("force_jump", "N", "most", False, 5.0, 0.1, 100.0, "change within a tick"),
+    ("disagreement", "N", "most", False, 15.0, 0.1, 200.0,
+     "reading - legs' force"),
+    ("disagreement_time", "s", "most", False, 0.2, 1e-3, 5.0,
+     "how long at most"),
+    ("stuck_travel", "m", "most", False, 0.003, 1e-4, 0.05,
+     "of a stage, one leg still"),
+))
+# fmt: on
 SHARED = tuple(limit for limit in LIMITS if limit.shared)
 
 # Where stages differ, the defaults of the brace's stages 1 to 3; of the bench,
@@ -170,6 +191,20 @@ def refuse_wider(
         f" wider than the device allows: at {limit.side}"
         f" {format_value(allowed[limit.name])}"
     )
+
+
+def refuse_other(told: dict[str, Value], held: dict[str, Value]) -> None:
+    """Refuses limits that a device does not hold bit for bit.
+
+    Raises:
+        LimitsError: Names the limit and both values.
+    """
+    for name, value in told.items():
+        if tuple(map(as_sent, each_value(value))) != each_value(held[name]):
+            raise LimitsError(
+                f"limit {name} was told as {format_value(value)}, the device"
+                f" holds {format_value(held[name])}"
+            )
 
 
 def format_value(value: Value) -> str:

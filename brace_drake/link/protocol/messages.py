@@ -177,7 +177,7 @@ class STATE:
     state = u8("see states")
     cause = u8("see causes")
     flags = u16("see flags")
-    tick = u32("counts control ticks")
+    tick = u32("counts control ticks, modulo 2^32")
     command = u16("sequence of the command in use")
     rejected = u16("messages refused so far, modulo 2^16")
     leg_length = f32("of each leg", "m", LEGS)

@@ -5,6 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
+def steps_ahead(number: int, other: int, bits: int = 16) -> int:
+    """How far a number that goes round at 2^bits is in front of another.
+
+    Half a turn at most; below 0 where it is behind.
+    """
+    half = 1 << bits - 1
+    return (number - other + half) % (2 * half) - half
+
+
 class Counts(NamedTuple):
     """What has come in so far.
 
@@ -64,12 +73,12 @@ class SequenceWatch:
         if last is None or begins:
             self._last = sequence
             return 0
-        ahead = (sequence - last) & 0xFFFF
+        ahead = steps_ahead(sequence, last)
         after_leap, self._after_leap = self._after_leap, None
-        if _LEAP < ahead < 0x8000 and sequence != after_leap:
+        if ahead > _LEAP and sequence != after_leap:
             self._after_leap = (sequence + 1) & 0xFFFF
             return None
-        if 0 < ahead < 0x8000:
+        if ahead > 0:
             self._last = sequence
             self.lost += ahead - 1
             return ahead - 1

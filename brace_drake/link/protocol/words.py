@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum, IntFlag
+from typing import NamedTuple
 
 
 class Word(IntEnum):
@@ -36,6 +37,47 @@ class DeviceState(Word):
     FAULT = 5, "e-stop or drive fault; drives without power"
 
 
+class Transition(NamedTuple):
+    """A way from some states to another: on a message, or within a tick."""
+
+    before: tuple[DeviceState, ...]
+    after: DeviceState
+    on: str
+    when: str = "accepted"
+
+
+_BOOT, _HELLO, _DISARMED, _ARMED, _STOPPED, _FAULT = DeviceState
+TICK = "TICK"
+# No device goes any other way.
+TRANSITIONS = (
+    Transition((_BOOT,), _HELLO, TICK, "self-test passed"),
+    Transition((_BOOT,), _FAULT, TICK, "self-test failed"),
+    Transition((_HELLO,), _DISARMED, "LIMITS"),
+    Transition((_DISARMED,), _HELLO, TICK, "session ran out"),
+    Transition(
+        (_DISARMED,), _ARMED, "ARM", "sealed, newer, readings within limits"
+    ),
+    Transition((_ARMED,), _DISARMED, "DISARM"),
+    Transition((_ARMED,), _STOPPED, TICK, "watchdog, a limit passed"),
+    Transition(
+        (_ARMED,), _STOPPED, "COMMAND", "sealed, newer, no finite number"
+    ),
+    Transition((_HELLO, _DISARMED, _ARMED), _STOPPED, "STOP"),
+    Transition(
+        (_STOPPED, _FAULT),
+        _DISARMED,
+        "CLEAR",
+        "sealed, newer, of the latched cause, which is gone",
+    ),
+    Transition(
+        (_HELLO, _DISARMED, _ARMED, _STOPPED),
+        _FAULT,
+        TICK,
+        "e-stop, drive fault",
+    ),
+)
+
+
 class Cause(Word):
     """Why a stop was made; it stays until it is cleared."""
 
@@ -60,6 +102,7 @@ class Cause(Word):
     NO_POSE = 18, "no ring pose fits the leg lengths"
     DISCONNECTED = 19, "the port is gone"
     HOST_ERROR = 20, "the host's control law failed"
+    DISARMED = 21, "the device left ARMED, and its host had not asked for it"
 
 
 class StateFlag(IntFlag):
@@ -97,6 +140,7 @@ class Reason(Word):
     LIMIT_TOO_WIDE = 5, "a limit is wider than the device's own"
     BAD_VALUE = 6, "a value is no finite number, or makes no sense"
     NOT_SUPPORTED = 7, "the device cannot do that"
+    REPLAYED = 8, "not newer than what this session has accepted"
 
 
 def cause_name(number: int) -> str:
