@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -18,6 +18,7 @@ from brace_drake.devices.motions.reference import (
     MakeBraceReference,
     reference_columns,
 )
+from brace_drake.effects.stack import Use
 from brace_drake.laws import stages
 from brace_drake.link.protocol.limits import Limits
 from brace_drake.model.brace_plant import AddGeometry
@@ -71,6 +72,7 @@ def SimulateBrace(
     log_pads: bool = False,
     limits: Limits | None = None,
     watch: AtEnd | None = None,
+    uses: Sequence[Use] = (),
 ) -> BraceLog:
     """Runs a scenario's brace, with its controller, over a reference.
 
@@ -80,7 +82,7 @@ def SimulateBrace(
         noise_seed: Of the instruments' noise; None: exact readings.
         on_progress, at_end, watch: See `SimulateStation`.
         add_geometry: See `AddBracePlant`, as `torso.contact` makes it.
-        log_pads, limits: See `MakeBraceStation`.
+        log_pads, limits, uses: See `MakeBraceStation`.
 
     Raises:
         BraceError: The reference is of other rings, the run broke down, or a
@@ -88,8 +90,7 @@ def SimulateBrace(
     """
     torso = replace(scenario.torso, present=run.contact)
     scenario = replace(scenario, torso=torso)
-    rings = pack_rings(scenario)
-    n = rings.num_rings
+    rings, n = pack_rings(scenario), len(scenario.stages)
     desired = MakeBraceReference(run, scenario.stages, rings.start)
     end, rate = desired.end_time(), scenario.control.rate
     station = MakeControlledBrace(
@@ -99,6 +100,7 @@ def SimulateBrace(
         add_geometry=add_geometry if run.contact else None,
         log_pads=log_pads,
         limits=limits,
+        uses=uses,
     )
     logged, state = SimulateStation(station, end, at_end, on_progress, watch)
     if not (np.isfinite(logged).all() and np.isfinite(state).all()):

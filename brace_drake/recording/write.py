@@ -17,6 +17,7 @@ from brace_drake.recording.recording import Campaign, Run
 
 # Decimals per unit: finer than any sensor of the bench resolves.
 DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
+LABEL = "label.yaml"
 _OTHER_UNITS = "%.9g"
 
 
@@ -33,7 +34,9 @@ def check_new_folder(path: Path) -> None:
         raise OutputError(f"{path}: cannot be written: {e.strerror}") from e
 
 
-def WriteCampaign(campaign: Campaign, path: str | Path) -> None:
+def WriteCampaign(
+    campaign: Campaign, path: str | Path, label: dict | None = None
+) -> None:
     """Writes campaign.yaml and one CSV file per run.
 
     The folder appears under its name only when it is complete.
@@ -41,6 +44,8 @@ def WriteCampaign(campaign: Campaign, path: str | Path) -> None:
     Args:
         campaign: What to write; its own `path` is not used.
         path: The folder to make; it may exist if it is empty.
+        label: What the recorded machine was made with, for label.yaml, which
+            no diagnosis reads; None: it is not known.
 
     Raises:
         OutputError: The folder exists and is not empty, a run's file would
@@ -55,6 +60,9 @@ def WriteCampaign(campaign: Campaign, path: str | Path) -> None:
     try:
         draft.mkdir(parents=True)
         _WriteFiles(campaign, draft)
+        if label is not None:
+            text = yaml.safe_dump(label, sort_keys=False)
+            (draft / LABEL).write_text(text, encoding="utf-8")
         os.replace(draft, path)
     except OSError as e:
         raise OutputError(f"{path}: cannot be written: {e.strerror}") from e

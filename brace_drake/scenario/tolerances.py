@@ -47,7 +47,7 @@ class Tolerances(_Origin):
     force_scale: float = number(0.006, least=0.0)  # of the force reading
     force_bias: float = number(0.02, "N", least=0.0)  # of the force along y
     # Of all drives: so late or not at all.
-    command_delay: float = number(0.001, "s", least=0.0)
+    command_delay: float = number(0.001, "s", least=0.0, most=0.05)
 
     def __post_init__(self):
         self.is_stated = True

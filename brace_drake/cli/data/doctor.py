@@ -1,4 +1,4 @@
-"""The command `brace-drake doctor`: what is missing on this machine."""
+"""The command `brace-drake doctor`: what is missing, what is assumed."""
 
 from __future__ import annotations
 
@@ -25,6 +25,10 @@ _EPILOG = """\
 example:
   brace-drake doctor
   brace-drake doctor --json
+  brace-drake doctor diagrams/bench.scenario.yaml
+
+Of a scenario, or of a campaign's device, it also tells how exactly each number
+is known, and whether that is stated or assumed.
 
 Ends with status 2 when something is missing that is needed, and with 0 when
 only optional things are.
@@ -62,12 +66,21 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         description="Looks at Python, packages, programs, ports and folders.",
         epilog=_EPILOG,
     )
+    parser.add_argument(
+        "of",
+        nargs="?",
+        metavar="SCENARIO|CAMPAIGN",
+        help="tell its tolerances too: a scenario's file, or a campaign's"
+        " folder, whose device has the package's own",
+    )
     AddJson(parser)
 
 
 def Run(args: argparse.Namespace) -> int:
     """Prints a line for each thing; 2 when one that is needed is missing."""
     found = examine_machine()
+    if args.of is not None:
+        found += examine_tolerances(args.of)
     if args.json:
         PrintJson({f.what: {"status": f.status, "text": f.text} for f in found})
     else:
@@ -92,6 +105,38 @@ def examine_machine() -> list[Finding]:
         _memory(),
         _amount("disk", shutil.disk_usage(".").free, _LEAST_DISK),
     ]
+
+
+def examine_tolerances(path: str) -> list[Finding]:
+    """How exactly the numbers of a scenario, or of a campaign's, are known.
+
+    Raises:
+        BraceError: Neither is there.
+    """
+    from dataclasses import fields
+
+    from brace_drake.recording import LoadCampaign
+    from brace_drake.scenario.load import SCHEMAS, LoadScenario
+
+    if Path(path).is_dir():
+        device = LoadCampaign(path).device
+        scenario, place = SCHEMAS[device](), f"the package's {device}"
+    else:
+        scenario, place = LoadScenario(path), path
+    own = getattr(scenario, "tolerances", None)
+    if own is None:
+        text = f"none: the numbers of a {scenario.device} are fitted"
+        return [Finding("tolerances", _OK, text)]
+    if own.is_stated:
+        found = [Finding("tolerances", _OK, f"stated in {place}")]
+    else:
+        text = f"assumed, as {place} states none"
+        found = [Finding("tolerances", _OPTIONAL, text)]
+    for f in fields(own):
+        value, unit = getattr(own, f.name), f.metadata["limits"].unit
+        text = f"{value:g} {unit}".rstrip() if value > 0.0 else "exact"
+        found.append(Finding(f"tolerances.{f.name}", _OK, text))
+    return found
 
 
 def _python(allowed: str) -> Finding:

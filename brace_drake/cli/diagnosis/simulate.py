@@ -19,6 +19,7 @@ from brace_drake.cli.options import (
     AddNoiseSeed,
     MakeBar,
     load_motion,
+    not_negative,
 )
 from brace_drake.core.errors import ScenarioError
 
@@ -28,6 +29,8 @@ example:
       --motion results/monday/next_run.csv --out simulated/monday
   brace-drake simulate diagrams/bench.scenario.yaml --motion push \\
       --out simulated/push --html simulated/push.html
+  brace-drake simulate diagrams/bench.scenario.yaml --motion push \\
+      --tolerances 7 --noise-seed 7 --out simulated/real
 
 The motion is a file with the columns time_s, ring2_y_desired_m,
 ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library;
@@ -35,6 +38,7 @@ rings 1 and 3 of a brace may have such columns too, and stay where they start
 without. Where a file's name begins with "free", or its column `contact` is 0,
 the torso is absent. What is written is a campaign with that one run,
 of the stages that the scenario picks; stage 2 alone records as the bench does.
+With --tolerances the folder also has label.yaml: what the machine is made with.
 """
 
 
@@ -69,6 +73,13 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="hold these limits as on a device, such as diagrams/limits.yaml:"
         " what breaks them releases the rings (default: no supervisor)",
     )
+    parser.add_argument(
+        "--tolerances",
+        type=not_negative,
+        metavar="SEED",
+        help="draw how far each number of the machine is off within its"
+        " tolerance; the controller keeps the scenario's (default: exact)",
+    )
     AddNoiseSeed(parser)
     AddPlaybackOptions(parser)
 
@@ -85,18 +96,26 @@ def Run(args: argparse.Namespace) -> int:
             f"{args.scenario}: simulated is {names}, this is a"
             f" {scenario.device!r}"
         )
+    from brace_drake.devices.bench.drawn import describe_draws
     from brace_drake.recording import Campaign, WriteCampaign
     from brace_drake.recording.write import check_new_folder
 
     out, ended = Path(args.out), []
     check_new_folder(out)
+    drawn = _draw(scenario, args)
     recorded, device, stages, live = _record(
-        scenario, args, lambda *end: ended.append(end)
+        scenario, args, drawn, lambda *end: ended.append(end)
     )
     rate = 1.0 / scenario.sensors.log_period
     subject = f"twin of {Path(args.scenario).name}"
+    label = None
+    if drawn is not None:
+        label = describe_draws(scenario, drawn)
+        _tell_draws(scenario, args, drawn)
     WriteCampaign(
-        Campaign(out, device, rate, subject, (recorded,), stages=stages), out
+        Campaign(out, device, rate, subject, (recorded,), stages=stages),
+        out,
+        label,
     )
     _warn_of_errors(out)
     seconds = recorded.time_s[-1]
@@ -108,6 +127,30 @@ def Run(args: argparse.Namespace) -> int:
         title = f"{subject}, {recorded.file}"
         PlayStates(args, scenario, states, title, _torso_mesh(args), live)
     return 0
+
+
+def _draw(scenario, args) -> dict[str, float] | None:
+    """Of --tolerances: by how much each number is off; None without."""
+    from brace_drake.devices.bench.drawn import draw_tolerances
+
+    if args.tolerances is None:
+        return None
+    return draw_tolerances(scenario, args.tolerances, args.scenario)
+
+
+def _tell_draws(scenario, args, drawn: dict[str, float]) -> None:
+    """Prints each draw beside its tolerance; of the anchors the largest."""
+    from brace_drake.devices.bench.tolerances import KEYS
+
+    own = scenario.tolerances
+    rows = {n: (drawn[n], getattr(own, key)) for n, key in KEYS.items()}
+    largest = max((drawn[n] for n in drawn if n not in KEYS), key=abs)
+    rows["largest_of_anchors_m"] = largest, own.anchor
+    origin = "stated" if own.is_stated else "assumed"
+    print(f"tolerances: {origin}, drawn with seed {args.tolerances}")
+    print(f"  {'':20}  {'off by':>10}  one standard deviation")
+    for name, (off, size) in rows.items():
+        print(f"  {name:20}  {off:+10.3g}  {size:g}")
 
 
 def _warn_of_errors(out: Path) -> None:
@@ -160,7 +203,8 @@ def _torso_mesh(args) -> Path | None:
     return Path(args.torso) / SURFACE if args.torso else None
 
 
-def _record(scenario, args, at_end):
+def _record(scenario, args, drawn, at_end):
+    from brace_drake.devices.bench.drawn import uses_of_draws
     from brace_drake.model.simulate import (
         RecordBrace,
         recorded_device,
@@ -181,12 +225,14 @@ def _record(scenario, args, at_end):
 
         add_geometry = MakeTorsoGeometry(LoadTorso(args.torso))
     options, live = _options(scenario, args, run, at_end)
+    uses = uses_of_draws(scenario, drawn or {}, args.scenario)
     with MakeBar(run) as on_progress:
         recorded = RecordBrace(
             scenario,
             run,
             on_progress=on_progress,
             add_geometry=add_geometry,
+            uses=uses,
             **options,
         )
     device, stages = recorded_device(scenario), recorded_stages(scenario)
