@@ -24,8 +24,8 @@ _ACCEPTS_LIMITS = (
     DeviceState.DISARMED,
     DeviceState.STOPPED,
 )
-# What ends a motion is always obeyed, and nothing sent before it any more.
-_MARKS = ("LIMITS", "COMMAND", "ARM", "CLEAR", "DISARM", "STOP")
+# Once one has come, nothing of these that was sent before it counts any more.
+_ORDERED = ("LIMITS", "COMMAND", "ARM", "CLEAR", "DISARM", "STOP")
 # A sequence goes round: of messages that are so far apart only the sender's
 # clock tells which is newer, us.
 _SOON = 10_000_000
@@ -43,22 +43,33 @@ class Firmware(DeviceTicks):
         if take is None or message.sender == "device":
             self.rejected += 1
             return []
+        self._fits = self._judge_order(packet)
         answers, reason = take(packet, now)
         if reason != Reason.ACCEPTED:
             self.rejected += 1
         elif message.feeds != "nothing" and self.session:
             self._heard = now
-            if packet.name in _MARKS and self._is_fresh(packet):
-                self._mark = packet.sequence, packet.time_us
         pending, self._pending = self._pending, []
         return pending + answers
 
-    def _is_fresh(self, packet: Packet) -> bool:
-        """Whether a message is newer than all that its session has accepted."""
+    def _judge_order(self, packet: Packet) -> Reason:
+        """Whether a message is of this session, and newer than what has come.
+
+        It is remembered even where it is refused: else it would do later, sent
+        again, what it was refused to do now.
+        """
+        if packet.name not in _ORDERED:
+            return Reason.ACCEPTED
+        session = 0 if packet.name == "LIMITS" else self.session
+        if packet.sealed_bytes and not seal_fits(packet, session):
+            return Reason.WRONG_SESSION
         sequence, time_us = self._mark
         later = packet.time_us - time_us
         ahead = steps_ahead(packet.sequence, sequence)
-        return later > _SOON or (later >= 0 and ahead > 0)
+        if self.session and later <= _SOON and (later < 0 or ahead <= 0):
+            return Reason.REPLAYED
+        self._mark = packet.sequence, packet.time_us
+        return Reason.ACCEPTED
 
     def _on_hello_request(self, packet: Packet, now: float):
         own = self.identity
@@ -80,7 +91,6 @@ class Firmware(DeviceTicks):
         if reason == Reason.ACCEPTED:
             self.limits = self.limits._replace(**values)
             self.session = self._new_session()
-            self._mark = packet.sequence, packet.time_us
             if self.state == DeviceState.HELLO:
                 self.state = DeviceState.DISARMED
         session = self.session if reason == Reason.ACCEPTED else 0
@@ -89,12 +99,10 @@ class Firmware(DeviceTicks):
         return [("LIMITS_ECHO", echo)], reason
 
     def _judge_limits(self, packet, values) -> tuple[Reason, int]:
-        if not seal_fits(packet, 0):
-            return Reason.WRONG_SESSION, 0
         if self.state not in _ACCEPTS_LIMITS:
             return Reason.WRONG_STATE, 0
-        if self.session and not self._is_fresh(packet):
-            return Reason.REPLAYED, 0
+        if self._fits != Reason.ACCEPTED:
+            return self._fits, 0
         for i, limit in enumerate(SHARED):
             if not limit.allows(values[limit.name]):
                 return Reason.BAD_VALUE, i
@@ -130,8 +138,8 @@ class Firmware(DeviceTicks):
     def _judge_command(self, packet: Packet) -> Reason:
         if self.state != DeviceState.ARMED:
             return Reason.WRONG_STATE
-        if not seal_fits(packet, self.session):
-            return Reason.WRONG_SESSION
+        if self._fits != Reason.ACCEPTED:
+            return self._fits
         mode, lengths = packet.values.mode, self.identity.takes_lengths
         if mode != Mode.FORCE and not (lengths and mode == Mode.LENGTH):
             return Reason.NOT_SUPPORTED
@@ -140,8 +148,6 @@ class Firmware(DeviceTicks):
         age = steps_ahead(self.tick_count, packet.values.tick, 32)
         if not 0 <= age <= self.limits.watchdog / self._period:
             return Reason.BAD_VALUE
-        if not self._is_fresh(packet):
-            return Reason.REPLAYED
         return Reason.ACCEPTED
 
     def _on_heartbeat(self, packet: Packet, now: float):
@@ -151,10 +157,8 @@ class Firmware(DeviceTicks):
         reason = Reason.ACCEPTED
         if self.state != DeviceState.DISARMED or not self.session:
             reason = Reason.WRONG_STATE
-        elif not seal_fits(packet, self.session):
-            reason = Reason.WRONG_SESSION
-        elif not self._is_fresh(packet):
-            reason = Reason.REPLAYED
+        elif self._fits != Reason.ACCEPTED:
+            reason = self._fits
         elif self._measured is None or self._present() is not None:
             reason = Reason.CAUSE_PRESENT
         if reason == Reason.ACCEPTED:
@@ -181,10 +185,8 @@ class Firmware(DeviceTicks):
         reason = Reason.ACCEPTED
         if self.state not in (DeviceState.STOPPED, DeviceState.FAULT):
             reason = Reason.WRONG_STATE
-        elif not self.session or not seal_fits(packet, self.session):
-            reason = Reason.WRONG_SESSION
-        elif not self._is_fresh(packet):
-            reason = Reason.REPLAYED
+        elif not self.session or self._fits != Reason.ACCEPTED:
+            reason = self._fits if self.session else Reason.WRONG_SESSION
         elif packet.values.cause != self.trip.cause:
             reason = Reason.BAD_VALUE
         elif self._measured is None or self._measured.estop:

@@ -19,7 +19,13 @@ from brace_drake.link.device.length_servo import (
 from brace_drake.link.device.limits_file import check_limits
 from brace_drake.link.device.release import limit_command, release_command
 from brace_drake.link.protocol.limits import Limits, shared_values
-from brace_drake.link.protocol.words import Cause, DeviceState, Mode, StateFlag
+from brace_drake.link.protocol.words import (
+    Cause,
+    DeviceState,
+    Mode,
+    Reason,
+    StateFlag,
+)
 
 # Without any accepted message for so long, a session ends, s.
 SESSION = 2.0
@@ -90,7 +96,7 @@ class DeviceTicks:
         self._mode: Mode | None = None
         self._servo: ServoMemory | None = None
         self._sequence = 0
-        self._mark = 0, 0
+        self._mark, self._fits = (0, 0), Reason.ACCEPTED
         self._is_new = self._clamped = False
         self._measured: Measured | None = None
         self._speed = (0.0,) * len(self.hold)
@@ -204,7 +210,7 @@ class DeviceTicks:
     def leg_force(self, now: float) -> tuple[float, ...]:
         """What the drives get until the next tick (n,), N."""
         if self.state == DeviceState.FAULT:
-            self._start = self.hold
+            self._start = self._command = self.hold
             return (0.0,) * len(self.hold)
         if self.state == DeviceState.ARMED:
             wanted, is_cut = self._wanted()

@@ -128,7 +128,7 @@ enum brace_reason_code {
   BRACE_REASON_LIMIT_TOO_WIDE = 5, /* a limit is wider than the device's own */
   BRACE_REASON_BAD_VALUE = 6, /* a value is no finite number, or makes no sense */
   BRACE_REASON_NOT_SUPPORTED = 7, /* the device cannot do that */
-  BRACE_REASON_REPLAYED = 8, /* not newer than what this session has accepted */
+  BRACE_REASON_REPLAYED = 8, /* not newer than what has come in this session */
 };
 
 #pragma pack(push, 1)

@@ -140,7 +140,7 @@ class Reason(Word):
     LIMIT_TOO_WIDE = 5, "a limit is wider than the device's own"
     BAD_VALUE = 6, "a value is no finite number, or makes no sense"
     NOT_SUPPORTED = 7, "the device cannot do that"
-    REPLAYED = 8, "not newer than what this session has accepted"
+    REPLAYED = 8, "not newer than what has come in this session"
 
 
 def cause_name(number: int) -> str:
