@@ -267,7 +267,7 @@ class TestTable(CheckTest):
 
     def test_a_single_row_is_an_error(self):
         self.put_lines(self.lines()[:2])
-        self.assert_problem("only one data row")
+        self.assert_problem("1 data row;", "10 or more")
 
     def test_a_file_without_header_is_an_error(self):
         self.put_lines(self.lines()[1:])

@@ -123,7 +123,7 @@ class TestImport(unittest.TestCase):
         (self.folder / "one.csv").write_text("Time,Travel,Load\n1,2,3\n")
         (self.folder / "bad.mat").write_text("no")
         for file, more, text, words in (
-            ("none.csv", "", MAP, "none.csv: no such file"),
+            ("none.csv", "", MAP, "none.csv: cannot be read: No such file"),
             ("a.xlsx", "", MAP, "known are"),
             ("short.csv", "", MAP, "row 1 has 2 fields"),
             ("one.csv", "", MAP, "one.csv: it has 1 samples"),

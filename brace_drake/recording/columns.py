@@ -57,13 +57,14 @@ def split_unit(name: str) -> tuple[str, str]:
     return name, ""
 
 
-def near_miss(name: str, header: Iterable[str]) -> str | None:
-    """The column of `header` that holds `name` in another unit or case."""
-    quantity = split_unit(name)[0].lower()
+def near_misses(
+    names: Iterable[str], header: Iterable[str]
+) -> dict[str, str | None]:
+    """The column of `header` that holds each name in another unit or case."""
+    quantities: dict[str, str] = {}
     for candidate in header:
-        if split_unit(candidate)[0].lower() == quantity:
-            return candidate
-    return None
+        quantities.setdefault(split_unit(candidate)[0].lower(), candidate)
+    return {n: quantities.get(split_unit(n)[0].lower()) for n in names}
 
 
 # A run lasts minutes: larger values are clock time, or milliseconds.

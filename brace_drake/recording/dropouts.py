@@ -28,13 +28,19 @@ def can_fill(missing: np.ndarray) -> bool:
 def lost_rows(time: np.ndarray) -> np.ndarray:
     """Marks of the samples that have no row, among all of them (M,), bool.
 
+    All are marked, as no line could stand in, where more than half were lost.
+
     Args:
         time: Rising sample times (N,), s.
     """
     steps = np.diff(time)
     if len(steps) == 0 or np.any(steps <= 0.0):
         return np.zeros(len(time), dtype=bool)
-    counts = np.maximum(1, np.round(steps / np.median(steps))).astype(int)
+    with np.errstate(over="ignore"):
+        counts = np.maximum(1, np.round(steps / np.median(steps)))
+        if not counts.sum() < 2 * len(time):
+            return np.ones(len(time), dtype=bool)
+    counts = counts.astype(int)
     missing = np.ones(counts.sum() + 1, dtype=bool)
     missing[np.concatenate([[0], np.cumsum(counts)])] = False
     return missing

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brace_drake.core.errors import one_line
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -32,7 +34,7 @@ class Problem:
             place += f", row {self.row} (line {self.row + 1})"
         if self.column is not None:
             place += f", column {self.column}"
-        return f"{self.severity}: {place}: {self.message}"
+        return one_line(f"{self.severity}: {place}: {self.message}")
 
 
 def counted(number: int, noun: str) -> str:

@@ -11,9 +11,11 @@ from brace_drake.recording.columns import (
     PAD_BENCH,
 )
 from brace_drake.recording.findings import Problem, error, warning
+from brace_drake.recording.samples import LEAST_STEP_S
 from brace_drake.recording.table import Columns
 
 _LEAST_ROWS = 50
+_ABSURD = 1e9
 _WINDOW_S = 0.05
 _ABOVE_NOISE = 3.0
 # The wrong sign is reported when it explains most of the force and the right
@@ -43,12 +45,13 @@ def check_forces(
         contact: Whether the torso is there.
         file: The recording's name.
     """
-    whole = np.all([np.isfinite(values) for values in columns.values()], axis=0)
+    # Written so that NaN fails.
+    whole = np.all([np.abs(v) < _ABSURD for v in columns.values()], axis=0)
     if np.count_nonzero(whole) < _LEAST_ROWS:
         return []
     columns = {name: values[whole] for name, values in columns.items()}
     period = float(np.median(np.diff(columns["time_s"])))
-    if period <= 0.0:
+    if period < LEAST_STEP_S:
         return []
     rate_hz = 1.0 / period
     if device == LEG_BENCH:

@@ -20,10 +20,10 @@ from brace_drake.recording.columns import (
     LEG_BENCH,
     Channel,
     device_channels,
-    near_miss,
+    near_misses,
 )
 from brace_drake.recording.dropouts import fill_dropouts, lost_rows
-from brace_drake.recording.findings import Problem, error, warning
+from brace_drake.recording.findings import Problem, counted, error, warning
 from brace_drake.recording.forces import check_forces
 from brace_drake.recording.manifest import (
     MANIFEST,
@@ -32,6 +32,9 @@ from brace_drake.recording.manifest import (
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.samples import Limits, check_channel, check_time
 from brace_drake.recording.table import Columns, parse_table
+
+# Less shows no motion, and cannot be fitted.
+LEAST_ROWS = 10
 
 
 def LoadCampaign(path: str | Path) -> Campaign:
@@ -168,11 +171,10 @@ def _read_run(
         problems += _describe_missing(
             missing, columns, channels, campaign, file
         )
-    if len(next(iter(columns.values()))) < 2:
-        return columns, [
-            *problems,
-            error(file, "only one data row, no motion to see"),
-        ]
+    rows = len(next(iter(columns.values())))
+    if rows < LEAST_ROWS:
+        message = f"{counted(rows, 'data row')}; allowed: {LEAST_ROWS} or more"
+        return columns, [*problems, error(file, message)]
     if "time_s" in columns:
         problems += check_time(columns["time_s"], campaign.rate_hz, file)
     there = {n: columns[n] for n in channels if n in columns}
@@ -195,7 +197,7 @@ def _describe_missing(
     """One problem per missing column, or one for all of a wrong device."""
     wanted = sum(not channel.is_optional for channel in channels.values())
     extra = [name for name in columns if name not in channels]
-    hints = {name: near_miss(name, extra) for name in missing}
+    hints = near_misses(missing, extra)
     if len(missing) > wanted / 2 and not any(hints.values()):
         message = (
             f"{len(missing)} missing columns, is this a {campaign.device}"

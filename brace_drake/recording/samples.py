@@ -13,7 +13,9 @@ from brace_drake.recording.table import Columns
 
 _RATE_TOLERANCE = 0.02
 _GAP_PERIODS = 1.5
+LEAST_STEP_S = 1e-7
 _FLAT_SAMPLES = 5
+_LATEST_S = 1e9
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,16 @@ def check_time(time: np.ndarray, rate_hz: float, file: str) -> list[Problem]:
         file: The recording.
     """
     problems = []
+    # Told with the channel's range: no order can be seen there.
+    if not np.all(np.abs(time[np.isfinite(time)]) < _LATEST_S):
+        return problems
+    time = np.where(np.isfinite(time), time, np.nan)
     steps = np.diff(time, prepend=np.nan)
+    tiny = (steps > 0) & (steps < LEAST_STEP_S)
+    if tiny.any():
+        step = steps[int(np.argmax(tiny))]
+        message = f"a step of {step:g} s; allowed: {LEAST_STEP_S:g} s or more"
+        return [at_rows(file, "time_s", tiny, message)]
     if np.any(steps <= 0):
         message = "time does not increase here"
         problems.append(at_rows(file, "time_s", steps <= 0, message))

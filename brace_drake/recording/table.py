@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection
 
 import numpy as np
 
-from brace_drake.core.errors import quoted
+from brace_drake.core.errors import ReadError, quoted
+from brace_drake.core.reading import decode
+from brace_drake.core.reading.rows import (
+    NUMBER,
+    WORD,
+    Rows,
+    is_number,
+    read_rows,
+)
 from brace_drake.recording.dropouts import can_fill
 from brace_drake.recording.findings import (
     Problem,
@@ -16,6 +25,8 @@ from brace_drake.recording.findings import (
 )
 
 Columns = dict[str, np.ndarray]
+# Of remarks in columns that nobody has declared.
+_MOST_TEXTS, _LONGEST = 2_000_000, 200
 
 
 def parse_table(
@@ -27,7 +38,7 @@ def parse_table(
         data: The file's content.
         file: Its name, for the problems.
         known: Columns that must hold finite numbers. Others may hold
-            anything and become arrays of text where they are not numbers.
+            anything; those with words become arrays of text.
 
     Returns:
         The columns, each of shape (N,), empty when the file cannot be
@@ -35,8 +46,8 @@ def parse_table(
         that is no number read NaN, so that row numbers stay true.
     """
     try:
-        text = decode(data)
-    except ValueError as e:
+        text = _decode(data)
+    except ReadError as e:
         return {}, [error(file, str(e))]
     if not text.strip():
         return {}, [error(file, "the file is empty")]
@@ -52,7 +63,12 @@ def parse_table(
     is_cut = not text.endswith("\n") and _is_cut(lines)
     values = None if is_cut else _parse_numbers(lines[1:], len(header))
     if values is None:
-        columns, found = _parse_fields(lines[1:], header, file, known, is_cut)
+        try:
+            rows = read_rows((s.split(",") for s in lines[1:]), len(header))
+        except ReadError as e:
+            return {}, [*problems, error(file, str(e))]
+        columns, found = _parse_fields(rows, header, file, known, is_cut)
+        columns |= _take_texts(lines[1:], rows, header, known)
         return columns, problems + found
     columns = dict(zip(header, values, strict=True))
     for name in columns:
@@ -61,43 +77,30 @@ def parse_table(
     return columns, problems
 
 
-def decode(data: bytes) -> str:
+def _decode(data: bytes) -> str:
     """Text with plain line ends.
 
     Raises:
-        ValueError: It is no text; the message says why.
+        ReadError: It is no text; the message says why.
     """
     if b"\0" in data:
-        raise ValueError("not a text file (it holds null bytes)")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as e:
-        row = data[: e.start].count(b"\n")
-        raise ValueError(f"not UTF-8 text (line {row + 1})") from e
-    return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def _is_number(field: str) -> bool:
-    try:
-        float(field)
-    except ValueError:
-        return False
-    return "_" not in field
+        raise ReadError("not a text file (it holds null bytes)")
+    return decode(data).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _check_header(header: list[str], file: str) -> list[Problem]:
     """Problems of the header; those without a column are fatal."""
     if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
         return [error(file, "the fields must be separated by commas")]
-    if all(map(_is_number, header)):
+    if all(map(is_number, header)):
         return [error(file, "no header line: the first line holds numbers")]
     if "" in header:
         place = header.index("") + 1
         return [error(file, f"the header's column {place} has no name")]
     return [
-        error(file, f"the header names it {header.count(name)} times", name)
-        for name in dict.fromkeys(header)
-        if header.count(name) > 1
+        error(file, f"the header names it {count} times", name)
+        for name, count in Counter(header).items()
+        if count > 1
     ]
 
 
@@ -112,7 +115,7 @@ def _is_cut(lines: list[str]) -> bool:
     if lines[-1].count(",") < lines[-2].count(","):
         return True
     fields = [line.rsplit(",", 1)[-1].strip() for line in lines[-21:]]
-    if not _is_number(fields[-1]):
+    if not is_number(fields[-1]):
         return True
     decimals = [len(field.partition(".")[2]) for field in fields]
     return len(set(decimals[:-1])) == 1 and decimals[-1] < decimals[0]
@@ -130,60 +133,68 @@ def _parse_numbers(rows: list[str], width: int) -> np.ndarray | None:
 
 
 def _parse_fields(
-    lines: list[str],
+    rows: Rows,
     header: list[str],
     file: str,
     known: Collection[str],
     is_cut: bool,
 ) -> tuple[Columns, list[Problem]]:
     """Columns of a file in which some rows or fields are spoilt."""
-    rows = [line.split(",") for line in lines]
-    lost = np.array([len(row) != len(header) for row in rows])
+    lost = rows.widths != len(header)
     lost[-1] &= not is_cut
     problems = []
     if lost.any():
-        found = counted(len(rows[int(np.argmax(lost))]), "field")
+        found = counted(int(rows.widths[np.argmax(lost)]), "field")
         message = f"{found} instead of {len(header)}"
         problems.append(at_rows(file, None, lost, message))
     if is_cut:
         lost[-1] = True
-        last = np.arange(len(rows)) == len(rows) - 1
+        rows.values[-1] = np.nan
+        last = np.arange(len(lost)) == len(lost) - 1
         message = "the file is cut off in the middle of this last row"
         problems.append(at_rows(file, None, last, message))
-    columns = {}
+    columns = dict(zip(header, rows.values.T, strict=True))
     for i, name in enumerate(header):
-        texts = [
-            "nan" if is_lost else row[i].strip()
-            for row, is_lost in zip(rows, lost, strict=True)
-        ]
-        words = np.array([not _is_number(text) for text in texts])
         if name not in known:
-            kind = str if words.any() else float
-            columns[name] = np.array(texts, dtype=kind)
             continue
+        words = (rows.kinds[:, i] != NUMBER) & ~lost
         if words.any():
-            problems.append(_not_numbers(texts, words, file, name))
-        values = np.array(
-            [
-                np.nan if is_word else float(text)
-                for text, is_word in zip(texts, words, strict=True)
-            ]
-        )
+            problems.append(_not_numbers(rows, i, words, file, name))
+        values = rows.values[:, i]
         if not np.isfinite(values[~(lost | words)]).all():
             problems.append(_not_finite(values, file, name, lost | words))
-        columns[name] = values
     return columns, problems
 
 
+def _take_texts(
+    lines: list[str], rows: Rows, header: list[str], known: Collection[str]
+) -> Columns:
+    """Columns with words in them as text; NaN stays where they are too many."""
+    places = {
+        name: i
+        for i, name in enumerate(header)
+        if name not in known and (rows.kinds[:, i] == WORD).any()
+    }
+    if not places or len(places) * len(lines) > _MOST_TEXTS:
+        return {}
+    texts: dict[str, list[str]] = {name: [] for name in places}
+    for line in lines:
+        fields = line.split(",")
+        for name, i in places.items():
+            whole = len(fields) == len(header)
+            texts[name].append(fields[i].strip()[:_LONGEST] if whole else "nan")
+    return {name: np.array(column, object) for name, column in texts.items()}
+
+
 def _not_numbers(
-    texts: list[str], words: np.ndarray, file: str, name: str
+    rows: Rows, i: int, words: np.ndarray, file: str, name: str
 ) -> Problem:
     """The problem of fields that hold something but numbers."""
-    text = texts[int(np.argmax(words))]
+    text = rows.first[i]
     message = f"{quoted(text)} is not a number"
     if not text:
         message = "the field is empty, not a number"
-    empty = not any(texts[i] for i in np.flatnonzero(words))
+    empty = not (rows.kinds[words, i] == WORD).any()
     return at_rows(file, name, words, message, empty and _fills(name, words))
 
 

@@ -47,7 +47,7 @@ def ReadBytes(path: str | Path, most_mb: float = LARGEST) -> bytes:
         ReadError: One line, without the file's name.
     """
     check_file(path, most_mb)
-    most = int(_bound(most_mb) * _MB)
+    most = most_bytes(most_mb)
     try:
         # Files of the system may grow, or have no more to tell for now.
         with open(path, "rb", buffering=0, opener=_open) as file:
@@ -76,24 +76,29 @@ def in_file(path: str | Path, error: type[BraceError]) -> Iterator[None]:
         raise error(f"{path}: {problem}") from problem
 
 
-def _bound(most_mb: float) -> float:
-    """The bound, MB, or that of the environment where it is larger."""
+def most_bytes(most_mb: float) -> int:
+    """The bound, or that of the environment where it is larger.
+
+    Raises:
+        ReadError: That of the environment is no number.
+    """
     asked = os.environ.get(MOST_MB, "")
     if not asked:
-        return most_mb
+        return int(most_mb * _MB)
     try:
         # Written so that NaN fails.
         if 0.0 < float(asked) < 1e9:
-            return max(most_mb, float(asked))
+            return int(max(most_mb, float(asked)) * _MB)
     except ValueError:
         pass
     raise ReadError(f"{MOST_MB} is {quoted(asked)}; allowed: a number of MB")
 
 
 def _check_size(size: int, most_mb: float) -> None:
-    most = _bound(most_mb)
-    if size > most * _MB:
+    most = most_bytes(most_mb)
+    if size > most:
         raise ReadError(
-            f"cannot be read: has {size / _MB:.4g} MB; allowed: {most:g} MB, or"
+            f"cannot be read: has {size / _MB:.4g} MB; allowed:"
+            f" {most / _MB:g} MB, or"
             f" as much as {MOST_MB} says in the environment"
         )

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, reason
+from brace_drake.core.reading import ReadBytes, check_file, decode, in_file
+from brace_drake.core.reading.rows import read_rows
 from brace_drake.recording.fields import TEXT, Field
 from brace_drake.recording.importing.mcap_file import LoadMcapTable
 from brace_drake.recording.table import Columns
@@ -53,8 +55,8 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
     if reader is None:
         ending = path.suffix.lower() or "no ending"
         raise CampaignError(f"{path}: {ending}; known are {', '.join(readers)}")
-    if not path.is_file():
-        raise CampaignError(f"{path}: no such file")
+    with in_file(path, CampaignError):
+        check_file(path)
     columns = reader(path, options)
     if not columns:
         raise CampaignError(f"{path}: no column of numbers there")
@@ -63,42 +65,31 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
 
 def _LoadText(path: Path, options: dict) -> Columns:
     """Columns that hold a number at all, NaN where they hold something else."""
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise CampaignError(
-            f"{path}: cannot be read: {reason(error)}"
-        ) from error
+    with in_file(path, CampaignError):
+        lines = decode(ReadBytes(path)).splitlines()
     lines = lines[options.get("skip_lines", 0) :]
     if len(lines) < 2:
         raise CampaignError(f"{path}: no rows below a header")
     default = "\t" if path.suffix == ".tsv" else ","
     delimiter = options.get("delimiter", default)
     try:
-        header, *rows = csv.reader(lines, delimiter=delimiter)
+        every = csv.reader(lines, delimiter=delimiter)
+        header = next(every)
+        decimal = options.get("decimal", ".")
+        rows = read_rows(filter(None, every), len(header), decimal)
     except (csv.Error, TypeError, ValueError) as error:
         raise CampaignError(f"{path}: not a table: {error}") from error
-    for number, row in enumerate(rows, 1):
-        if row and len(row) != len(header):
-            raise CampaignError(
-                f"{path}: row {number} has {len(row)} fields, the header"
-                f" {len(header)}"
-            )
-    decimal = options.get("decimal", ".")
-    values = [[_number(text, decimal) for text in row] for row in rows if row]
-    columns = np.reshape(values, (-1, len(header))).T
+    wrong = np.flatnonzero(rows.widths != len(header))
+    if wrong.size:
+        raise CampaignError(
+            f"{path}: row {wrong[0] + 1} has {rows.widths[wrong[0]]} fields,"
+            f" the header {len(header)}"
+        )
     return {
         name.strip(): column
-        for name, column in zip(header, columns, strict=True)
+        for name, column in zip(header, rows.values.T, strict=True)
         if not np.isnan(column).all()
     }
-
-
-def _number(text: str, decimal: str) -> float:
-    try:
-        return float(text.strip().replace(decimal, "."))
-    except ValueError:
-        return float("nan")
 
 
 def _LoadMatlab(path: Path, options: dict) -> Columns:

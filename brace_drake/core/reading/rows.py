@@ -1,0 +1,105 @@
+"""Rows of fields as numbers; time and memory grow with the text alone."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from brace_drake.core.errors import ReadError
+from brace_drake.core.reading.files import LARGEST, most_bytes
+
+NUMBER, EMPTY, WORD = range(3)
+_LONGEST = 200  # characters that are kept of a word
+
+
+class Rows(NamedTuple):
+    """What rows hold; where that is no number, NaN stands in.
+
+    Attributes:
+        values: Numbers (N, width).
+        kinds: NUMBER, EMPTY or WORD of each (N, width).
+        widths: Fields that each row has (N,).
+        first: What is no number, of each column where there is such, the first.
+    """
+
+    values: np.ndarray
+    kinds: np.ndarray
+    widths: np.ndarray
+    first: dict[int, str]
+
+
+def read_rows(
+    rows: Iterable[list[str]],
+    width: int,
+    decimal: str = ".",
+) -> Rows:
+    """Takes rows apart; one of another width is NaN throughout.
+
+    Args:
+        rows: Their fields.
+        width: Fields that a row is to have.
+        decimal: What stands before decimals.
+
+    Raises:
+        ReadError: There are more fields than memory is meant for.
+    """
+    most = most_bytes(LARGEST) // 4
+    values, widths = array("d"), array("l")
+    kinds = bytearray()
+    first: dict[int, str] = {}
+    lost, numbers = [math.nan] * width, bytes(width)
+    for fields in rows:
+        if len(values) + width > most:
+            raise ReadError(f"has more than {most} fields")
+        widths.append(len(fields))
+        if len(fields) != width:
+            values.extend(lost)
+            kinds += numbers
+            continue
+        if decimal != ".":
+            fields = [field.replace(decimal, ".") for field in fields]
+        row = _all_numbers(fields)
+        if row is not None:
+            values.extend(row)
+            kinds += numbers
+            continue
+        for column, field in enumerate(fields):
+            value, kind = _number(field)
+            values.append(value)
+            kinds.append(kind)
+            if kind != NUMBER:
+                first.setdefault(column, field.strip()[:_LONGEST])
+    shape = len(widths), width
+    return Rows(
+        np.frombuffer(values, float).reshape(shape),
+        np.frombuffer(kinds, np.uint8).reshape(shape),
+        np.array(widths, int),
+        first,
+    )
+
+
+def is_number(field: str) -> bool:
+    """Whether a field holds a number."""
+    return _number(field)[1] == NUMBER
+
+
+def _all_numbers(fields: list[str]) -> list[float] | None:
+    try:
+        row = list(map(float, fields))
+    except ValueError:
+        return None
+    return None if any("_" in field for field in fields) else row
+
+
+def _number(field: str) -> tuple[float, int]:
+    try:
+        # Python takes 1_0 for 10.
+        if "_" not in field:
+            return float(field), NUMBER
+    except ValueError:
+        pass
+    return math.nan, WORD if field.strip() else EMPTY
