@@ -27,6 +27,7 @@ class TestHostileTables(unittest.TestCase):
         (self.path / "campaign.yaml").write_text(yaml.safe_dump(manifest))
         lines = (EXAMPLE / RUN).read_text().splitlines()
         self.header, *self.rows = lines[:400]
+        self.put(self.rows)
 
     def put(self, rows, header=None):
         lines = [self.header if header is None else header, *rows]

@@ -26,7 +26,7 @@ from brace_drake.recording.findings import (
 
 Columns = dict[str, np.ndarray]
 # Of remarks in columns that nobody has declared.
-_MOST_TEXTS, _LONGEST = 2_000_000, 200
+_MOST_TEXTS, _LONGEST = 500_000, 200
 
 
 def parse_table(
