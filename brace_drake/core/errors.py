@@ -78,7 +78,8 @@ def reason(error: Exception) -> str:
         return "not UTF-8 text"
     if isinstance(error, UnicodeEncodeError):
         return "no file can have that name"
-    return getattr(error, "strerror", None) or " ".join(str(error).split())
+    words = getattr(error, "strerror", None) or " ".join(str(error).split())
+    return words or type(error).__name__
 
 
 def suggest(word: object, words: Iterable[object]) -> str:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import io
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
-from yaml import YAMLError
+from pydrake.common.yaml import yaml_dump_typed
 
-from brace_drake.core.errors import PolicyError, reason
+from brace_drake.core.errors import PolicyError
 from brace_drake.core.output import WriteBytes
 from brace_drake.learning.actions import ActionLaw
+from brace_drake.learning.policy_file import FORMAT, PolicyFile
 from brace_drake.learning.signals import OBSERVERS, signals_of_estimate
 from brace_drake.learning.task import LearningTask
-
-FORMAT = 1
 
 
 @dataclass(frozen=True)
@@ -85,57 +83,22 @@ def LoadPolicy(path: str | Path) -> Policy:
     Raises:
         PolicyError: The file cannot be read, or holds no such policy.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = dict(file)
-    except OSError as error:
-        raise PolicyError(f"{path}: cannot be read: {reason(error)}") from error
-    # What zip files and their decoders raise on a broken one is not foreseen.
-    except Exception as error:
-        raise PolicyError(
-            f"{path}: is not a policy (*.npz of `brace-drake train`)"
-        ) from error
-    found = arrays.get("format", np.array("none"))
-    if found.ndim or found.tolist() != FORMAT:
-        raise PolicyError(f"{path}: format {found}; allowed: {FORMAT}")
-    layers = sum(1 for name in arrays if name[0] == "W" and name[1:].isdigit())
-    try:
-        law = {f.name: arrays[f"law_{f.name}"] for f in fields(ActionLaw)}
-        policy = Policy(
-            weights=tuple(arrays[f"W{i}"] for i in range(layers)),
-            biases=tuple(arrays[f"b{i}"] for i in range(layers)),
-            mean=arrays["mean"],
-            gain=arrays["gain"],
-            clip=float(arrays["clip"]),
-            law=ActionLaw(
-                **{k: v if v.ndim else v.item() for k, v in law.items()}
-            ),
-            selected=arrays["selected"],
-            task=yaml_load_typed(schema=LearningTask, data=str(arrays["task"])),
-        )
-    except (KeyError, RuntimeError, ValueError, TypeError, YAMLError) as error:
-        line = " ".join(str(error).split())
-        raise PolicyError(f"{path}: not a policy: {line}") from error
-    _check(policy, path)
-    return policy
-
-
-def _check(policy: Policy, path: str | Path) -> None:
-    """Checks that layers fit each other, and that all numbers are finite."""
-    size = len(policy.mean)
-    for i, (W, b) in enumerate(zip(policy.weights, policy.biases, strict=True)):
-        good = W.ndim == 2 and W.shape[1] == size and b.shape == W.shape[:1]
-        if not good or not (np.isfinite(W).all() and np.isfinite(b).all()):
-            raise PolicyError(
-                f"{path}: layer {i} is {W.shape}, {b.shape}; allowed: finite"
-                f" numbers, (m, {size}) and (m,)"
-            )
-        size = W.shape[0]
-    if size != len(policy.law.start):
-        raise PolicyError(
-            f"{path}: the network has {size} outputs; allowed:"
-            f" {len(policy.law.start)}, as there are stiffnesses"
-        )
+    file = PolicyFile(path)
+    selected = file.take_selected()
+    task = file.take_task(len(selected))
+    inputs = file.size_of_observation(task, len(selected))
+    outputs = int(selected.sum())
+    weights, biases = file.take_layers(inputs, outputs)
+    return Policy(
+        weights=weights,
+        biases=biases,
+        mean=file.numbers("mean", (inputs,)),
+        gain=file.numbers("gain", (inputs,)),
+        clip=file.number("clip", 1e-9),
+        law=file.take_law(outputs),
+        selected=selected,
+        task=task,
+    )
 
 
 def ExportOnnx(policy: Policy, path: str | Path) -> None:

@@ -27,14 +27,18 @@ def LoadJson(path: str | Path, error: type[BraceError]) -> Any:
         return parse_json(ReadBytes(path, LARGEST_MB))
 
 
-def parse_json(data: bytes) -> Any:
+def parse_json(data: bytes, may_be_nan: bool = False) -> Any:
     """What JSON text holds: finite numbers, keys once, not too deep.
+
+    Args:
+        data: UTF-8 text.
+        may_be_nan: Whether NaN may stand for a number.
 
     Raises:
         ReadError: One line.
     """
     try:
-        found = _DECODER.decode(decode(data))
+        found = (_WITH_NAN if may_be_nan else _STRICT).decode(decode(data))
     except RecursionError as error:
         raise _too_deep() from error
     except ReadError:
@@ -84,9 +88,16 @@ def _refuse(text: str) -> NoReturn:
     raise ReadError(f"not JSON: {text} is no finite number")
 
 
-_DECODER = json.JSONDecoder(
-    object_pairs_hook=_pairs,
-    parse_int=_whole,
-    parse_float=_number,
-    parse_constant=_refuse,
+def _nan(text: str) -> float:
+    return math.nan if text == "NaN" else _refuse(text)
+
+
+_STRICT, _WITH_NAN = (
+    json.JSONDecoder(
+        object_pairs_hook=_pairs,
+        parse_int=_whole,
+        parse_float=_number,
+        parse_constant=constant,
+    )
+    for constant in (_refuse, _nan)
 )

@@ -39,7 +39,9 @@ _HEAD = {
     ),
     "rate_hz": RATE._replace(required=False),
     "settled_s": DURATION,
-    "subject": Field("text", lambda _: True, required=False),
+    "subject": Field(
+        "text", lambda v: isinstance(v, str | int | float), required=False
+    ),
 }
 _RUN = {
     "file": TEXT._replace(required=True),
@@ -81,6 +83,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
         _take(item, _RUN, f"{path}: run {number}: ")
         for number, item in enumerate(head["runs"], 1)
     ]
+    _name_runs(path, items)
     rate = head.get("rate_hz")
     settled = float(head.get("settled_s", 0.0))
     runs = []
@@ -142,7 +145,8 @@ def _read_channels(
             raise CampaignError(f"{source}: no column {quoted(column)}{hint}")
         else:
             scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
-            channels[name] = scale * table[column] + offset
+            with np.errstate(over="ignore", invalid="ignore"):
+                channels[name] = scale * table[column] + offset
     lengths = {len(values) for values in channels.values()}
     if len(lengths) > 1:
         raise CampaignError(
@@ -153,12 +157,63 @@ def _read_channels(
         raise CampaignError(
             f"{source}: it has {samples} samples; allowed: two or more"
         )
-    channels["time_s"] = channels["time_s"] - channels["time_s"][0]
+    for name, values in channels.items():
+        bad = ~(np.abs(values) <= HUGE)
+        if name != "time_s":
+            bad &= ~np.isnan(values)
+        _refuse_rows(source, name, values, bad, f"numbers up to {HUGE:g}")
+    time = channels["time_s"] - channels["time_s"][0]
+    falls = np.diff(time, prepend=-1.0) < 1.0 / HUGE
+    _refuse_rows(
+        source, "time_s", channels["time_s"], falls, "more than before"
+    )
+    channels["time_s"] = time
     return channels
 
 
+def _refuse_rows(
+    source: Path, name: str, values: np.ndarray, bad: np.ndarray, allowed: str
+) -> None:
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise CampaignError(
+            f"{source}: row {row + 1}: {name} is {values[row]:g}; allowed:"
+            f" {allowed}"
+        )
+
+
+def _name_runs(path: Path, items: list[dict]) -> None:
+    """Gives each run its name; `repeat_of` may be that, or a foreign file.
+
+    Raises:
+        CampaignError: Runs share a name, or a repeat repeats no run.
+    """
+    files: dict[str, str] = {}
+    for number, item in enumerate(items, 1):
+        name = item.setdefault("name", Path(item["file"]).stem)
+        if name in files:
+            raise CampaignError(
+                f"{path}: run {number}: {quoted(name)} is another run's name"
+                " already; give it one of its own by `name`"
+            )
+        files[name] = f"{name}.csv"
+    for item in items:
+        files.setdefault(item["file"], f"{item['name']}.csv")
+        files.setdefault(f"{item['name']}.csv", f"{item['name']}.csv")
+    for number, item in enumerate(items, 1):
+        repeated = item.get("repeat_of")
+        if repeated is None:
+            continue
+        if files.get(repeated, f"{item['name']}.csv") == f"{item['name']}.csv":
+            raise CampaignError(
+                f"{path}: run {number}: repeat_of is {quoted(repeated)};"
+                f" allowed: another run{suggest(repeated, files)}"
+            )
+        item["repeat_of"] = files[repeated]
+
+
 def _make_run(item: dict, channels: Columns, settled_s: float) -> Run:
-    name = item.get("name") or Path(item["file"]).stem
+    name = item["name"]
     return Run(
         file=f"{name}.csv",
         contact=item.get("contact", True),
@@ -174,8 +229,6 @@ def _resample(source: Path, channels: Columns, rate: float) -> Columns:
     """Channels at even times, linearly between their samples."""
     time = channels["time_s"]
     steps = np.diff(time)
-    if not (np.isfinite(time).all() and steps.min() > 0.0):
-        raise CampaignError(f"{source}: the time does not increase")
     if np.abs(steps * rate - 1.0).max() < _LEAST_RATE_DEVIATION:
         return channels
     if 1.0 / np.median(steps) < 0.9 * rate:
@@ -183,6 +236,12 @@ def _resample(source: Path, channels: Columns, rate: float) -> Columns:
             f"{source}: sampled at {1.0 / np.median(steps):.4g} Hz, which"
             f" cannot be made {rate:g} Hz"
         )
-    even = np.arange(int(time[-1] * rate + 1e-6) + 1) / rate
+    samples = int(time[-1] * rate + 1e-6) + 1
+    if samples > 10 * len(time):
+        raise CampaignError(
+            f"{source}: {len(time)} samples over {time[-1]:g} s cannot be made"
+            f" {samples}: the time jumps"
+        )
+    even = np.arange(samples) / rate
     out = {n: np.interp(even, time, values) for n, values in channels.items()}
     return {**out, "time_s": even}

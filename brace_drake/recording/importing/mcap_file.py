@@ -13,15 +13,19 @@ import importlib
 import io
 import json
 import math
+from array import array
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
 
-from brace_drake.core.errors import CampaignError, reason
+from brace_drake.core.errors import CampaignError, ReadError, quoted, reason
 from brace_drake.core.output import WriteBytes
+from brace_drake.core.reading import ReadBytes, parse_json
+from brace_drake.core.reading.files import LARGEST, most_bytes
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.table import Columns
@@ -79,21 +83,17 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
         CampaignError: One line: file, and what is wrong with it.
     """
     path = Path(path)
-    with _open_reader(path) as reader:
-        texts = [
-            m.metadata.get(MANIFEST, "")
-            for m in reader.iter_metadata()
-            if m.name == _CAMPAIGN
-        ]
-        if not texts:
+    with _reading(path):
+        tables, metadata = _read_all(ReadBytes(path))
+        if _CAMPAIGN not in metadata:
             raise CampaignError(
                 f"{path}: holds no campaign; take its topics by a map"
             )
-        campaign, problems = parse_manifest(texts[-1].encode())
+        text = metadata[_CAMPAIGN].get(MANIFEST, "")
+        campaign, problems = parse_manifest(text.encode())
         errors = [p for p in problems if p.severity == "error"]
         if campaign is None or errors:
             raise CampaignError(f"{path}: {errors[0]}")
-        tables = _read_topics(reader)
     runs = []
     for run in campaign.runs:
         topic = _topic(run.file)
@@ -117,36 +117,113 @@ def LoadMcapTable(path: Path, options: dict) -> Columns:
     Raises:
         CampaignError: One line: file, and what is wrong with it.
     """
-    with _open_reader(path) as reader:
-        tables = _read_topics(reader)
+    with _reading(path):
+        tables, _ = _read_all(ReadBytes(path))
     topic = options.get("group")
     if topic is None and len(tables) == 1:
         (topic,) = tables
     if topic not in tables:
         raise CampaignError(
-            f"{path}: no topic {topic!r} of JSON messages; options.group may"
-            f" be {', '.join(tables) or 'none, as there is none'}"
+            f"{path}: no topic {quoted(topic)} of JSON messages; options.group"
+            f" may be {', '.join(tables) or 'none, as there is none'}"
         )
     return tables[topic]
 
 
-def _read_topics(reader) -> dict[str, Columns]:
-    rows: dict[str, list[dict[str, float]]] = {}
-    for _, channel, message in reader.iter_messages():
-        if channel.message_encoding == _ENCODING:
-            sample = dict(_flatten("", json.loads(message.data)))
-            sample[_LOG_TIME] = 1e-9 * message.log_time
-            rows.setdefault(channel.topic, []).append(sample)
-    tables = {}
-    for topic, samples in rows.items():
-        names = dict.fromkeys(name for sample in samples for name in sample)
-        table = {
-            name: np.array([s.get(name, math.nan) for s in samples])
-            for name in names
-        }
-        table[_LOG_TIME] = table[_LOG_TIME] - table[_LOG_TIME][0]
-        tables[topic] = table
-    return tables
+class _Topic:
+    """Columns that messages are added to, NaN where one has no number."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._columns: dict[str, array] = {}
+
+    def add(self, sample: dict[str, float]) -> None:
+        """Takes a message's numbers.
+
+        Raises:
+            ReadError: There are more than memory is meant for.
+        """
+        for name, value in sample.items():
+            column = self._columns.setdefault(name, array("d"))
+            self._fill(column)
+            column.append(value)
+        self.count += 1
+        if self.count * len(self._columns) > most_bytes(LARGEST) // 4:
+            raise ReadError("holds more numbers than memory is meant for")
+
+    def _fill(self, column: array) -> None:
+        if len(column) < self.count:
+            column.extend([math.nan] * (self.count - len(column)))
+
+    def table(self) -> Columns:
+        """The columns in the order of logging, their time from 0."""
+        for column in self._columns.values():
+            self._fill(column)
+        times = np.array(self._columns[_LOG_TIME])
+        order = np.argsort(times, kind="stable")
+        table = {n: np.array(c)[order] for n, c in self._columns.items()}
+        table[_LOG_TIME] = table[_LOG_TIME] - times[order[0]]
+        return table
+
+
+def _read_all(data: bytes) -> tuple[dict[str, Columns], dict[str, dict]]:
+    """Tables of all topics of JSON messages, and metadata by name."""
+    topics: dict[str, _Topic] = {}
+    channels, metadata = {}, {}
+    for record in _records(data):
+        kind = type(record).__name__
+        if kind == "Channel":
+            channels[record.id] = record
+        elif kind == "Metadata":
+            metadata[record.name] = record.metadata
+        elif kind == "Message":
+            channel = channels[record.channel_id]
+            if channel.message_encoding == _ENCODING:
+                value = parse_json(record.data, may_be_nan=True)
+                sample = dict(_flatten("", value))
+                sample[_LOG_TIME] = 1e-9 * record.log_time
+                topics.setdefault(channel.topic, _Topic()).add(sample)
+    return {name: topic.table() for name, topic in topics.items()}, metadata
+
+
+def _records(data: bytes) -> Iterator[Any]:
+    """All records, those of chunks within bounds of memory."""
+    reader = _Import("stream_reader")
+    left = most_bytes(LARGEST)
+    for record in reader.StreamReader(
+        io.BytesIO(data),
+        emit_chunks=True,
+        validate_crcs=True,
+        record_size_limit=len(data),
+    ).records:
+        if type(record).__name__ != "Chunk":
+            yield record
+            continue
+        left -= record.uncompressed_size
+        if left < 0:
+            raise ReadError("unpacks to more than memory is meant for")
+        raw = _unpack(record)
+        if len(raw) != record.uncompressed_size:
+            raise ReadError("a chunk has not the size that it says")
+        plain = replace(record, compression="", data=raw)
+        yield from reader.breakup_chunk(plain, validate_crc=True)
+
+
+def _unpack(chunk) -> bytes:
+    """A chunk's records, and no more of them than one byte too many."""
+    most = chunk.uncompressed_size + 1
+    if chunk.compression == "zstd":
+        import zstandard
+
+        with zstandard.ZstdDecompressor().stream_reader(chunk.data) as stream:
+            return stream.read(most)
+    if chunk.compression == "lz4":
+        from lz4.frame import LZ4FrameDecompressor
+
+        return LZ4FrameDecompressor().decompress(chunk.data, most)
+    if chunk.compression:
+        raise ReadError(f"packed by {quoted(chunk.compression)}")
+    return chunk.data
 
 
 def _flatten(name: str, value) -> Iterator[tuple[str, float]]:
@@ -165,17 +242,18 @@ def _topic(file: str) -> str:
 
 
 @contextlib.contextmanager
-def _open_reader(path: Path) -> Iterator:
-    """A file's reader; whatever damaged bytes raise is one CampaignError."""
-    make_reader = _Import("reader").make_reader
+def _reading(path: Path) -> Iterator[None]:
+    """Whatever damaged bytes raise is one CampaignError."""
     try:
-        with open(path, "rb") as file:
-            yield make_reader(file, validate_crcs=True)
+        yield
     except CampaignError:
         raise
+    except ReadError as error:
+        raise CampaignError(f"{path}: {error}") from error
     except Exception as error:
-        why = reason(error) or type(error).__name__
-        raise CampaignError(f"{path}: not an MCAP file: {why}") from error
+        raise CampaignError(
+            f"{path}: not an MCAP file: {reason(error)}"
+        ) from error
 
 
 def _Import(part: str):

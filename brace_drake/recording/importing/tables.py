@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import csv
+import io
 from pathlib import Path
 
 import numpy as np
 
-from brace_drake.core.errors import CampaignError, reason
+from brace_drake.core.errors import CampaignError, quoted, reason
 from brace_drake.core.reading import ReadBytes, check_file, decode, in_file
 from brace_drake.core.reading.rows import read_rows
 from brace_drake.recording.fields import TEXT, Field
+from brace_drake.recording.importing.matlab_sizes import check_matlab
 from brace_drake.recording.importing.mcap_file import LoadMcapTable
 from brace_drake.recording.table import Columns
 
@@ -95,24 +97,33 @@ def _LoadText(path: Path, options: dict) -> Columns:
 def _LoadMatlab(path: Path, options: dict) -> Columns:
     """Vectors, and columns of matrices, which count from 1 as in MATLAB."""
     from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
 
+    with in_file(path, CampaignError):
+        data = ReadBytes(path)
+        check_matlab(data)
     try:
-        content = loadmat(path, squeeze_me=True, struct_as_record=True)
+        memory = io.BytesIO(data)
+        content = loadmat(memory, squeeze_me=True, struct_as_record=True)
     except NotImplementedError as error:
         raise CampaignError(
             f"{path}: a MATLAB 7.3 file; save it with -v7"
         ) from error
-    except (OSError, ValueError, TypeError, MatReadError) as error:
+    # What scipy raises on a broken file is not foreseen.
+    except Exception as error:
         raise CampaignError(
             f"{path}: not a MATLAB file: {reason(error)}"
         ) from error
     group = options.get("group")
     if group is not None:
         struct = content.get(group)
-        if struct is None or getattr(struct, "dtype", None) is None:
-            raise CampaignError(f"{path}: no struct {group!r}")
-        names = struct.dtype.names or ()
+        names = getattr(getattr(struct, "dtype", None), "names", None)
+        if not names:
+            raise CampaignError(f"{path}: no struct {quoted(group)}")
+        if struct.size != 1:
+            raise CampaignError(
+                f"{path}: {quoted(group)} is an array of {struct.size} structs;"
+                " allowed: one"
+            )
         content = {name: struct[name].item() for name in names}
     columns: Columns = {}
     for name, value in content.items():
@@ -137,14 +148,21 @@ def _LoadTdms(path: Path, options: dict) -> Columns:
         ) from error
     try:
         groups = {group.name: group for group in TdmsFile.read(path).groups()}
-    except (OSError, ValueError, KeyError, EOFError) as error:
+        columns = _take_channels(path, groups, options.get("group"))
+    except CampaignError:
+        raise
+    # What a reader of another's format raises on a broken file is not foreseen.
+    except Exception as error:
         raise CampaignError(
             f"{path}: not a TDMS file: {reason(error)}"
         ) from error
-    wanted = options.get("group")
+    return columns
+
+
+def _take_channels(path: Path, groups: dict, wanted: str | None) -> Columns:
     if wanted is not None and wanted not in groups:
         raise CampaignError(
-            f"{path}: no group {wanted!r}; there are {', '.join(groups)}"
+            f"{path}: no group {quoted(wanted)}; there are {', '.join(groups)}"
         )
     columns: Columns = {}
     for name, group in groups.items():

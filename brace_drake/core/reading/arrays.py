@@ -1,0 +1,69 @@
+"""Arrays of numpy's *.npz: numbers and text, no larger than they say."""
+
+from __future__ import annotations
+
+import io
+import math
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.core.errors import ReadError, quoted
+from brace_drake.core.reading.files import ReadBytes
+
+LARGEST_MB = 64
+MOST_ARRAYS = 100
+_KINDS = "fiubU"
+
+
+def ReadArrays(path: str | Path) -> dict[str, np.ndarray]:
+    """The arrays of a *.npz by name.
+
+    Raises:
+        ReadError: One line, without the file's name.
+    """
+    data = ReadBytes(path, LARGEST_MB)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            return _read(archive)
+    except ReadError:
+        raise
+    # What zip files and their decoders raise is not foreseen.
+    except Exception as problem:
+        raise ReadError("no file of arrays") from problem
+
+
+def _read(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
+    members = archive.infolist()
+    if len(members) > MOST_ARRAYS:
+        raise ReadError(f"holds {len(members)} arrays")
+    arrays: dict[str, np.ndarray] = {}
+    left = LARGEST_MB * 1_000_000
+    for member in members:
+        name = member.filename.removesuffix(".npy")
+        if name in arrays:
+            raise ReadError(f"array {quoted(name)} is there twice")
+        with archive.open(member) as file:
+            # Sizes that a file states of itself are not believed.
+            data = file.read(left + 1)
+        left -= len(data)
+        if left < 0:
+            raise ReadError(f"holds more than {LARGEST_MB} MB")
+        arrays[name] = _parse(data, name)
+    return arrays
+
+
+def _parse(data: bytes, name: str) -> np.ndarray:
+    stream = io.BytesIO(data)
+    version = np.lib.format.read_magic(stream)
+    read = {
+        (1, 0): np.lib.format.read_array_header_1_0,
+        (2, 0): np.lib.format.read_array_header_2_0,
+    }[version]
+    shape, by_columns, dtype = read(stream)
+    size = math.prod(shape) * dtype.itemsize
+    if dtype.kind not in _KINDS or size != len(data) - stream.tell():
+        raise ReadError(f"array {quoted(name)} is not as it says")
+    flat = np.frombuffer(data, dtype, offset=stream.tell())
+    return flat.reshape(shape, order="F" if by_columns else "C").copy()
