@@ -164,6 +164,56 @@ class TestReplay(unittest.TestCase):
                     self.assertEqual(link.session, device.firmware.session)
 
 
+class TestFaultThatStays(unittest.TestCase):
+    def test_a_host_that_comes_later_can_clear_it(self):
+        bench = Lockstep()
+        bench.agree()
+        bench.estop = True
+        bench.run(2100)
+        self.assertEqual(bench.firmware.session, 0)
+        bench.estop = False
+        bench.heard.clear()
+        bench.agree()
+        self.assertEqual(bench.firmware.state, DeviceState.FAULT)
+        bench.Send("CLEAR", {"cause": Cause.ESTOP})
+        self.assertEqual(bench.firmware.state, DeviceState.DISARMED)
+
+    def test_no_command_of_before_it_is_left(self):
+        bench = Lockstep()
+        bench.agree()
+        bench.Arm()
+        bench.run(1)
+        values = (30.0,) * 6
+        for _ in range(20):
+            bench.Command(values, bench.firmware.tick_count)
+            bench.run(1)
+        bench.estop = True
+        bench.run(2)
+        bench.estop = False
+        bench.run(1)
+        bench.Send("CLEAR", {"cause": Cause.ESTOP})
+        bench.Arm()
+        held = bench.firmware.leg_force(bench.now)
+        self.assertEqual(bench.firmware.state, DeviceState.ARMED)
+        self.assertEqual(held, bench.plant.hold)
+
+
+class TestLateAnswers(unittest.TestCase):
+    def test_what_was_asked_twice_is_done_once(self):
+        with emulated() as device, Link(device.terminal.path) as link:
+            link.Connect(20.0)
+            # Longer than a host waits before it asks again.
+            device.faults.to_host.delay = 0.3
+            link.Agree(DEFAULT)
+            link.Arm()
+            self.assertEqual(device.firmware.state, DeviceState.ARMED)
+            link.Disarm()
+            link.Stop()
+            link.Clear(Cause.HOST_STOP)
+            self.assertEqual(device.firmware.state, DeviceState.DISARMED)
+            self.assertEqual(link.session, device.firmware.session)
+
+
 class TestBounds(unittest.TestCase):
     def test_the_device_refuses_what_is_out_of_bounds(self):
         for i, limit in enumerate(SHARED):

@@ -415,6 +415,8 @@ def run_long(
             action = ("event", "tick")
         elif chance < 0.75:
             action = _GUIDE[world.device.state]
+            if not session and action != ("event", "tick"):
+                action = ("send", "limits")
         elif chance < 0.95 and world.frames:
             action = ("again", draw.randrange(len(world.frames)))
         elif is_far and chance < 0.98:

@@ -19,11 +19,6 @@ from brace_drake.link.protocol.messages import BY_NAME
 from brace_drake.link.protocol.sequence import steps_ahead
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, Reason
 
-_ACCEPTS_LIMITS = (
-    DeviceState.HELLO,
-    DeviceState.DISARMED,
-    DeviceState.STOPPED,
-)
 # Once one has come, nothing of these that was sent before it counts any more.
 _ORDERED = ("LIMITS", "COMMAND", "ARM", "CLEAR", "DISARM", "STOP")
 # A sequence goes round: of messages that are so far apart only the sender's
@@ -99,7 +94,7 @@ class Firmware(DeviceTicks):
         return [("LIMITS_ECHO", echo)], reason
 
     def _judge_limits(self, packet, values) -> tuple[Reason, int]:
-        if self.state not in _ACCEPTS_LIMITS:
+        if self.state == DeviceState.ARMED:
             return Reason.WRONG_STATE, 0
         if self._fits != Reason.ACCEPTED:
             return self._fits, 0

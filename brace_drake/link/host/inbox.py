@@ -53,15 +53,15 @@ class Inbox:
                 self._newest.pop(name, None)
 
     def WaitFor(
-        self, names: Sequence[str], timeout: float, sequence: int | None = None
+        self, names: Sequence[str], timeout: float, asked: Sequence[int] = ()
     ) -> bool:
         """Whether messages of all names come in time.
 
         Args:
             names: Of the messages.
             timeout: s.
-            sequence: Of the request that the first must answer, where it says
-                what it answers; None: any.
+            asked: Sequences of the requests of which the first must answer
+                one, where it says what it answers; none: any.
         """
 
         def here() -> bool:
@@ -71,7 +71,7 @@ class Inbox:
                 return False
             values = self._newest[names[0]].values
             told = getattr(values, "sequence_answered", None)
-            return told is None or sequence is None or told == sequence
+            return told is None or not asked or told in asked
 
         with self._news:
             return self._news.wait_for(here, timeout) and self.error is None

@@ -12,7 +12,7 @@ import serial
 
 from brace_drake.core.errors import LimitsError, LinkError
 from brace_drake.link.host.inbox import Inbox
-from brace_drake.link.host.ports import OpenPort, describe_stranger
+from brace_drake.link.host.ports import OpenPort, describe_stranger, gone
 from brace_drake.link.protocol.codec import Decoder, Packet, make_codec
 from brace_drake.link.protocol.limits import (
     SHARED,
@@ -24,12 +24,18 @@ from brace_drake.link.protocol.limits import (
 )
 from brace_drake.link.protocol.messages import BAUD, BY_NAME
 from brace_drake.link.protocol.sequence import Counts, SequenceWatch
-from brace_drake.link.protocol.words import Cause, Mode, Reason, reason_text
+from brace_drake.link.protocol.words import (
+    Cause,
+    DeviceState,
+    Mode,
+    Reason,
+    reason_text,
+)
 
 _AGAIN, _HEARTBEAT = 0.2, 0.1
 # Longer than a session lasts whose host has gone, s.
 _SESSION_ENDS = 3.0
-_OF_LIMIT = (Reason.LIMIT_TOO_WIDE, Reason.BAD_VALUE)
+_REACHED = {"ARM": DeviceState.ARMED, "CLEAR": DeviceState.DISARMED}
 
 
 class Link:
@@ -95,9 +101,9 @@ class Link:
         """Tells the limits and begins a session.
 
         Raises:
-            LimitsError: They are wider than the device's own, or what it
-                echoes is not what it was told.
-            LinkError: No answer, or another host has it.
+            LimitsError: They are wider than the device's own, what it echoes
+                is not what it was told, or another host has it.
+            LinkError: No answer.
         """
         stages = self.hello.stages
         refuse_wider(limits, self.device_limits, stages)
@@ -110,15 +116,11 @@ class Link:
             self._sequence ^= 0x8000
             time.sleep(_AGAIN)
             echo = self._Ask("LIMITS", asked, "LIMITS_ECHO").values
-        if echo.reason not in (Reason.ACCEPTED, *_OF_LIMIT):
-            raise LinkError(
-                f"{self.path}: the device refuses the limits:"
-                f" {reason_text(echo.reason)}"
-            )
         if echo.reason != Reason.ACCEPTED:
             name = SHARED[min(echo.index, len(SHARED) - 1)].name
+            at = "" if echo.reason == Reason.REPLAYED else f" at {name}"
             raise LimitsError(
-                f"{self.path}: the device refuses the limits at {name}:"
+                f"{self.path}: the device refuses the limits{at}:"
                 f" {reason_text(echo.reason)}"
             )
         refuse_other(asked, shared_of(echo))
@@ -170,8 +172,8 @@ class Link:
         Returns:
             The sequence that the device will show as in use.
         """
-        fields = {"mode": mode, "tick": tick, "values": values}
-        return self.Send("COMMAND", fields)
+        told = {"mode": mode, "tick": tick, "values": values}
+        return self.Send("COMMAND", told)
 
     def Send(self, name: str, values: dict) -> int:
         """Sends a message; returns its sequence.
@@ -187,21 +189,17 @@ class Link:
             try:
                 self._port.write(frame)
             except (OSError, TypeError) as error:
-                raise self._Gone(error) from error
+                raise gone(self.path, error) from error
         return sequence
 
     @property
     def counts(self) -> Counts:
         """What has come in so far."""
+        order, decoder = self._order, self._decoder
         return Counts(
-            self._messages,
-            self._states,
-            self._decoder.num_bad,
-            self._order.lost,
-            self._order.repeated,
-            self._order.late,
-            self._decoder.bytes_read,
-        )
+            self._messages, self._states, decoder.num_bad, order.lost,
+            order.repeated, order.late, decoder.bytes_read,
+        )  # fmt: skip
 
     @property
     def fault(self) -> Packet | None:
@@ -229,16 +227,23 @@ class Link:
 
     def _Ask(self, name: str, values: dict, answer: str, tries: int = 5):
         self._inbox.Forget(answer)
+        asked: list[int] = []
         for _ in range(tries):
-            sequence = self.Send(name, values)
-            if self._inbox.WaitFor((answer,), _AGAIN, sequence):
+            asked.append(self.Send(name, values))
+            if self._inbox.WaitFor((answer,), _AGAIN, asked):
                 return self._inbox[answer]
             self._CheckAlive()
         raise LinkError(f"{self.path}: no answer to {name.lower()}")
 
     def _Request(self, name: str, values: dict) -> None:
+        session = self.session
         answer = self._Ask(name, values, "ANSWER").values
-        if answer.reason != Reason.ACCEPTED:
+        if self.session != session:
+            # Limits that were told twice have begun a second session.
+            answer = self._Ask(name, values, "ANSWER").values
+        # A device that was asked twice refuses what it has done.
+        done = answer.state == _REACHED.get(name)
+        if answer.reason != Reason.ACCEPTED and not done:
             raise LinkError(
                 f"{self.path}: the device refuses to {name.lower()}:"
                 f" {reason_text(answer.reason)}"
@@ -246,14 +251,7 @@ class Link:
 
     def _CheckAlive(self) -> None:
         if self.error is not None:
-            raise self._Gone(self.error)
-
-    def _Gone(self, error: Exception) -> LinkError:
-        if isinstance(error, LinkError):
-            return error
-        return LinkError(
-            f"{self.path}: the device is gone (unplugged, or switched off)"
-        )
+            raise gone(self.path, self.error)
 
     # Reading
 
@@ -262,14 +260,13 @@ class Link:
             while not self._closed.is_set():
                 data = self._port.read(max(1, self._port.in_waiting))
                 now = time.perf_counter_ns()
-                if data:
-                    self._Accept(data, now)
+                self._Accept(data, now)
                 if self.session and now - self._beat > _HEARTBEAT * 1e9:
                     self._beat = now
                     self.Send("HEARTBEAT", {"echo_us": 0})
         except (OSError, TypeError, serial.SerialException, LinkError) as error:
             if not self._closed.is_set():
-                self._inbox.End(self._Gone(error))
+                self._inbox.End(gone(self.path, error))
         except Exception as error:  # A handler's own: told where it is waited.
             self._inbox.End(error)
 
@@ -292,6 +289,9 @@ class Link:
                 self.on_state(packet, lost)
             else:
                 self._inbox.Put(packet)
+        elif packet.name == "LIMITS_ECHO" and self.session:
+            self.session = packet.values.session or self.session
+            self._inbox.Put(packet)
         elif packet.name == "HEARTBEAT":
             trip = 1e-9 * now - 1e-6 * packet.values.echo_us
             if trip >= 0.0:

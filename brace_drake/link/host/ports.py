@@ -57,6 +57,13 @@ def _others() -> str:
     return "there are " + ", ".join(ports) if ports else "there is none"
 
 
+def gone(path: str, error: Exception) -> LinkError:
+    """An error of a port that was open, as one of the link."""
+    if isinstance(error, LinkError):
+        return error
+    return LinkError(f"{path}: the device is gone (unplugged, or switched off)")
+
+
 def describe_stranger(decoder: Decoder) -> str:
     """Why a hello was not answered, by what came instead."""
     if decoder.bytes_read == 0:
