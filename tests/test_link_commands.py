@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -120,6 +121,17 @@ class TestTwin(Folder):
             self.assertRegex(errors, r"still: stopped: alarm in leg\d_length_m")
             self.assertNotIn("Traceback", errors)
             assert_device_stops(self, device, Cause.HOST_STOP)
+
+    def test_a_live_view_that_dies_does_not_end_the_motion(self):
+        with emulated() as device, self.twin(device) as process:
+            self.assertIn("page: ", process.stdout.readline())
+            tasks = Path(f"/proc/{process.pid}/task").glob("*/children")
+            views = [int(n) for task in tasks for n in task.read_text().split()]
+            self.assertEqual(len(views), 1)
+            os.kill(views[0], signal.SIGABRT)
+            _, errors = process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 0, errors)
+            self.assertEqual(device.firmware.trip.cause, Cause.NONE)
 
     def test_a_device_like_the_twin_raises_none(self):
         with emulated() as device, self.twin(device) as process:

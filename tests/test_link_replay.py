@@ -183,8 +183,8 @@ class TestFaultThatStays(unittest.TestCase):
         bench.agree()
         bench.Arm()
         bench.run(1)
-        values = (30.0,) * 6
-        for _ in range(20):
+        values = tuple(force + 1.0 for force in bench.plant.hold)
+        for _ in range(5):
             bench.Command(values, bench.firmware.tick_count)
             bench.run(1)
         bench.estop = True

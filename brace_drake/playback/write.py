@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import html
 import logging
 import sys
@@ -31,11 +32,12 @@ _FORCE = """\
 
 FRAMES_PER_SECOND = 25.0
 # Each Meshcat with its thread. Drake ends the process where another thread
-# destroys one, as the garbage collector may: so each is held here until its
-# own thread finds that nobody else has it.
+# destroys one, as the garbage collector may, or the end of the interpreter: so
+# each is held once more until its thread finds that nobody else has it.
 _served: list[tuple[int, Meshcat]] = []
-# References to an entry that nobody else has: the entry's, a loop's, a call's.
-_ALONE = 3
+# References then: that one, the entry's, a loop's, a call's.
+_ALONE = 4
+_hold, _let_go = ctypes.pythonapi.Py_IncRef, ctypes.pythonapi.Py_DecRef
 # What a headset would fetch; a page that is to be complete must not.
 _OUTSIDE = "https://cdn.jsdelivr.net/npm/@webxr-input-profiles/"
 
@@ -154,20 +156,23 @@ def ShowPlayback(
 def StartLocalMeshcat(host: str = "localhost") -> Meshcat:
     """A Meshcat that only this machine can reach, or who reaches `host`."""
     own = threading.get_ident()
-    _served[:] = [
-        (thread, meshcat)
-        for thread, meshcat in _served
-        if thread != own or sys.getrefcount(meshcat) > _ALONE
-    ]
+    for entry in _served[:]:
+        thread, meshcat = entry
+        if thread == own and sys.getrefcount(meshcat) <= _ALONE:
+            _served.remove(entry)
+            _let_go(ctypes.py_object(meshcat))
+        del entry, meshcat
     log = logging.getLogger("drake")
     level = log.level
     # Drake tells an address that is of no use for a page on disk.
     log.setLevel(logging.WARNING)
     try:
-        _served.append((own, Meshcat(MeshcatParams(host=host))))
+        meshcat = Meshcat(MeshcatParams(host=host))
     finally:
         log.setLevel(level)
-    return _served[-1][1]
+    _hold(ctypes.py_object(meshcat))
+    _served.append((own, meshcat))
+    return meshcat
 
 
 def make_caption(states: PlaybackStates, scales: Scales, title: str) -> str:

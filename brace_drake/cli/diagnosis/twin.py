@@ -94,37 +94,41 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.link.operation.beside import TwinBeside
     from brace_drake.link.operation.console import CountDown, ReadKeys
     from brace_drake.link.operation.motion import RING, desired_at_ticks
-    from brace_drake.link.operation.page import Overlay, Page
+    from brace_drake.link.operation.page import Page
     from brace_drake.link.operation.session import Session
     from brace_drake.link.operation.station import (
         MakeControl,
         OpenDevice,
     )
+    from brace_drake.playback.overlay import OverlayProcess
 
     scenario, limits = load_device_options(args)
     motion = load_device_motion(args.motion, scenario.stages, args.ring)
     scenario.torso.present = motion.contact
-    beside = TwinBeside(
-        scenario, args.band, args.memory, limits, args.ring or RING
-    )
     with (
         Page(args.host, args.web_port) as page,
-        OpenDevice(args.port, scenario, limits, args.baud, args.clear) as link,
-        ReadKeys() as keys,
+        OverlayProcess(scenario, args.host) as overlay,
     ):
-        print(f"page: {page.url}", flush=True)
-        overlay = Overlay(scenario, args.host)
-        # Laws are loaded at first calls, which no tick could wait for.
-        overlay.Show(*beside.readings)
-        desired = desired_at_ticks(motion, link.hello.rate_hz)
-        session = Session(link, MakeControl(scenario, limits), limits)
-        show = _Show(beside, page, session, overlay, args.stop_at_alarm)
-        CountDown(args.countdown, motion.name, keys)
-        session.Follow(desired, show.Take, keys.pressed)
-        if session.trip is not None:
-            alarm = ", ".join(show.told) if args.stop_at_alarm else ""
-            cause = f"alarm in {alarm}" if alarm else str(session.trip)
-            raise StoppedError(f"{motion.name}: stopped: {cause}")
+        beside = TwinBeside(
+            scenario, args.band, args.memory, limits, args.ring or RING
+        )
+        overlay.Wait()
+        with (
+            OpenDevice(
+                args.port, scenario, limits, args.baud, args.clear
+            ) as link,
+            ReadKeys() as keys,
+        ):
+            print(f"page: {page.url}", flush=True)
+            desired = desired_at_ticks(motion, link.hello.rate_hz)
+            session = Session(link, MakeControl(scenario, limits), limits)
+            show = _Show(beside, page, session, overlay, args.stop_at_alarm)
+            CountDown(args.countdown, motion.name, keys)
+            session.Follow(desired, show.Take, keys.pressed)
+    if session.trip is not None:
+        alarm = ", ".join(show.told) if args.stop_at_alarm else ""
+        cause = f"alarm in {alarm}" if alarm else session.stopped_by
+        raise StoppedError(f"{motion.name}: stopped: {cause}")
     k, c = beside.contact.values
     print(f"contact: {k:.0f} N/m, {c:.0f} N s/m")
     name, ratio = show.largest
@@ -142,7 +146,7 @@ class _Show:
 
     def __init__(self, beside, page, session, overlay, stops: bool):
         self._beside, self._page, self._session = beside, page, session
-        self._overlay, self._scene = overlay, overlay.meshcat.port()
+        self._overlay, self._scene = overlay, overlay.port
         self._stops, self._shown = stops, 0.0
         self.told: list[str] = []
         self._present: list[str] = []

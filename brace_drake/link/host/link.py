@@ -58,13 +58,12 @@ class Link:
         self.hello = self.geometry = self.device_limits = None
         self.session, self.round_trip = 0, math.inf
         self.on_state: Callable[[Packet, int], None] | None = None
-        self._port = OpenPort(path, baud)
-        self._codec = make_codec(1)
+        self._port, self._codec = OpenPort(path, baud), make_codec(1)
         self._decoder = Decoder(self._codec, follows_hello=True)
         self._sequence = random.randrange(2**16)
         self._order, self._messages, self._states = SequenceWatch(), 0, 0
         self._sending, self._inbox = threading.Lock(), Inbox()
-        self._closed, self._beat = threading.Event(), 0.0
+        self._closed, self._beat, self._echoes_due = threading.Event(), 0.0, 0
         self._reader = threading.Thread(
             target=self._Read, name=f"link {path}", daemon=True
         )
@@ -124,7 +123,6 @@ class Link:
                 f" {reason_text(echo.reason)}"
             )
         refuse_other(asked, shared_of(echo))
-        self.session = echo.session
 
     def Arm(self) -> None:
         """Lets the drives follow commands.
@@ -182,6 +180,7 @@ class Link:
             LinkError: The port is gone.
         """
         session = 0 if name == "LIMITS" else self.session
+        self._echoes_due += name == "LIMITS"
         with self._sending:
             sequence = self._sequence = (self._sequence + 1) & 0xFFFF
             stamp = time.perf_counter_ns() // 1000
@@ -239,7 +238,6 @@ class Link:
         session = self.session
         answer = self._Ask(name, values, "ANSWER").values
         if self.session != session:
-            # Limits that were told twice have begun a second session.
             answer = self._Ask(name, values, "ANSWER").values
         # A device that was asked twice refuses what it has done.
         done = answer.state == _REACHED.get(name)
@@ -289,7 +287,9 @@ class Link:
                 self.on_state(packet, lost)
             else:
                 self._inbox.Put(packet)
-        elif packet.name == "LIMITS_ECHO" and self.session:
+        elif packet.name == "LIMITS_ECHO" and self._echoes_due:
+            # Limits that were told twice have begun a second session.
+            self._echoes_due -= 1
             self.session = packet.values.session or self.session
             self._inbox.Put(packet)
         elif packet.name == "HEARTBEAT":
