@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
-import importlib
+# All that takes time to import comes where Ctrl-C is caught.
 import os
 import sys
-from collections.abc import Iterator
-from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING
 
 # Two threads of ours and BLAS's own would fight over the cores; this must be
 # set before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from brace_drake.core.errors import BraceError
-from brace_drake.core.output import ReleaseFolders
-
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Iterator
+    from types import ModuleType
 
 # Folders of commands, in the order in which the help lists them.
 _GROUPS = ("data", "diagnosis", "learning", "machine")
@@ -39,12 +34,36 @@ examples:
 def main(argv: list[str] | None = None) -> int:
     """Runs one command; without arguments prints what there is.
 
+    Args:
+        argv: Its words; those of the process by default, which then ends.
+
     Returns:
         0 when it went well, 2 with one line on standard error otherwise, 130
         after Ctrl-C.
     """
+    stop = _Stop(argv is None)
     try:
-        given = sys.argv[1:] if argv is None else argv
+        stop.Begin()
+        return _Run(sys.argv[1:] if argv is None else argv)
+    except BaseException as error:
+        # Some libraries make another error of Ctrl-C.
+        if not (stop.asked or isinstance(error, KeyboardInterrupt)):
+            raise
+        return stop.Tell()
+    finally:
+        stop.End()
+
+
+def _Run(given: list[str]) -> int:
+    from brace_drake.core.errors import BraceError
+    from brace_drake.core.output import ReleaseFolders
+
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            # Names of files need not be text.
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        _CheckWords(given)
         args = make_parser().parse_args(given or ["--help"])
         status = args.run(args)
         if sys.stdout is not None:
@@ -60,11 +79,76 @@ def main(argv: list[str] | None = None) -> int:
         # A disk that is full or gone, as no part of ours has foreseen it.
         _PrintNoMore()
         return _Tell(str(error))
-    except KeyboardInterrupt:
-        print("brace-drake: stopped", file=sys.stderr)
-        return 130
     finally:
         ReleaseFolders()
+
+
+class _Stop:
+    """Ctrl-C: once to end a command in order, again to end it at once.
+
+    Attributes:
+        asked: Whether it was pressed.
+    """
+
+    def __init__(self, for_good: bool):
+        """Argument: whether the process ends with the command."""
+        self.asked = False
+        self._for_good, self._before, self._told = for_good, None, False
+
+    def Begin(self) -> None:
+        """Listens, unless Ctrl-C is ignored or heard by somebody else."""
+        import atexit
+        import signal
+
+        if self._for_good:
+            # Python lets Ctrl-C kill a process in the last of its cleaning up.
+            atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            try:
+                self._before = signal.signal(signal.SIGINT, self._Hear)
+            except ValueError:
+                pass  # Only the main thread hears.
+
+    def End(self) -> None:
+        """Listens no more; at the end of a process nothing more is raised."""
+        import signal
+
+        if self._before is not None:
+            last = self._Leave if self._for_good else self._before
+            signal.signal(signal.SIGINT, last)
+
+    def Tell(self) -> int:
+        """The one line, and the status."""
+        while not self._told:
+            try:
+                if self._for_good:
+                    self.End()
+                self._told = True
+                print("brace-drake: stopped", file=sys.stderr)
+            except KeyboardInterrupt:
+                self._told = False
+            except OSError:
+                break
+        return 130
+
+    def _Hear(self, *_) -> None:
+        self.asked = True
+        raise KeyboardInterrupt
+
+    def _Leave(self, *_) -> None:
+        if not self._told:
+            os.write(2, b"brace-drake: stopped\n")
+        os._exit(130)
+
+
+def _CheckWords(given: list[str]) -> None:
+    """Refuses what a terminal would obey where it is printed."""
+    from brace_drake.core.errors import ScenarioError, quoted
+
+    for word in given:
+        codes = {*map(ord, word)} - {ord("\t"), ord("\n")}
+        if codes & {*range(0x20), *range(0x7F, 0xA0)}:
+            raise ScenarioError(f"{quoted(word)} holds control characters")
 
 
 def _Tell(problem: str) -> int:
@@ -74,13 +158,14 @@ def _Tell(problem: str) -> int:
 
 def _PrintNoMore() -> None:
     """Keeps Python quiet about an output that takes no more."""
+    import contextlib
+
     with contextlib.suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser with all subcommands."""
-    # All that takes time to import comes where Ctrl-C is caught.
     import argparse
     import importlib.metadata
 
@@ -107,6 +192,9 @@ def make_parser() -> argparse.ArgumentParser:
 
 def _find_commands() -> Iterator[ModuleType]:
     """The modules that add a command, group by group."""
+    import importlib
+    from pathlib import Path
+
     for group in _GROUPS:
         folder = Path(__file__).parent / group
         for file in sorted(folder.glob("[a-z]*.py")):

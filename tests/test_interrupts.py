@@ -1,0 +1,78 @@
+"""Ctrl-C at any moment ends a command in one line, with status 130."""
+
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+from tests.commands import run_command
+from tests.shared_data import EXAMPLE
+
+ROOT = Path(__file__).resolve().parents[1]
+START = """
+import sys
+from brace_drake.cli.main import main
+print("here", flush=True)
+sys.exit(main())
+"""
+
+
+class TestInterrupts(unittest.TestCase):
+    def stop(self, words, *delays):
+        """Standard error and status of a command stopped after each delay."""
+        process = subprocess.Popen(
+            [sys.executable, "-c", START, *map(str, words)],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        with process:
+            process.stdout.readline()
+            for delay in delays:
+                time.sleep(delay)
+                process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=60)
+        return errors, process.returncode
+
+    def assert_stopped(self, words, *delays):
+        errors, status = self.stop(words, *delays)
+        with self.subTest(delays=delays):
+            lines = [e for e in errors.splitlines() if "brace-drake:" in e]
+            self.assertNotIn("Traceback", errors)
+            self.assertEqual(lines, ["brace-drake: stopped"], errors)
+            self.assertEqual(status, 130)
+
+    def test_in_the_first_tenth_of_a_second(self):
+        for delay in (0.003, 0.01, 0.02, 0.04, 0.07):
+            with tempfile.TemporaryDirectory() as out:
+                self.assert_stopped(["fit", EXAMPLE, "--out", out], delay)
+
+    def test_again_and_again(self):
+        for delays in ((0.02, 0.001), (0.05, 0.002, 0.002), (1.0, 0.01, 0.01)):
+            with tempfile.TemporaryDirectory() as out:
+                self.assert_stopped(["fit", EXAMPLE, "--out", out], *delays)
+
+
+class TestWords(unittest.TestCase):
+    def test_words_that_a_terminal_would_obey_are_refused(self):
+        status, out, errors = run_command("check", "a\x1b[31mb")
+        self.assertEqual((status, out), (2, ""))
+        self.assertTrue(errors.strip().isprintable(), errors)
+
+    def test_names_that_are_no_text_are_printed(self):
+        done = subprocess.run(
+            [sys.executable, "-m", "brace_drake.cli.main", "check", b"/\xff"],
+            cwd=ROOT,
+            capture_output=True,
+        )
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertNotIn(b"Traceback", done.stderr)
+        self.assertIn(rb"\udcff", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
