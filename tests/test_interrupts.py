@@ -56,6 +56,30 @@ class TestInterrupts(unittest.TestCase):
             with tempfile.TemporaryDirectory() as out:
                 self.assert_stopped(["fit", EXAMPLE, "--out", out], *delays)
 
+    def test_in_a_place_that_can_raise_nothing(self):
+        code = (
+            "import os, signal, sys, time\n"
+            "from brace_drake.cli import main as command\n"
+            "class Last:\n"
+            "    def __del__(self):\n"
+            "        os.kill(os.getpid(), signal.SIGINT)\n"
+            "        time.sleep(0.01)\n"
+            "def run(given):\n"
+            "    Last()\n"
+            "    time.sleep(30)\n"
+            "command._Run = run\n"
+            "sys.exit(command.main())\n"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            timeout=25,
+        )
+        self.assertEqual(done.stderr, "brace-drake: stopped\n")
+        self.assertEqual(done.returncode, 130)
+
 
 class TestWords(unittest.TestCase):
     def test_words_that_a_terminal_would_obey_are_refused(self):

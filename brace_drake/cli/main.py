@@ -106,6 +106,7 @@ class _Stop:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             try:
                 self._before = signal.signal(signal.SIGINT, self._Hear)
+                sys.unraisablehook = self._Repeat
             except ValueError:
                 pass  # Only the main thread hears.
 
@@ -116,6 +117,7 @@ class _Stop:
         if self._before is not None:
             last = self._Leave if self._for_good else self._before
             signal.signal(signal.SIGINT, last)
+            sys.unraisablehook = sys.__unraisablehook__
 
     def Tell(self) -> int:
         """The one line, and the status."""
@@ -134,6 +136,19 @@ class _Stop:
     def _Hear(self, *_) -> None:
         self.asked = True
         raise KeyboardInterrupt
+
+    def _Repeat(self, lost) -> None:
+        """Asks again where Ctrl-C came in a place that can raise nothing."""
+        import signal
+        import threading
+
+        if not issubclass(lost.exc_type, KeyboardInterrupt):
+            sys.__unraisablehook__(lost)
+            return
+        main = threading.main_thread().ident, signal.SIGINT
+        timer = threading.Timer(0.02, signal.pthread_kill, main)
+        timer.daemon = True
+        timer.start()
 
     def _Leave(self, *_) -> None:
         if not self._told:
