@@ -13,6 +13,7 @@ import shutil
 import signal
 import sys
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +21,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from brace_drake.core.errors import BraceError
+from brace_drake.core.errors import BraceError, is_plain
 from brace_drake.core.resources import scenario_path
 
 SECONDS = 5.0
@@ -241,9 +242,7 @@ class Bench:
         The same seed gives the same damage.
         """
         draw = random.Random(f"{self.reader.name} {seed}")
-        case = Path(self._home.name) / "case"
-        shutil.rmtree(case, ignore_errors=True)
-        shutil.copytree(self.sound, case)
+        case = self._copy()
         names = sorted(
             p
             for pattern in self.reader.damaged
@@ -251,14 +250,31 @@ class Bench:
             if p.is_file()
         )
         damage(draw.choice(names), draw)
+        return self._read(case)
+
+    def try_file(self, name: str, data: bytes) -> str | None:
+        """Reads with one file's content in place of the sound one."""
+        case = self._copy()
+        (case / name).write_bytes(data)
+        return self._read(case)
+
+    def _copy(self) -> Path:
+        case = Path(self._home.name) / "case"
+        shutil.rmtree(case, ignore_errors=True)
+        return Path(shutil.copytree(self.sound, case))
+
+    def _read(self, case: Path) -> str | None:
         problem = None
-        with watched(case) as seen:
+        with warnings.catch_warnings(), watched(case) as seen:
             try:
+                warnings.simplefilter("ignore")
                 with time_limit(SECONDS), np.errstate(all="ignore"):
                     self.reader.read(case)
             except BraceError as error:
                 if not str(error).strip():
                     problem = f"{type(error).__name__} without a word"
+                elif not is_plain(str(error)):
+                    problem = f"{type(error).__name__} on several lines"
             except Exception as error:
                 problem = f"{type(error).__name__}: {error}"
         return seen[0] if seen else problem
