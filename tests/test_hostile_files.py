@@ -168,6 +168,23 @@ class TestMatlab(ImportTest):
             savemat(self.path, {"s": value})
             self.refuse(word, more=group)
 
+    def test_every_kind_of_numbers_in_every_version(self):
+        for kind in ("f4", "i1", "u1", "i4", "i8", "u8", "?"):
+            y = np.arange(100).astype(kind)
+            for options in ({}, {"do_compression": True}, {"format": "4"}):
+                if options.get("format") == "4" and kind in ("i8", "u8", "i1"):
+                    continue
+                savemat(self.path, self.channels | {"y": y}, **options)
+                (run,) = ImportCampaign(self.write_map()).runs
+                found = run.channels["displacement_m"]
+                np.testing.assert_array_equal(found, y.astype(float))
+        group = {"s": {**self.channels, "m": np.eye(100), "w": "text"}}
+        savemat(self.path, group | {"cell": np.array([1, "x"], object)})
+        more = "options: {group: s}"
+        columns = {"displacement_m": "y", "force_N": "m(3)"}
+        (run,) = ImportCampaign(self.write_map(more=more, columns=columns)).runs
+        np.testing.assert_array_equal(run.channels["force_N"], np.eye(100)[2])
+
     def test_cut_and_torn_files(self):
         for compressed in (False, True):
             savemat(self.path, self.channels, do_compression=compressed)
@@ -193,15 +210,17 @@ class TestMatlab(ImportTest):
             )
 
         head = self.path.read_bytes()[:128]
-        deep = b""
+        deep, number = b"", element(9, bytes(8))
         for _ in range(60):
             deep = matrix(1, 1, 1, content=deep)
         for body, word in (
-            (matrix(1, 2**30, 2**30), "cells in"),
-            (matrix(2, 2**31 - 1, 4), "cells in"),
-            (matrix(1, 1, 1, content=matrix(1, 2**30, 1)), "cells in"),
-            (matrix(6, 2**30, 2**30), "x.mat"),
-            (deep, "levels"),
+            (matrix(1, 2**30, 2**30), "no column"),
+            (matrix(2, 2**31 - 1, 4), "structs"),
+            (matrix(1, 1, 1, content=matrix(1, 2**30, 1)), "no column"),
+            (matrix(6, 2**30, 2**30, content=number), "not the size"),
+            (matrix(6, -1, -1, content=number), "not the size"),
+            (matrix(2, 1, 1, content=matrix(6, 9, 9)), "no column"),
+            (deep, "no column"),
             (bytes(300_000_000), "more than memory"),
         ):
             packed = zlib.compress(body)

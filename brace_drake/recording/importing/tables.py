@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ from brace_drake.core.errors import CampaignError, quoted, reason
 from brace_drake.core.reading import ReadBytes, check_file, decode, in_file
 from brace_drake.core.reading.rows import read_rows
 from brace_drake.recording.fields import TEXT, Field
-from brace_drake.recording.importing.matlab_sizes import check_matlab
+from brace_drake.recording.importing.matlab_file import read_matlab
 from brace_drake.recording.importing.mcap_file import LoadMcapTable
 from brace_drake.recording.table import Columns
 
@@ -96,44 +95,14 @@ def _LoadText(path: Path, options: dict) -> Columns:
 
 def _LoadMatlab(path: Path, options: dict) -> Columns:
     """Vectors, and columns of matrices, which count from 1 as in MATLAB."""
-    from scipy.io import loadmat
-
     with in_file(path, CampaignError):
-        data = ReadBytes(path)
-        check_matlab(data)
-    try:
-        memory = io.BytesIO(data)
-        content = loadmat(memory, squeeze_me=True, struct_as_record=True)
-    except NotImplementedError as error:
-        raise CampaignError(
-            f"{path}: a MATLAB 7.3 file; save it with -v7"
-        ) from error
-    # What scipy raises on a broken file is not foreseen.
-    except Exception as error:
-        raise CampaignError(
-            f"{path}: not a MATLAB file: {reason(error)}"
-        ) from error
-    group = options.get("group")
-    if group is not None:
-        struct = content.get(group)
-        names = getattr(getattr(struct, "dtype", None), "names", None)
-        if not names:
-            raise CampaignError(f"{path}: no struct {quoted(group)}")
-        if struct.size != 1:
-            raise CampaignError(
-                f"{path}: {quoted(group)} is an array of {struct.size} structs;"
-                " allowed: one"
-            )
-        content = {name: struct[name].item() for name in names}
+        content = read_matlab(ReadBytes(path), options.get("group"))
     columns: Columns = {}
-    for name, value in content.items():
-        array = np.asarray(value)
-        if name.startswith("__") or array.dtype.kind not in "fiub":
-            continue
+    for name, array in content.items():
         if array.ndim == 1 and array.size > 1:
-            columns[name] = array.astype(float)
+            columns[name] = array
         elif array.ndim == 2:
-            for i, column in enumerate(array.T.astype(float), 1):
+            for i, column in enumerate(array.T, 1):
                 columns[f"{name}({i})"] = column
     return columns
 

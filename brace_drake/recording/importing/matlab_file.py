@@ -1,0 +1,178 @@
+"""Numbers of MATLAB files up to -v7, each array held to the bytes that are there.
+
+Version 5 files (-v6, -v7) are elements of a type, a length and that many bytes;
+compressed ones (-v7) hold another element. Version 4 files are headers with
+numbers behind them. (scipy's reader of version 5 believes the sizes in a file,
+and a wrong one can end the process.)
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from collections.abc import Iterator
+
+import numpy as np
+
+from brace_drake.core.errors import ReadError, quoted
+from brace_drake.core.reading.files import LARGEST, most_bytes
+
+_HEADER, _TAG = 128, 8
+_MATRIX, _COMPRESSED = 14, 15
+_STRUCT, _COMPLEX = 2, 0x0800
+_NUMBERS = range(6, 16)  # classes of full matrices of numbers
+_TYPES = {
+    **{1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4"},
+    **{7: "f4", 9: "f8", 12: "i8", 13: "u8"},
+}
+_TYPES_4 = ("f8", "f4", "i4", "i2", "u2", "u1")
+
+Arrays = dict[str, np.ndarray]
+
+
+def read_matlab(data: bytes, group: str | None) -> Arrays:
+    """Arrays of numbers by name; what is none is left out.
+
+    Args:
+        data: The file.
+        group: The struct to look in; by default the file itself.
+
+    Raises:
+        ReadError: One line.
+    """
+    try:
+        if data[:4].count(0):
+            found = dict(_version_4(data))
+        else:
+            found = dict(_version_5(data))
+    except (struct.error, zlib.error, ValueError) as error:
+        if isinstance(error, ReadError):
+            raise
+        raise ReadError(f"not a MATLAB file: {error}") from error
+    if group is not None:
+        if not isinstance(found.get(group), dict):
+            raise ReadError(f"no struct {quoted(group)}")
+        found = found[group]
+    return {n: a for n, a in found.items() if isinstance(a, np.ndarray)}
+
+
+def _version_5(data: bytes) -> Iterator[tuple[str, np.ndarray | dict | None]]:
+    order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
+    if order is None:
+        raise ReadError("not a MATLAB file")
+    if data[124:126] in (b"\0\2", b"\2\0") and b"MATLAB 7.3" in data[:_HEADER]:
+        raise ReadError("a MATLAB 7.3 file; save it with -v7")
+    left, at = most_bytes(LARGEST), _HEADER
+    while at < len(data):
+        kind, size = struct.unpack_from(f"{order}II", data, at)
+        body = data[at + _TAG : at + _TAG + size]
+        if len(body) < size:
+            raise ReadError("not a MATLAB file: it is cut off")
+        at += _TAG + size
+        if kind == _COMPRESSED:
+            packed = zlib.decompressobj()
+            body = packed.decompress(body, left + 1)
+            left -= len(body)
+            if left < 0:
+                raise ReadError("unpacks to more than memory is meant for")
+            if not packed.eof:
+                raise ReadError("not a MATLAB file: it is cut off")
+            (kind,) = struct.unpack_from(f"{order}I", body)
+            body = body[_TAG:]
+        if kind == _MATRIX:
+            yield _matrix(body, order)
+
+
+def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+    """Type and bytes of each element; small ones lie in their tag."""
+    at = 0
+    while at + _TAG <= len(data):
+        kind, size = struct.unpack_from(f"{order}II", data, at)
+        small = kind >> 16
+        start, size = (at + 4, small) if small else (at + _TAG, size)
+        if size > (4 if small else len(data) - start):
+            raise ReadError("not a MATLAB file: an element is cut off")
+        yield kind & 0xFFFF, data[start : start + size]
+        at += _TAG if small else _TAG + size + -size % 8
+
+
+def _matrix(
+    body: bytes, order: str, within: str | None = None
+) -> tuple[str, np.ndarray | dict | None]:
+    """Name and content; None where that is neither numbers nor a struct."""
+    parts = list(_elements(body, order))
+    if len(parts) < 3:
+        return "", None
+    (flags,) = struct.unpack_from(f"{order}I", parts[0][1])
+    sizes = _integers(parts[1][1], order)
+    name = parts[2][1].decode("latin-1")
+    kind = flags & 0xFF
+    if kind == _STRUCT and within is None:
+        return name, _fields(parts, sizes, order, name)
+    if kind not in _NUMBERS or flags & _COMPLEX or len(parts) < 4:
+        return name, None
+    stored = _TYPES.get(parts[3][0])
+    if stored is None:
+        return name, None
+    flat = np.frombuffer(parts[3][1], f"{order}{stored}")
+    if min(sizes, default=0) < 0 or math.prod(sizes) != flat.size:
+        raise ReadError(f"{quoted(name or within)} has not the size it says")
+    return name, flat.reshape(sizes, order="F").astype(float).squeeze()
+
+
+def _integers(data: bytes, order: str) -> tuple[int, ...]:
+    return struct.unpack(
+        f"{order}{len(data) // 4}i", data[: len(data) // 4 * 4]
+    )
+
+
+def _fields(
+    parts: list[tuple[int, bytes]],
+    sizes: tuple[int, ...],
+    order: str,
+    name: str,
+) -> dict:
+    """What a struct holds, by field."""
+    if math.prod(sizes) != 1:
+        raise ReadError(
+            f"{quoted(name)} is an array of {math.prod(sizes)} structs;"
+            " allowed: one"
+        )
+    if len(parts) < 5:
+        return {}
+    length = max(_integers(parts[3][1], order)[0], 1)
+    names = [
+        parts[4][1][i : i + length].split(b"\0")[0].decode("latin-1")
+        for i in range(0, len(parts[4][1]), length)
+    ]
+    return {
+        field: _matrix(body, order, field)[1]
+        for field, (_, body) in zip(names, parts[5:], strict=False)
+    }
+
+
+def _version_4(data: bytes) -> Iterator[tuple[str, np.ndarray]]:
+    at = 0
+    while at < len(data):
+        order = (
+            "<" if 0 <= struct.unpack_from("<i", data, at)[0] < 5000 else ">"
+        )
+        kind, rows, columns, is_complex, length = struct.unpack_from(
+            f"{order}5i", data, at
+        )
+        at += 20
+        stored, is_text = kind // 10 % 10, kind % 10
+        if stored >= len(_TYPES_4) or min(kind, rows, columns, length) < 0:
+            raise ReadError("not a MATLAB file")
+        name = data[at : at + length].split(b"\0")[0].decode("latin-1")
+        at += length
+        dtype = np.dtype(f"{order}{_TYPES_4[stored]}")
+        count = rows * columns
+        if count * dtype.itemsize > len(data) - at:
+            raise ReadError(f"{quoted(name)} has not the size it says")
+        flat = np.frombuffer(data, dtype, count, at)
+        at += count * dtype.itemsize * (2 if is_complex else 1)
+        if not is_text and not is_complex:
+            matrix = flat.reshape((rows, columns), order="F")
+            yield name, matrix.astype(float).squeeze()
