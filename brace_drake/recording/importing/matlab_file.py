@@ -1,4 +1,4 @@
-"""Numbers of MATLAB files up to -v7, each array held to the bytes that are there.
+"""Numbers of MATLAB files up to -v7, arrays held to the bytes that are there.
 
 Version 5 files (-v6, -v7) are elements of a type, a length and that many bytes;
 compressed ones (-v7) hold another element. Version 4 files are headers with
@@ -42,10 +42,8 @@ def read_matlab(data: bytes, group: str | None) -> Arrays:
         ReadError: One line.
     """
     try:
-        if data[:4].count(0):
-            found = dict(_version_4(data))
-        else:
-            found = dict(_version_5(data))
+        is_old = b"\0" in data[:4]
+        found: dict = dict((_version_4 if is_old else _version_5)(data))
     except (struct.error, zlib.error, ValueError) as error:
         if isinstance(error, ReadError):
             raise
@@ -152,7 +150,7 @@ def _fields(
     }
 
 
-def _version_4(data: bytes) -> Iterator[tuple[str, np.ndarray]]:
+def _version_4(data: bytes) -> Iterator[tuple[str, np.ndarray | dict | None]]:
     at = 0
     while at < len(data):
         order = (
