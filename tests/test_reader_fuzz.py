@@ -1,5 +1,7 @@
 """Readers end in a result or in one line, whatever a file holds."""
 
+import contextlib
+import os
 import tempfile
 import unittest
 from pathlib import Path
@@ -45,6 +47,27 @@ class TestDamagedFiles(unittest.TestCase):
         for reader in READERS:
             with self.subTest(reader=reader.name):
                 self.assert_survives(reader)
+
+
+class TestNoFiles(unittest.TestCase):
+    def test_no_reader_waits_for_what_is_no_file(self):
+        for reader in READERS:
+            bench = Bench(reader)
+            self.addCleanup(bench.close)
+            files = [p for p in bench.sound.iterdir() if p.suffix != ".csv"]
+            for path in files or list(bench.sound.iterdir()):
+                path.unlink()
+                for make in (
+                    os.mkfifo,
+                    lambda p: p.symlink_to("/dev/zero"),
+                    lambda p: p.symlink_to("/dev/tty"),
+                    Path.mkdir,
+                ):
+                    make(path)
+                    with self.subTest(reader=reader.name, file=path.name):
+                        with contextlib.suppress(BraceError), time_limit(5.0):
+                            self.assertIsNone(reader.read(bench.sound))
+                    path.rmdir() if path.is_dir() else path.unlink()
 
 
 class TestAnyContent(unittest.TestCase):
