@@ -13,9 +13,10 @@ from brace_drake.cli.options import (
     load_scenario_option,
     open_workers_option,
 )
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import CampaignError, ReadError, quoted
 from brace_drake.core.output import HoldFolder
-from brace_drake.core.reading import LoadJson
+from brace_drake.core.reading import ReadBytes, in_file, parse_json
+from brace_drake.recording.fields import HUGE, TEXT, number_from, take
 
 _EPILOG = """\
 example:
@@ -26,6 +27,11 @@ regression.png (the paper's network on the measured force, and its error),
 force.png (twin and measured force before and after the optimisation, on a fit
 run and on one held back), and validation.json with their numbers.
 """
+
+_PARAMETER = {
+    "name": TEXT._replace(required=True),
+    "value": number_from(-HUGE, HUGE),
+}
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -107,9 +113,23 @@ def _fit(campaign, scenario, args) -> dict:
 def _load_fit(path: str) -> dict:
     from brace_drake.identification.campaign_fit import FORMAT
 
-    found = LoadJson(path, CampaignError)
+    with in_file(path, CampaignError):
+        data = ReadBytes(path)
+    try:
+        found = parse_json(data)
+    except ReadError:
+        found = None
     if not isinstance(found, dict) or found.get("format") != FORMAT:
         raise CampaignError(
             f"{path}: is not a fit.json of `brace-drake fit --out`"
         )
+    values = found.get("parameters")
+    for value in values if isinstance(values, list) else [values]:
+        if not isinstance(value, dict) or take(value, _PARAMETER)[1]:
+            raise CampaignError(
+                f"{path}: a parameter is {quoted(value)}; allowed: name and"
+                " value"
+            )
+    if take(found, {"campaign": TEXT})[1] or "campaign" not in found:
+        raise CampaignError(f"{path}: campaign is not a name")
     return found
