@@ -21,10 +21,10 @@ sys.exit(main())
 
 
 class TestInterrupts(unittest.TestCase):
-    def stop(self, words, *delays):
+    def stop(self, words, *delays, start=START, number=signal.SIGINT):
         """Standard error and status of a command stopped after each delay."""
         process = subprocess.Popen(
-            [sys.executable, "-c", START, *map(str, words)],
+            [sys.executable, "-c", start, *map(str, words)],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -34,7 +34,7 @@ class TestInterrupts(unittest.TestCase):
             process.stdout.readline()
             for delay in delays:
                 time.sleep(delay)
-                process.send_signal(signal.SIGINT)
+                process.send_signal(number)
             _, errors = process.communicate(timeout=60)
         return errors, process.returncode
 
@@ -50,6 +50,28 @@ class TestInterrupts(unittest.TestCase):
         for delay in (0.003, 0.01, 0.02, 0.04, 0.07):
             with tempfile.TemporaryDirectory() as out:
                 self.assert_stopped(["fit", EXAMPLE, "--out", out], delay)
+
+    def test_what_a_library_swallows_is_heard_all_the_same(self):
+        swallow = START.replace(
+            'print("here", flush=True)\n',
+            "import brace_drake.cli.main as command, time\n"
+            "def deaf(given):\n"
+            "    print('here', flush=True)\n"
+            "    try:\n"
+            "        time.sleep(30.0)\n"
+            "    except BaseException:\n"
+            "        pass\n"
+            "    try:\n"
+            "        time.sleep(30.0)\n"
+            "    finally:\n"
+            "        time.sleep(1.0)\n"
+            "        print('in order', file=sys.stderr)\n"
+            "command._Run = deaf\n",
+        )
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            errors, status = self.stop((), 0.1, start=swallow, number=number)
+            self.assertEqual(status, 130)
+            self.assertEqual(errors, "in order\nbrace-drake: stopped\n")
 
     def test_again_and_again(self):
         for delays in ((0.02, 0.001), (0.05, 0.002, 0.002), (1.0, 0.01, 0.01)):

@@ -2,8 +2,8 @@
 
 import io
 import math
+import tempfile
 import unittest
-from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
@@ -344,8 +344,9 @@ class TestControlInput(unittest.TestCase):
             b"noise " + b"9" * 6000 + b"\n", b"to-host drop nan\n",
             b"to-host __class__ 1\n", b"stuck -1\n", b"\\\n", b"drive on\n",
         )  # fmt: skip
-        given = SimpleNamespace(buffer=io.BytesIO(b"".join(lines)))
-        with emulated() as device:
+        with emulated() as device, tempfile.TemporaryFile() as given:
+            given.write(b"".join(lines))
+            given.seek(0)
             told = io.StringIO()
             with (
                 mock.patch("sys.stdin", given),

@@ -22,13 +22,15 @@ _EPILOG = """\
 exit codes:
   0    done
   2    a problem with input, machine or result; one line on standard error
-  130  stopped by Ctrl-C; what was done until then is kept
+  130  stopped by Ctrl-C, or told to end; what was done until then is kept
 
 examples:
   brace-drake check tests/data/example
   brace-drake diagnose tests/data/example --out out/demo
   brace-drake doctor
 """
+# After so long, s, Ctrl-C is heard again, in case nobody has heard it.
+_AGAIN = 0.2
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -86,6 +88,9 @@ def _Run(given: list[str]) -> int:
 class _Stop:
     """Ctrl-C: once to end a command in order, again to end it at once.
 
+    A process that is told to end, or whose terminal goes, ends alike: what
+    drives a device stops it first.
+
     Attributes:
         asked: Whether it was pressed.
     """
@@ -93,62 +98,76 @@ class _Stop:
     def __init__(self, for_good: bool):
         """Argument: whether the process ends with the command."""
         self.asked = False
-        self._for_good, self._before, self._told = for_good, None, False
+        self._for_good, self._before, self._told = for_good, {}, False
+        self._hook = None
 
     def Begin(self) -> None:
         """Listens, unless Ctrl-C is ignored or heard by somebody else."""
         import atexit
         import signal
 
-        if self._for_good:
-            # Python lets Ctrl-C kill a process in the last of its cleaning up.
-            atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, signal.SIGINT)
+            if self._for_good:
+                # Else one kills a process in the last of its cleaning up.
+                atexit.register(signal.signal, number, signal.SIG_IGN)
+            found = signal.getsignal(number)
+            if found not in (signal.default_int_handler, signal.SIG_DFL):
+                continue
             try:
-                self._before = signal.signal(signal.SIGINT, self._Hear)
-                sys.unraisablehook = self._Repeat
+                self._before[number] = signal.signal(number, self._Hear)
             except ValueError:
-                pass  # Only the main thread hears.
+                return  # Only the main thread hears.
+        self._hook, sys.unraisablehook = sys.unraisablehook, self._Swallow
 
     def End(self) -> None:
         """Listens no more; at the end of a process nothing more is raised."""
         import signal
 
-        if self._before is not None:
-            last = self._Leave if self._for_good else self._before
-            signal.signal(signal.SIGINT, last)
-            sys.unraisablehook = sys.__unraisablehook__
+        if self._hook is not None:
+            sys.unraisablehook = self._hook
+        if self.asked and hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        for number, before in self._before.items():
+            signal.signal(number, self._Leave if self._for_good else before)
 
     def Tell(self) -> int:
         """The one line, and the status."""
+        import signal
+
         while not self._told:
             try:
-                if self._for_good:
-                    self.End()
+                for number in self._before:
+                    signal.signal(number, signal.SIG_IGN)
+                print("brace-drake: stopped", file=sys.stderr, flush=True)
                 self._told = True
-                print("brace-drake: stopped", file=sys.stderr)
             except KeyboardInterrupt:
-                self._told = False
+                continue
             except OSError:
                 break
         return 130
 
     def _Hear(self, *_) -> None:
+        import signal
+
         self.asked = True
+        if hasattr(signal, "setitimer"):
+            signal.signal(signal.SIGALRM, self._Remind)
+            signal.setitimer(signal.ITIMER_REAL, _AGAIN, _AGAIN)
         raise KeyboardInterrupt
 
-    def _Repeat(self, lost) -> None:
-        """Asks again where Ctrl-C came in a place that can raise nothing."""
-        import signal
-        import threading
+    def _Swallow(self, told) -> None:
+        if not issubclass(told.exc_type, KeyboardInterrupt):
+            self._hook(told)
 
-        if not issubclass(lost.exc_type, KeyboardInterrupt):
-            sys.__unraisablehook__(lost)
-            return
-        main = threading.main_thread().ident, signal.SIGINT
-        timer = threading.Timer(0.02, signal.pthread_kill, main)
-        timer.daemon = True
-        timer.start()
+    def _Remind(self, *_) -> None:
+        """Raises again what somebody has swallowed, a library's import say."""
+        error = sys.exception()
+        while error and not isinstance(error, KeyboardInterrupt):
+            error = error.__context__
+        # Else it is on its way, and what cleans up must not be disturbed.
+        if error is None and not self._told:
+            raise KeyboardInterrupt
 
     def _Leave(self, *_) -> None:
         if not self._told:

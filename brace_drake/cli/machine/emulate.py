@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import os
 import shlex
 import signal
 import sys
@@ -204,13 +205,32 @@ def parse_effect(text: str):
 
 def _Obey(device) -> None:
     """Takes lines until the input ends; none of them ends it."""
-    lines = getattr(sys.stdin, "buffer", None)
-    while lines and (line := lines.readline(_LONGEST_LINE)):
-        with contextlib.suppress(OSError, ValueError):
-            try:
-                carry_out(device, line.decode("utf-8", "replace"))
-            except BraceError as error:
-                print(f"brace-drake: {error}", file=sys.stderr, flush=True)
+    try:
+        # Not through Python's buffer, whose lock would be missed at the end.
+        given, rest = sys.stdin.fileno(), b""
+    except (AttributeError, OSError, ValueError):
+        return
+    while data := _read(given):
+        *lines, rest = (rest + data).split(b"\n")
+        rest = rest[-_LONGEST_LINE:]
+        for line in lines:
+            _ObeyLine(device, line.decode("utf-8", "replace"))
+    _ObeyLine(device, rest.decode("utf-8", "replace"))
+
+
+def _read(given: int) -> bytes:
+    try:
+        return os.read(given, 1000)
+    except OSError:
+        return b""
+
+
+def _ObeyLine(device, line: str) -> None:
+    with contextlib.suppress(OSError, ValueError):
+        try:
+            carry_out(device, line)
+        except BraceError as error:
+            print(f"brace-drake: {error}", file=sys.stderr, flush=True)
 
 
 def carry_out(device, line: str) -> None:
