@@ -221,6 +221,7 @@ class TestMatlab(ImportTest):
             (matrix(6, -1, -1, content=number), "not the size"),
             (matrix(2, 1, 1, content=matrix(6, 9, 9)), "no column"),
             (deep, "no column"),
+            (matrix(2, 1, 1, content=element(5, b"") * 2), "no column"),
             (bytes(300_000_000), "more than memory"),
         ):
             packed = zlib.compress(body)
@@ -238,6 +239,9 @@ class TestMatlab(ImportTest):
             for value in (1e300, 10**30, math.inf):
                 columns["force_N"] = {"from": "f", key: value}
                 self.refuse("force_N", columns=columns)
+        for rule in ({"from": None}, {"constant": None}, {}, None, [], 3):
+            columns["force_N"] = rule
+            self.refuse("columns.force_N must be", columns=columns)
         columns["force_N"] = {"from": "f", "scale": 1e12}
         savemat(self.path, self.channels | {"f": np.full(100, 1e300)})
         self.refuse("row 1", "force_N", columns=columns)

@@ -122,12 +122,14 @@ def _parse_rule(path: Path, name: str, rule: object) -> dict:
     """Where a channel's values come from; see `ImportCampaign`."""
     if isinstance(rule, str):
         rule = {"from": rule}
-    if not isinstance(rule, dict) or ("from" in rule) == ("constant" in rule):
+    place = f"{path}: columns.{name}"
+    taken = _take(rule, _RULE, f"{place}.") if isinstance(rule, dict) else {}
+    if ("from" in taken) == ("constant" in taken):
         raise CampaignError(
-            f"{path}: columns.{name} must be a column's name, or from (with"
-            " scale, offset), or constant"
+            f"{place} must be a column's name, or from (with scale, offset),"
+            " or constant"
         )
-    return _take(rule, _RULE, f"{path}: columns.{name}.")
+    return taken
 
 
 def _read_channels(

@@ -139,7 +139,7 @@ def _fields(
         )
     if len(parts) < 5:
         return {}
-    length = max(_integers(parts[3][1], order)[0], 1)
+    length = max((1, *_integers(parts[3][1], order)[:1]))
     names = [
         parts[4][1][i : i + length].split(b"\0")[0].decode("latin-1")
         for i in range(0, len(parts[4][1]), length)
