@@ -144,7 +144,7 @@ class TestOverlayProcess(unittest.TestCase):
             with OverlayProcess(SCENARIO) as overlay:
                 overlay.Wait()
                 address = f"http://127.0.0.1:{overlay.port}/"
-                with urllib.request.urlopen(address, timeout=30) as answer:
+                with urllib.request.urlopen(address, timeout=60) as answer:
                     self.assertIn("eshcat", answer.read().decode())
                 overlay._child.send_signal(number)
                 begun = time.monotonic()
@@ -281,10 +281,10 @@ class TestPage(unittest.TestCase):
         page = Page()
         self.addCleanup(page.Close)
         self.assertTrue(page.url.startswith("http://127.0.0.1:"))
-        with urllib.request.urlopen(page.url, timeout=5) as answer:
+        with urllib.request.urlopen(page.url, timeout=60) as answer:
             self.assertIn("EventSource", answer.read().decode())
         page.Show({"alarms": []})
-        with urllib.request.urlopen(page.url + "events", timeout=5) as stream:
+        with urllib.request.urlopen(page.url + "events", timeout=60) as stream:
             line = stream.readline().decode()
         self.assertEqual(
             json.loads(line.removeprefix("data: ")), {"alarms": []}

@@ -84,7 +84,7 @@ class TestTwin(Folder):
         told = []
         with (
             contextlib.suppress(OSError),
-            urllib.request.urlopen(url + "events", timeout=60) as stream,
+            urllib.request.urlopen(url + "events", timeout=300) as stream,
         ):
             for line in stream:
                 if line.startswith(b"data: {"):
@@ -97,7 +97,7 @@ class TestTwin(Folder):
             self.twin(device) as process,
         ):
             told = self.watch(process)
-            said, errors = process.communicate(timeout=60)
+            said, errors = process.communicate(timeout=300)
             self.assertEqual(process.returncode, 0, errors)
             self.assertIn("alarm: ring2_force_y_N leaves its band\n", said)
             self.assertRegex(said, r"contact: \d+ N/m, \d+ N s/m\n")
@@ -116,7 +116,7 @@ class TestTwin(Folder):
             emulated(uses=(self.bias,)) as device,
             self.twin(device, "--stop-at-alarm") as process,
         ):
-            _, errors = process.communicate(timeout=60)
+            _, errors = process.communicate(timeout=300)
             self.assertEqual(process.returncode, 2)
             self.assertRegex(errors, r"still: stopped: alarm in leg\d_length_m")
             self.assertNotIn("Traceback", errors)
@@ -129,13 +129,13 @@ class TestTwin(Folder):
             views = [int(n) for task in tasks for n in task.read_text().split()]
             self.assertEqual(len(views), 1)
             os.kill(views[0], signal.SIGABRT)
-            _, errors = process.communicate(timeout=60)
+            _, errors = process.communicate(timeout=300)
             self.assertEqual(process.returncode, 0, errors)
             self.assertEqual(device.firmware.trip.cause, Cause.NONE)
 
     def test_a_device_like_the_twin_raises_none(self):
         with emulated() as device, self.twin(device) as process:
-            said, errors = process.communicate(timeout=60)
+            said, errors = process.communicate(timeout=300)
             self.assertEqual(process.returncode, 0, errors)
             self.assertNotIn("alarm", said)
 

@@ -88,6 +88,7 @@ class EmulatedDevice:
         seed: int = 0,
     ):
         self.plant, self.host_paced = plant, host_paced
+        plant.WarmUp()
         self.firmware = Firmware(identity, limits, plant.hold)
         self.faults = Faults(LineFaults(), LineFaults())
         self.terminal = Terminal(link)

@@ -126,6 +126,13 @@ class EmulatedPlant:
             self._draw_noise,
         )
 
+    def WarmUp(self) -> None:
+        """Loads laws, which the first host could not wait for; all at rest."""
+        self.advance(self.hold)
+        self.reset()
+        # The same draws again: a recording does not tell.
+        self._row = 0
+
     def advance(self, u) -> np.ndarray:
         """Drives the legs with u (6 S,), N, for a tick, then reads.
 
