@@ -180,6 +180,7 @@ class TestJson(unittest.TestCase):
             (b"9" * 5000, "5000 digits"),
             (b"\xff", "UTF-8"),
             (b"{", "not JSON"),
+            (b"[" + b"[]," * 8_000_000, "16 MB"),
             (b"", "not JSON"),
         ):
             with self.assertRaisesRegex(ReadError, word), time_limit(2.0):

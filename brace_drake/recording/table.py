@@ -8,11 +8,11 @@ from collections.abc import Collection
 import numpy as np
 
 from brace_drake.core.errors import ReadError, quoted
-from brace_drake.core.reading import decode
 from brace_drake.core.reading.rows import (
     NUMBER,
     WORD,
     Rows,
+    decode_lines,
     is_number,
     read_rows,
 )
@@ -46,7 +46,7 @@ def parse_table(
         that is no number read NaN, so that row numbers stay true.
     """
     try:
-        text = _decode(data)
+        text = decode_lines(data)
     except ReadError as e:
         return {}, [error(file, str(e))]
     if not text.strip():
@@ -75,17 +75,6 @@ def parse_table(
         if name in known and not np.isfinite(columns[name]).all():
             problems.append(_not_finite(columns[name], file, name))
     return columns, problems
-
-
-def _decode(data: bytes) -> str:
-    """Text with plain line ends.
-
-    Raises:
-        ReadError: It is no text; the message says why.
-    """
-    if b"\0" in data:
-        raise ReadError("not a text file (it holds null bytes)")
-    return decode(data).replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _check_header(header: list[str], file: str) -> list[Problem]:

@@ -114,7 +114,7 @@ def _load_fit(path: str) -> dict:
     from brace_drake.identification.campaign_fit import FORMAT
 
     with in_file(path, CampaignError):
-        data = ReadBytes(path)
+        data = ReadBytes(path, 16)
     try:
         found = parse_json(data)
     except ReadError:

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from brace_drake.core.errors import BraceError, ReadError, quoted
-from brace_drake.core.reading.files import ReadBytes, in_file
+from brace_drake.core.reading.files import ReadBytes, in_file, most_bytes
 from brace_drake.core.reading.text import decode
 
-LARGEST_MB = 64
+LARGEST_MB = 16
 DEEPEST = 64
 # Longer ones are no number that a measurement, a count or a time needs.
 MOST_DIGITS = 18
@@ -37,6 +37,8 @@ def parse_json(data: bytes, may_be_nan: bool = False) -> Any:
     Raises:
         ReadError: One line.
     """
+    if len(data) > most_bytes(LARGEST_MB):
+        raise ReadError(f"not JSON: more than {LARGEST_MB} MB of text")
     try:
         found = (_WITH_NAN if may_be_nan else _STRICT).decode(decode(data))
     except RecursionError as error:

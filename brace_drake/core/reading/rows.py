@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from brace_drake.core.errors import ReadError
 from brace_drake.core.reading.files import LARGEST, most_bytes
+from brace_drake.core.reading.text import decode
 
 NUMBER, EMPTY, WORD = range(3)
+_MOST_ROWS = 5_000_000  # An hour at 1 kHz has 3.6 million.
 _LONGEST = 200  # characters that are kept of a word
 
 
@@ -30,6 +33,20 @@ class Rows(NamedTuple):
     kinds: np.ndarray
     widths: np.ndarray
     first: dict[int, str]
+
+
+def decode_lines(data: bytes) -> str:
+    """Text with plain line ends, and not too many.
+
+    Raises:
+        ReadError: It is no text; the message says why.
+    """
+    if b"\0" in data:
+        raise ReadError("not a text file (it holds null bytes)")
+    text = decode(data).replace("\r\n", "\n").replace("\r", "\n")
+    if text.count("\n") > _MOST_ROWS:
+        raise ReadError(f"has more than {_MOST_ROWS} rows")
+    return text
 
 
 def read_rows(
@@ -67,12 +84,15 @@ def read_rows(
             values.extend(row)
             kinds += numbers
             continue
-        for column, field in enumerate(fields):
-            value, kind = _number(field)
-            values.append(value)
-            kinds.append(kind)
-            if kind != NUMBER:
-                first.setdefault(column, field.strip()[:_LONGEST])
+        found = [
+            (_kept if len(field) < _LONGEST else _number)(field)
+            for field in fields
+        ]
+        values.extend([value for value, _ in found])
+        kinds += bytes([kind for _, kind in found])
+        for column, (_, kind) in enumerate(found):
+            if kind != NUMBER and column not in first:
+                first[column] = fields[column].strip()[:_LONGEST]
     shape = len(widths), width
     return Rows(
         np.frombuffer(values, float).reshape(shape),
@@ -103,3 +123,6 @@ def _number(field: str) -> tuple[float, int]:
     except ValueError:
         pass
     return math.nan, WORD if field.strip() else EMPTY
+
+
+_kept = lru_cache(1024)(_number)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, quoted, reason
-from brace_drake.core.reading import ReadBytes, check_file, decode, in_file
-from brace_drake.core.reading.rows import read_rows
+from brace_drake.core.reading import ReadBytes, check_file, in_file
+from brace_drake.core.reading.rows import decode_lines, read_rows
 from brace_drake.recording.fields import TEXT, Field
 from brace_drake.recording.importing.matlab_file import read_matlab
 from brace_drake.recording.importing.mcap_file import LoadMcapTable
@@ -67,7 +67,7 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
 def _LoadText(path: Path, options: dict) -> Columns:
     """Columns that hold a number at all, NaN where they hold something else."""
     with in_file(path, CampaignError):
-        lines = decode(ReadBytes(path)).splitlines()
+        lines = decode_lines(ReadBytes(path)).rstrip("\n").split("\n")
     lines = lines[options.get("skip_lines", 0) :]
     if len(lines) < 2:
         raise CampaignError(f"{path}: no rows below a header")
