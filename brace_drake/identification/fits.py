@@ -55,6 +55,9 @@ class CandidateFit:
         refined: Whether the search was led to its end.
         sticks: Whether its drives stick and slip by chance.
         is_dithered: Whether its replays are averages over noise.
+        held_out: Misfit on motions left out in turn, where it was asked.
+        stretch: The most tolerances that a number known to one is off, where
+            it was asked.
         name: Keys of the effects joined by +, or "nominal".
         identifiers, kinds: Names of the effects, whatever their form, in order
             and in no order.
@@ -79,6 +82,8 @@ class CandidateFit:
     refined: bool = False
     sticks: bool = False
     is_dithered: bool = False
+    held_out: float | None = None
+    stretch: float = 0.0
     name: str = field(init=False)
     identifiers: tuple[str, ...] = field(init=False)
     kinds: frozenset[str] = field(init=False)

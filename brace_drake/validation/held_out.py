@@ -30,10 +30,18 @@ def motions_of(prepared: list[PreparedRun]) -> list[list[int]]:
     return list(groups.values())
 
 
-def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
+def held_out_misfit(
+    evaluator: Evaluator, fit: CandidateFit, kept: float = 0.0
+) -> float | None:
     """Mean square above the floor's, in floors, of motions left out in turn.
 
     None where there is one motion alone, or the fit was not searched.
+
+    Args:
+        evaluator: Over the fit runs.
+        fit: Of them.
+        kept: Weight that a motion left out keeps, so that what it alone tells
+            of is not lost.
     """
     motions = motions_of(evaluator.prepared)
     if len(motions) < 2 or not fit.is_searched:
@@ -67,16 +75,20 @@ def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
         np.maximum(problem.lower - z, -problem.radius)[shared],
         np.minimum(problem.upper - z, problem.radius)[shared],
     )
-    left = sum(_left_on(motion, triangles, prior, room) for motion in motions)
+    left = sum(
+        _left_on(motion, triangles, prior, room, kept) for motion in motions
+    )
     before = sum(float(t[:, -1] @ t[:, -1]) for t in triangles)
     return (fit.excess + left - before) / evaluator.count
 
 
-def _left_on(motion, triangles, prior, room) -> float:
+def _left_on(motion, triangles, prior, room, kept) -> float:
     """Squares left on a motion by the parameters that the others give."""
-    others = np.vstack(
-        [*(t for i, t in enumerate(triangles) if i not in motion), prior]
-    )
+    weights = [
+        np.sqrt(kept) if i in motion else 1.0 for i in range(len(triangles))
+    ]
+    weighed = [w * t for w, t in zip(weights, triangles, strict=True) if w]
+    others = np.vstack([*weighed, prior])
     low = np.minimum(room[0], 0.0)
     high = np.maximum(room[1], low + 1e-15)
     size = np.linalg.norm(others[:, :-1], axis=0)

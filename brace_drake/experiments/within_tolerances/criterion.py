@@ -1,0 +1,138 @@
+"""The criterion: what a set of effects leaves, and what each effect costs.
+
+    score = ln(misfit + level) / 2 + ln(predicted + level) / 2
+            + 2 ln(max(1, stretch / 3)) + cost n
+
+`misfit` is the mean square that a fit leaves above the noise, `predicted` the
+same on motions left out in turn (`identification.held_out`), `stretch` the most
+tolerances that a number known to one is off, n the number of effects that are
+not within tolerances; less is better. For residuals of unknown variance the
+first term is the log likelihood per value (Gelman et al., Bayesian Data
+Analysis, section 3.2) and the second its cross-validated form, which an effect
+that only imitates another does not share (Vehtari, Gelman, Gabry, Practical
+Bayesian model evaluation using leave-one-out cross-validation, Statistics and
+Computing 27, 2017); the third is that of the tolerances themselves. The level
+is what no twin is exact to: below it less says nothing. Numbers within their
+tolerances are no part of the misfit, see `identification.tolerances`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.devices.declaration import Nuisance
+from brace_drake.effects.card import Effect
+from brace_drake.experiments.within_tolerances import thresholds
+from brace_drake.experiments.within_tolerances.tolerated import is_within
+from brace_drake.identification.fits import CandidateFit
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """The gap of one campaign, and the score of what may explain it.
+
+    Misfits are mean squares in units of the noise floor's.
+
+    Attributes:
+        nominal: The fit of the subject alone; what it leaves is the gap.
+        count: Number of independent values.
+        recorded: Share of the informative channels that was recorded.
+        level: Misfit of a right twin: the noise is not known better, and its
+            laws are not.
+        nuisances: Numbers known to a tolerance.
+    """
+
+    nominal: CandidateFit
+    count: int
+    recorded: float = 1.0
+    level: float = thresholds.LEVEL
+    nuisances: tuple[Nuisance, ...] = ()
+
+    def misfit(self, fit: CandidateFit) -> float:
+        """What a fit leaves above the floor on the runs that it was fitted
+        to; below 0 by chance.
+        """
+        return fit.excess / self.count
+
+    def predicted(self, fit: CandidateFit) -> float:
+        """What it leaves on motions left out in turn; on its own runs where
+        there is one motion alone.
+        """
+        inside = max(0.0, self.misfit(fit))
+        if fit.held_out is None:
+            return inside
+        return max(0.0, fit.held_out)
+
+    def left(self, fit: CandidateFit) -> float:
+        """Geometric mean of both misfits, each with the level."""
+        both = (max(0.0, self.misfit(fit)), self.predicted(fit))
+        return float(np.sqrt(np.prod([m + self.level for m in both])))
+
+    def score(self, fit: CandidateFit) -> float:
+        """Of a fit; the least one is the best explanation."""
+        cost = thresholds.COST_OF_EFFECT * len(self.findings(fit))
+        stretch = max(1.0, fit.stretch / thresholds.WITHIN)
+        return float(np.log(self.left(fit)) + 2.0 * np.log(stretch) + cost)
+
+    def findings(self, fit: CandidateFit) -> list[Effect]:
+        """A fit's effects that are not within tolerances."""
+        return [
+            use[0]
+            for use in fit.uses
+            if not is_within(use, fit.spread, self.nuisances)
+        ]
+
+    def closed(self, fit: CandidateFit) -> float:
+        """Share of the gap's amplitude that a fit takes away, 1 at the floor.
+
+        Amplitudes are sqrt(1 + misfit) - 1.
+        """
+        before, after = (
+            np.sqrt(1.0 + max(0.0, self.misfit(f))) - 1.0
+            for f in (self.nominal, fit)
+        )
+        return float(1.0 - after / before) if before > 0.0 else 0.0
+
+    def unexplained(self, fit: CandidateFit) -> float:
+        """Share of the gap's amplitude that a fit leaves beyond the level, on
+        motions that it has not seen.
+        """
+        gap = self.left(self.nominal) - self.level
+        rest = self.left(fit) - self.level
+        before, after, least = (
+            np.sqrt(1.0 + m) - 1.0 for m in (gap, rest, self.level)
+        )
+        return float(np.clip((after - least) / before, 0.0, 1.0))
+
+    def is_beyond_level(self, fit: CandidateFit) -> bool:
+        """Whether a fit leaves more than a right twin would."""
+        return self.left(fit) > thresholds.BEYOND_LEVEL * self.level
+
+    def is_material(self, fit: CandidateFit) -> bool:
+        """Whether what it leaves is beyond the level and no small part of the
+        gap: then something is there that the library has not.
+        """
+        share = self.unexplained(fit)
+        return self.is_beyond_level(fit) and share > thresholds.MATERIAL
+
+
+def refined(fits: Iterable[CandidateFit]) -> list[CandidateFit]:
+    """Fits whose search was led to its end, best first."""
+    return sorted((f for f in fits if f.refined), key=lambda f: f.excess)
+
+
+def best_of_kinds(
+    criterion: Criterion, fits: Sequence[CandidateFit]
+) -> list[CandidateFit]:
+    """Of refined fits of the same effects, whatever their form, the best; all
+    in the order of their score. Those whose many parameters are no draw from
+    one law are none.
+    """
+    best: dict[frozenset[str], CandidateFit] = {}
+    known = [f for f in fits if f.refined and f.is_scattered]
+    for fit in sorted(known, key=criterion.score):
+        best.setdefault(fit.kinds, fit)
+    return list(best.values())

@@ -1,0 +1,153 @@
+"""The verdict: is there a gap, which effects explain it, what is left."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from brace_drake.experiments.within_tolerances import thresholds
+from brace_drake.experiments.within_tolerances.criterion import (
+    Criterion,
+    best_of_kinds,
+)
+from brace_drake.identification.fits import CandidateFit
+
+
+@dataclass(frozen=True)
+class Support:
+    """How well one named effect is supported by itself.
+
+    Attributes:
+        name: Of the effect.
+        probability: That it is there, whatever else may be.
+        closes: Share of the gap's amplitude that comes back without it.
+    """
+
+    name: str
+    probability: float
+    closes: float
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer.
+
+    Attributes:
+        gap: Whether there is one beyond noise, tolerances and the subject's
+            parameters.
+        winner: The fit with the effects that are named, or None; beside them
+            it may have some that are within tolerances.
+        outside_library: Whether what is left is material: something is there
+            that the library has not, beside the effects named.
+        ambiguous_with: Rivals that the data cannot tell from the winner.
+        probability: That effects and `outside_library` are right.
+        supported: Each named effect, the largest first.
+        unexplained: Share of the gap's amplitude that is left.
+    """
+
+    gap: bool
+    winner: CandidateFit | None
+    outside_library: bool
+    ambiguous_with: tuple[str, ...]
+    probability: float
+    supported: tuple[Support, ...] = ()
+    unexplained: float = 0.0
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the effects that explain the gap, the largest first."""
+        return tuple(s.name for s in self.supported)
+
+
+def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
+    """The verdict over the nominal fit and its rivals.
+
+    The explanation of the least score is named, none where that is the nominal
+    twin itself; what it leaves is judged apart.
+
+    Args:
+        criterion: Of the campaign.
+        fits: Of the search; those refined may win.
+    """
+    ranked = best_of_kinds(criterion, [criterion.nominal, *fits])
+    best = ranked[0]
+    odds = _probabilities(criterion, ranked)
+    outside = criterion.is_material(best)
+    sure = odds[0] * _sure_of_rest(criterion, best, outside)
+    sure = with_less_known(_limited(sure), criterion.recorded)
+    named = criterion.findings(best)
+    if not named:
+        gap = outside
+        left = criterion.unexplained(best) if gap else 0.0
+        within = best if best.effects else None
+        return Verdict(gap, within, gap, (), sure, (), left)
+    tied = [
+        "+".join(f.identifiers)
+        for f in ranked[1:]
+        if f.effects
+        and criterion.score(f) - criterion.score(best) < thresholds.TIED
+    ]
+    supported = tuple(
+        sorted(
+            (_support(criterion, best, e, ranked, odds) for e in named),
+            key=lambda s: -s.closes,
+        )
+    )
+    left = criterion.unexplained(best)
+    return Verdict(True, best, outside, tuple(tied), sure, supported, left)
+
+
+def _probabilities(
+    criterion: Criterion, ranked: Sequence[CandidateFit]
+) -> list[float]:
+    """Of each explanation, from the differences of their scores (pseudo-BMA;
+    Yao, Vehtari, Simpson, Gelman, Bayesian Analysis 13, 2018).
+    """
+    least = criterion.score(ranked[0])
+    weights = [
+        math.exp(-thresholds.ODDS * (criterion.score(f) - least))
+        for f in ranked
+    ]
+    return [w / sum(weights) for w in weights]
+
+
+def _sure_of_rest(
+    criterion: Criterion, best: CandidateFit, outside: bool
+) -> float:
+    """Probability that what is left is judged rightly: that it is next to
+    nothing, or that it is much.
+    """
+    beyond = thresholds.BEYOND_LEVEL * criterion.level
+    far = math.log(criterion.left(best) / beyond)
+    far = far if outside else max(-far, math.log(thresholds.MATERIAL))
+    if not outside and criterion.is_beyond_level(best):
+        share = criterion.unexplained(best)
+        far = math.log(thresholds.MATERIAL / max(share, 1e-3))
+    return 1.0 / (1.0 + math.exp(-thresholds.ODDS * far))
+
+
+def _support(criterion, best, effect, ranked, odds) -> Support:
+    """What speaks for one of the named effects."""
+    sure = sum(
+        p for f, p in zip(ranked, odds, strict=True) if effect.name in f.kinds
+    )
+    kinds = best.kinds - {effect.name}
+    without = next((f for f in ranked if f.kinds == kinds), criterion.nominal)
+    closes = criterion.closed(best) - criterion.closed(without)
+    return Support(effect.name, _limited(sure), max(0.0, closes))
+
+
+def with_less_known(probability: float, known: float) -> float:
+    """A probability drawn towards one half.
+
+    Args:
+        probability: With all that a campaign records.
+        known: Share of that which is known.
+    """
+    return min(probability, 0.5 + (probability - 0.5) * known)
+
+
+def _limited(probability: float) -> float:
+    low, high = thresholds.LEAST_PROBABILITY, thresholds.MOST_PROBABILITY
+    return min(max(probability, low), high)

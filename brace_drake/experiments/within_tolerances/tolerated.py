@@ -1,0 +1,45 @@
+"""Effects that are within tolerances, and so no finding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.devices.declaration import Nuisance
+from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import Use
+from brace_drake.experiments.within_tolerances import thresholds
+from brace_drake.identification.fits import CandidateFit
+
+
+def is_within(
+    use: Use, spread: float | None, nuisances: Sequence[Nuisance]
+) -> bool:
+    """Whether an effect is a number that stays within its tolerance.
+
+    Args:
+        use: The effect with its fitted parameters.
+        spread: Standard deviation of alike parameters, if it has such.
+        nuisances: Numbers known to a tolerance.
+    """
+    effect, values = use
+    deviations = [n.deviation for n in nuisances if _is_of(n, effect)]
+    if not deviations:
+        return False
+    if effect.spread is not None:
+        return bool(spread <= thresholds.WITHIN * max(deviations))
+    strengths = np.abs(values[: len(effect.parameters)][effect.is_strength])
+    return bool(strengths.max() <= thresholds.WITHIN * max(deviations))
+
+
+def _is_of(nuisance: Nuisance, effect: Effect) -> bool:
+    names = {e.name for e, _ in nuisance.uses}
+    return bool(names & {effect.name, *effect.generalises})
+
+
+def uses_within(
+    fit: CandidateFit, nuisances: Sequence[Nuisance]
+) -> tuple[Use, ...]:
+    """A fit's effects that are within their tolerances."""
+    return tuple(u for u in fit.uses if is_within(u, fit.spread, nuisances))
