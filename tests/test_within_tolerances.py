@@ -159,10 +159,10 @@ class TestCriterion(unittest.TestCase):
         self.assertFalse(verdict.outside_library)
 
     def test_a_certain_effect_is_named_beside_a_rest_that_is_unknown(self):
-        large = Criterion(fit_of("", 200.0, 200.0), 1000)
+        large = Criterion(fit_of("", 1000.0, 1000.0), 1000)
         fits = [
-            fit_of("coulomb_friction", 10.0, 11.0),
-            fit_of("relaxation", 190.0, 190.0),
+            fit_of("coulomb_friction", 60.0, 65.0),
+            fit_of("relaxation", 950.0, 950.0),
         ]
         verdict = decide(large, fits)
         self.assertEqual(verdict.effects, ("coulomb_friction",))
