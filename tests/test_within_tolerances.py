@@ -11,6 +11,7 @@ import numpy as np
 from brace_drake.devices.bench.device import Bench
 from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.declaration import Nuisance
+from brace_drake.devices.tolerances import Tolerances
 from brace_drake.effects.registry import find_effect
 from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.experiments.within_tolerances.criterion import Criterion
@@ -21,7 +22,6 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_nominal
 from brace_drake.identification.least_squares import LeastSquaresSolution
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
-from brace_drake.identification.tolerances import Tolerances
 from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
 

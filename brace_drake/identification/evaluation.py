@@ -9,9 +9,9 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
+from brace_drake.devices.tolerances import Tolerances
 from brace_drake.effects.stack import Use
 from brace_drake.identification.noise_floor import NoiseFloor
-from brace_drake.identification.tolerances import Tolerances
 from brace_drake.recording.recording import Run
 
 # Noisy replays averaged for effects on which noise acts as a dither: in a
@@ -210,6 +210,20 @@ class Evaluator:
         return prepared.weigh(
             before - replay(twin, prepared, subject, both, noisy)
         )
+
+    def whitened(self, rows: np.ndarray) -> np.ndarray:
+        """Rows of all runs whitened of tolerances; a prior's below stay."""
+        if self.tolerances is None:
+            return rows
+        n = self.ends[-1]
+        return np.concatenate([self.tolerances.whiten(rows[:n]), rows[n:]])
+
+    def coloured(self, rows: np.ndarray) -> np.ndarray:
+        """The inverse of `whitened`."""
+        if self.tolerances is None:
+            return rows
+        n = self.ends[-1]
+        return np.concatenate([self.tolerances.colour(rows[:n]), rows[n:]])
 
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
         """Expected square of a weighted residual of noise alone.

@@ -156,7 +156,7 @@ class CandidateProblem:
         if not kept:
             return z, None
         # Whitening mixes the runs: they are compared before it.
-        kept = [(p, self._coloured(r)) for p, r in kept]
+        kept = [(p, self.evaluator.coloured(r)) for p, r in kept]
         out, residual = z.copy(), kept[0][1].copy()
         ends = self.evaluator.ends
         for run, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
@@ -165,7 +165,7 @@ class CandidateProblem:
             residual[begin:end] = chosen[begin:end]
             mine = self.places_in_run(effect, run)
             out[mine] = point[mine]
-        return out, self._whitened(residual)
+        return out, self.evaluator.whitened(residual)
 
     @property
     def spread_scale(self) -> float:
@@ -239,22 +239,8 @@ class CandidateProblem:
                 out.append(None)
                 continue
             rows = np.concatenate([*parts, self.prior_rows(z)])
-            out.append(self._whitened(rows))
+            out.append(self.evaluator.whitened(rows))
         return out
-
-    def _whitened(self, residual: np.ndarray) -> np.ndarray:
-        """Rows of all runs, whitened of tolerances; the prior's as they are."""
-        known, last = self.evaluator.tolerances, self.evaluator.ends[-1]
-        if known is None:
-            return residual
-        return np.concatenate([known.whiten(residual[:last]), residual[last:]])
-
-    def _coloured(self, residual: np.ndarray) -> np.ndarray:
-        """The inverse of `_whitened`."""
-        known, last = self.evaluator.tolerances, self.evaluator.ends[-1]
-        if known is None:
-            return residual
-        return np.concatenate([known.colour(residual[:last]), residual[last:]])
 
     def columns(
         self, z: np.ndarray, first: int = 0, base: np.ndarray | None = None
@@ -297,10 +283,10 @@ class CandidateProblem:
             if len(group) == 1:
                 out[:rows, group[0] - first] = change[:rows] / steps[group[0]]
                 continue
-            own = self._coloured(change)
+            own = self.evaluator.coloured(change)
             for i, begin, end in zip(group, [0, *ends], ends, strict=False):
                 column = np.zeros(len(base))
                 column[begin:end] = own[begin:end] / steps[i]
-                out[:, i - first] = self._whitened(column)
+                out[:, i - first] = self.evaluator.whitened(column)
         out[rows:] = self.prior_jacobian()[:, first:]
         return out

@@ -2,7 +2,7 @@
 
 `diagnose` takes the bench's numbers as exact. Here every number that has a
 tolerance is a nuisance parameter with a normal prior, marginalised in all fits
-(`identification.tolerances`), one criterion of few numbers decides
+(`devices.tolerances`), one criterion of few numbers decides
 (`criterion`, `thresholds`), and one forward and backward search follows it
 (`search`). On stored fits of 104 clean blind cases that criterion is as good
 as the default decision (`tools/score_criterion.py`); on benches within their

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
+from brace_drake.devices.tolerances import linearise_tolerances
 from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import (
@@ -17,7 +18,6 @@ from brace_drake.identification.fits import (
     search,
 )
 from brace_drake.identification.problem import CandidateProblem
-from brace_drake.identification.tolerances import linearise_tolerances
 from brace_drake.selection.search import shortlist
 from brace_drake.validation.held_out import held_out_misfit
 

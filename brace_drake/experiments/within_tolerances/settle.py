@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from brace_drake.devices.declaration import Nuisance
+from brace_drake.devices.tolerances import linearise_tolerances
 from brace_drake.experiments.within_tolerances.criterion import (
     Criterion,
     best_of_kinds,
@@ -15,7 +16,6 @@ from brace_drake.experiments.within_tolerances.fitted import try_refine
 from brace_drake.experiments.within_tolerances.level import with_level
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.tolerances import linearise_tolerances
 
 
 def settle(
