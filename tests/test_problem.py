@@ -25,6 +25,12 @@ class LinearEvaluator:
     def map(self, function, tasks):
         return [function(*task) for task in tasks]
 
+    def whitened(self, rows):
+        return rows
+
+    def coloured(self, rows):
+        return rows
+
     def weighted_residual(self, run, subject, uses, step):
         total = 0.1 * subject[0]
         for k, (effect, values) in enumerate(uses):
