@@ -20,6 +20,12 @@ sys.exit(main())
 """
 
 
+def hear():
+    """Lets a child hear signals that whoever started the tests ignores."""
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+
+
 class TestInterrupts(unittest.TestCase):
     def stop(self, words, *delays, start=START, number=signal.SIGINT):
         """Standard error and status of a command stopped after each delay."""
@@ -29,6 +35,7 @@ class TestInterrupts(unittest.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
+            preexec_fn=hear,
         )
         with process:
             process.stdout.readline()
@@ -98,6 +105,7 @@ class TestInterrupts(unittest.TestCase):
             capture_output=True,
             text=True,
             timeout=25,
+            preexec_fn=hear,
         )
         self.assertEqual(done.stderr, "brace-drake: stopped\n")
         self.assertEqual(done.returncode, 130)
