@@ -8,7 +8,7 @@ import numpy as np
 
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.isolation.imposed_motion import (
     explain_imposed_motion,
     fit_imposed_motion,

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.effects.registry import find_effect
-from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import richer_starts, search_richer

@@ -86,7 +86,7 @@ def collect(case: Path, folder: Path) -> str:
 
 
 def _fit_row(d, fit: CandidateFit, chance: bool | None) -> dict:
-    from brace_drake.validation.held_out import held_out_misfit
+    from brace_drake.identification.held_out import held_out_misfit
 
     searched = fit.is_searched
     return {

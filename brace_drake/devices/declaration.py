@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -142,6 +142,16 @@ class Device(ABC):
         """Motions that the device may be asked for after recorded runs; None
         where none is known to be safe.
         """
+
+    def uses_off(self, off: Mapping[str, float]) -> tuple[Use, ...]:
+        """Effects of a machine whose numbers are off, in SI units by the names
+        of `tolerances`.
+        """
+        return ()
+
+    def draw_uses(self, seed: int) -> tuple[Use, ...]:
+        """Effects of a machine that is drawn within its tolerances."""
+        return ()
 
     def small_errors(self) -> list[SmallError]:
         """Small errors of its blocks; none where they are not known."""

@@ -11,6 +11,7 @@ from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.effects.stack import Use
 from brace_drake.identification.noise_floor import NoiseFloor
+from brace_drake.identification.tolerances import Tolerances
 from brace_drake.recording.recording import Run
 
 # Noisy replays averaged for effects on which noise acts as a dither: in a
@@ -129,7 +130,11 @@ class Evaluator:
             recorded.
         ends: Where each run's rows of the weighted residual end.
         map: Results of `function(*task)` in order, from (function, tasks).
+        tolerances: What numbers within their tolerances change; None where
+            all are exact.
     """
+
+    tolerances: Tolerances | None = None
 
     def __init__(
         self, twin, prepared: Sequence[PreparedRun], jobs: int | Workers
@@ -182,6 +187,29 @@ class Evaluator:
         except BraceError:
             return None
         return prepared.weigh(prepared.measured - simulated)
+
+    def change(
+        self,
+        prepared: PreparedRun,
+        subject: np.ndarray,
+        uses: Sequence[Use],
+        more: Sequence[Use],
+        twin,
+    ) -> np.ndarray:
+        """What further effects change of a run's weighted residual.
+
+        Where noise acts as a dither both twins take the same noise.
+
+        Raises:
+            BraceError: The twin breaks down.
+        """
+        uses = uses_in_run(uses, prepared.index)
+        both = (*uses, *uses_in_run(more, prepared.index))
+        noisy = NUM_DITHERS if is_dithered(twin, both) else 0
+        before = replay(twin, prepared, subject, uses, noisy)
+        return prepared.weigh(
+            before - replay(twin, prepared, subject, both, noisy)
+        )
 
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
         """Expected square of a weighted residual of noise alone.

@@ -155,6 +155,8 @@ class CandidateProblem:
         ]
         if not kept:
             return z, None
+        # Whitening mixes the runs: they are compared before it.
+        kept = [(p, self._coloured(r)) for p, r in kept]
         out, residual = z.copy(), kept[0][1].copy()
         ends = self.evaluator.ends
         for run, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
@@ -163,7 +165,7 @@ class CandidateProblem:
             residual[begin:end] = chosen[begin:end]
             mine = self.places_in_run(effect, run)
             out[mine] = point[mine]
-        return out, residual
+        return out, self._whitened(residual)
 
     @property
     def spread_scale(self) -> float:
@@ -229,13 +231,30 @@ class CandidateProblem:
         ]
         evaluator.replays += len(points)
         found = evaluator.map(evaluator.weighted_residual, tasks)
-        out, size = [], len(evaluator.prepared)
+        out: list[np.ndarray | None] = []
+        size = len(evaluator.prepared)
         for i, z in enumerate(points):
             parts = found[i * size : (i + 1) * size]
-            broken = any(p is None for p in parts)
-            rows = [*parts, self.prior_rows(z)]
-            out.append(None if broken else np.concatenate(rows))
+            if any(p is None for p in parts):
+                out.append(None)
+                continue
+            rows = np.concatenate([*parts, self.prior_rows(z)])
+            out.append(self._whitened(rows))
         return out
+
+    def _whitened(self, residual: np.ndarray) -> np.ndarray:
+        """Rows of all runs, whitened of tolerances; the prior's as they are."""
+        known, last = self.evaluator.tolerances, self.evaluator.ends[-1]
+        if known is None:
+            return residual
+        return np.concatenate([known.whiten(residual[:last]), residual[last:]])
+
+    def _coloured(self, residual: np.ndarray) -> np.ndarray:
+        """The inverse of `_whitened`."""
+        known, last = self.evaluator.tolerances, self.evaluator.ends[-1]
+        if known is None:
+            return residual
+        return np.concatenate([known.colour(residual[:last]), residual[last:]])
 
     def columns(
         self, z: np.ndarray, first: int = 0, base: np.ndarray | None = None
@@ -278,7 +297,10 @@ class CandidateProblem:
             if len(group) == 1:
                 out[:rows, group[0] - first] = change[:rows] / steps[group[0]]
                 continue
+            own = self._coloured(change)
             for i, begin, end in zip(group, [0, *ends], ends, strict=False):
-                out[begin:end, i - first] = change[begin:end] / steps[i]
+                column = np.zeros(len(base))
+                column[begin:end] = own[begin:end] / steps[i]
+                out[:, i - first] = self._whitened(column)
         out[rows:] = self.prior_jacobian()[:, first:]
         return out

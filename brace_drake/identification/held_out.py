@@ -13,6 +13,8 @@ on it in any case.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import lsq_linear
 
@@ -21,6 +23,9 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import calc_triangle
 from brace_drake.identification.problem import CandidateProblem
 
+# Weight that a motion left out keeps: what it alone tells of is not lost.
+_KEPT = 0.1
+
 
 def motions_of(prepared: list[PreparedRun]) -> list[list[int]]:
     """Places of the runs of each motion, repeats beside what they repeat."""
@@ -28,6 +33,20 @@ def motions_of(prepared: list[PreparedRun]) -> list[list[int]]:
     for place, p in enumerate(prepared):
         groups.setdefault(p.run.repeat_of or p.run.file, []).append(place)
     return list(groups.values())
+
+
+def check_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
+    """The fit with what it leaves on motions left out, and how far it has to
+    stretch tolerances.
+    """
+    stretch = 0.0
+    if evaluator.tolerances is not None:
+        residual = fit.solution.residual[: evaluator.ends[-1]]
+        rest = 1.0 + max(0.0, fit.excess) / evaluator.count
+        off = evaluator.tolerances.estimate(residual, rest)
+        stretch = float(np.mean(off**2))
+    left = held_out_misfit(evaluator, fit)
+    return replace(fit, held_out=left, stretch=stretch)
 
 
 def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
@@ -74,9 +93,11 @@ def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
 
 def _left_on(motion, triangles, prior, room) -> float:
     """Squares left on a motion by the parameters that the others give."""
-    others = np.vstack(
-        [*(t for i, t in enumerate(triangles) if i not in motion), prior]
-    )
+    weighed = [
+        np.sqrt(_KEPT) * t if i in motion else t
+        for i, t in enumerate(triangles)
+    ]
+    others = np.vstack([*weighed, prior])
     low = np.minimum(room[0], 0.0)
     high = np.maximum(room[1], low + 1e-15)
     size = np.linalg.norm(others[:, :-1], axis=0)
