@@ -5,6 +5,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+from brace_drake.selection.search.friction import fit_frictions
 
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.effects.registry import find_effect
@@ -14,7 +15,6 @@ from brace_drake.isolation.imposed_motion import (
     fit_imposed_motion,
 )
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.search.friction import fit_frictions
 from brace_drake.selection.search.linearisation import Linearisation
 from tests.synthetic_bench import SyntheticBench, record, searched
 

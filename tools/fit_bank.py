@@ -24,13 +24,13 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+from brace_drake.selection.null_bootstrap import NullDistribution
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import LeastSquaresSolution
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
-from brace_drake.selection.null_bootstrap import NullDistribution
 
 BANK = Path(__file__).resolve().parents[1] / "tests/data/fit_bank.npz"
 FORMAT = "brace-fit-bank/1"
@@ -38,9 +38,10 @@ FORMAT = "brace-fit-bank/1"
 
 def collect(case: Path, folder: Path) -> str:
     """Diagnoses a case and writes its fits; returns the case's name."""
+    from brace_drake.selection.surrogate_data import loses_to_surrogates
+
     from brace_drake import diagnose as module
     from brace_drake.recording import LoadCampaign
-    from brace_drake.selection.surrogate_data import loses_to_surrogates
 
     asked: dict[int, bool] = {}
     shown: set[str] = set()
