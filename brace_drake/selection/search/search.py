@@ -11,10 +11,12 @@ of Statistical Learning, section 3.3).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from brace_drake.core.errors import BraceError
+from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
@@ -37,16 +39,21 @@ from brace_drake.selection.search.shortlist import (
     refine,
     try_refine,
 )
+from brace_drake.selection.tolerated import level_of
 
 
 def search_causes(
-    evaluator: Evaluator, criterion: Criterion, say: Say
+    evaluator: Evaluator,
+    criterion: Criterion,
+    nuisances: Sequence[Nuisance],
+    say: Say,
 ) -> list[CandidateFit]:
     """Fits of all single effects and of the sets that they lead to.
 
     Args:
         evaluator: Over the fit runs.
         criterion: With the nominal fit.
+        nuisances: Numbers known to a tolerance.
         say: Progress.
     """
     effects = list(effects_for(evaluator.twin.device).values())
@@ -60,6 +67,9 @@ def search_causes(
             known += _backward(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
         best = ranked[0]
+        # Friction that is found within its tolerance adds to the level.
+        level = max(criterion.level, level_of(evaluator, best, nuisances))
+        criterion = replace(criterion, level=level)
         is_shorter = len(best.effects) < number
         if not criterion.is_beyond_level(best) or (number > 1 and is_shorter):
             break
@@ -73,7 +83,8 @@ def _beam(ranked: Sequence[CandidateFit], number: int) -> list[CandidateFit]:
     """
     able = [f for f in ranked if len(f.effects) == number and not f.is_flexible]
     able.sort(key=lambda f: f.excess)
-    return able[: thresholds.BEAM if number == 1 else 1]
+    near = [f for f in able if f.excess <= thresholds.NEAR * able[0].excess]
+    return near[: thresholds.BEAM if number == 1 else 1]
 
 
 def _forward(
