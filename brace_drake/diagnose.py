@@ -26,9 +26,9 @@ from brace_drake.isolation.residual_shapes import describe_rest
 from brace_drake.recording.recording import Campaign
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
+from brace_drake.selection.level import make_criterion
 from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.settle import set_within, settle
-from brace_drake.selection.tolerated import is_within, make_criterion
 from brace_drake.validation.causes import Cause, rank_causes
 from brace_drake.validation.confirm import confirm, without_copies
 from brace_drake.validation.prediction import predict_runs
@@ -136,12 +136,11 @@ def diagnose(
     criterion = make_criterion(evaluator, nominal, nuisances)
     fits = search_causes(evaluator, criterion, nuisances, _part(say, 0.15, 0.8))
     say("verdict", 0.8)
-    criterion, fits = settle(evaluator, criterion, fits, nuisances)
+    criterion, fits = settle(evaluator, criterion, fits)
     carry = partial(set_within, evaluator, uses_off=device.uses_off)
     nominal, fits = carry(nominal), [carry(fit) for fit in fits]
     criterion = replace(criterion, nominal=nominal)
-    within = partial(is_within, nuisances=nuisances)
-    verdict = decide(criterion, fits, within)
+    verdict = decide(criterion, fits)
 
     say("validation runs", 0.9)
     runs, copies = without_copies(campaign)

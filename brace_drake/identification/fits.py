@@ -57,8 +57,7 @@ class CandidateFit:
         is_dithered: Whether its replays are averages over noise.
         held_out: Misfit on motions left out in turn, see `held_out_misfit`;
             None where it is not known.
-        stretch: Mean square of what numbers known to a tolerance are off, in
-            units of it.
+        stretch: The most tolerances that a number known to one is off.
         within: Effects of those numbers, as far off as the fit has them.
         name: Keys of the effects joined by +, or "nominal".
         identifiers, kinds: Names of the effects, whatever their form, in order

@@ -44,7 +44,7 @@ def check_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
         residual = fit.solution.residual[: evaluator.ends[-1]]
         rest = 1.0 + max(0.0, fit.excess) / evaluator.count
         off = evaluator.tolerances.estimate(residual, rest)
-        stretch = float(np.mean(off**2))
+        stretch = float(np.max(np.abs(off)))
     left = held_out_misfit(evaluator, fit)
     return replace(fit, held_out=left, stretch=stretch)
 

@@ -1,12 +1,12 @@
 """The criterion: what a set of effects leaves, and what each effect costs.
 
     score = ln(misfit + level) / 2 + ln(predicted + level) / 2
-            + ln(max(1, stretch)) + cost n
+            + 2 ln(max(1, stretch / 3)) + cost n
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
 same on motions left out in turn (`identification.held_out`), `stretch` the
-mean square of what numbers known to a tolerance have to be off, in units of it,
-n the number of effects; less is better. For residuals of unknown variance the
+largest number of tolerances that a number known to one has to be off, n the
+number of effects that are not within tolerances; less is better. For residuals of unknown variance the
 first term is the log likelihood per value (Gelman et al., Bayesian Data
 Analysis, section 3.2) and the second its cross-validated form, which an effect
 that only imitates another does not share (Vehtari, Gelman, Gabry, Practical
@@ -24,8 +24,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brace_drake.devices.declaration import Nuisance
+from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
+from brace_drake.selection.tolerated import is_within
 
 
 @dataclass(frozen=True)
@@ -40,12 +43,14 @@ class Criterion:
         recorded: Share of the informative channels that was recorded.
         level: Misfit of a right twin: the noise is not known better, and its
             laws are not.
+        nuisances: Numbers known to a tolerance.
     """
 
     nominal: CandidateFit
     count: int
     recorded: float = 1.0
     level: float = thresholds.LEVEL
+    nuisances: tuple[Nuisance, ...] = ()
 
     def misfit(self, fit: CandidateFit) -> float:
         """What a fit leaves above the floor on the runs that it was fitted
@@ -69,9 +74,17 @@ class Criterion:
 
     def score(self, fit: CandidateFit) -> float:
         """Of a fit; the least one is the best explanation."""
-        cost = thresholds.COST_OF_EFFECT * len(fit.effects)
-        cost += np.log(max(1.0, fit.stretch))
-        return float(np.log(self.left(fit)) + cost)
+        cost = thresholds.COST_OF_EFFECT * len(self.findings(fit))
+        stretch = max(1.0, fit.stretch / thresholds.WITHIN)
+        return float(np.log(self.left(fit)) + 2.0 * np.log(stretch) + cost)
+
+    def findings(self, fit: CandidateFit) -> list[Effect]:
+        """A fit's effects that are not within tolerances."""
+        return [
+            use[0]
+            for use in fit.uses
+            if not is_within(use, fit.spread, self.nuisances)
+        ]
 
     def closed(self, fit: CandidateFit) -> float:
         """Share of the gap's amplitude that a fit takes away, 1 at the floor.

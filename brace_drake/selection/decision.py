@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from brace_drake.effects.stack import Use
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, best_of_kinds
@@ -61,11 +60,7 @@ class Verdict:
         return tuple(s.name for s in self.supported)
 
 
-def decide(
-    criterion: Criterion,
-    fits: Sequence[CandidateFit],
-    is_within: Callable[[Use, float | None], bool] = lambda use, spread: False,
-) -> Verdict:
+def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
     """The verdict over the nominal fit and its rivals.
 
     The explanation of the least score is named, none where that is the nominal
@@ -74,8 +69,6 @@ def decide(
     Args:
         criterion: Of the campaign.
         fits: Of the search; those refined may win.
-        is_within: Whether an effect, with the spread of its fit, is within a
-            tolerance and so no finding.
     """
     ranked = best_of_kinds(criterion, [criterion.nominal, *fits])
     best = ranked[0]
@@ -83,7 +76,7 @@ def decide(
     outside = criterion.is_material(best)
     sure = odds[0] * _sure_of_rest(criterion, best, outside)
     sure = with_less_known(_limited(sure), criterion.recorded)
-    named = [u[0] for u in best.uses if not is_within(u, best.spread)]
+    named = criterion.findings(best)
     if not named:
         gap = outside
         left = criterion.unexplained(best) if gap else 0.0

@@ -14,15 +14,14 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.tolerances import linearise_tolerances
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection.criterion import Criterion, best_of_kinds
+from brace_drake.selection.level import with_level
 from brace_drake.selection.search.shortlist import try_refine
-from brace_drake.selection.tolerated import level_of
 
 
 def settle(
     evaluator: Evaluator,
     criterion: Criterion,
     fits: Sequence[CandidateFit],
-    nuisances: Sequence[Nuisance],
 ) -> tuple[Criterion, list[CandidateFit]]:
     """The criterion and the fits that a verdict is decided on.
 
@@ -30,15 +29,14 @@ def settle(
         evaluator: Over the fit runs; it keeps the last linearisation.
         criterion: Of the search.
         fits: Of the search.
-        nuisances: Numbers known to a tolerance.
     """
+    nuisances = criterion.nuisances
     best = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
     if nuisances and best.effects:
         again = _refit_within(evaluator, best, nuisances)
         fits = [again if f is best else f for f in fits]
         best = again
-    level = level_of(evaluator, best, nuisances)
-    return replace(criterion, level=level), list(fits)
+    return with_level(evaluator, criterion, best), list(fits)
 
 
 def _refit_within(

@@ -1,0 +1,71 @@
+"""The level: what even a right twin leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.devices.declaration import Nuisance
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.tolerated import uses_within
+
+
+def make_criterion(
+    evaluator: Evaluator, nominal: CandidateFit, nuisances: Sequence[Nuisance]
+) -> Criterion:
+    """The criterion that a search sets out with."""
+    criterion = Criterion(
+        nominal,
+        evaluator.count,
+        evaluator.recorded,
+        nuisances=tuple(nuisances),
+    )
+    return with_level(evaluator, criterion, nominal)
+
+
+def with_level(
+    evaluator: Evaluator, criterion: Criterion, fit: CandidateFit
+) -> Criterion:
+    """The criterion with the level that a fit adds to it."""
+    level = level_of(evaluator, fit, criterion.nuisances)
+    return replace(criterion, level=level)
+
+
+def level_of(
+    evaluator: Evaluator, fit: CandidateFit, nuisances: Sequence[Nuisance]
+) -> float:
+    """Misfit that even a right twin leaves, if a fit is it.
+
+    The noise's level, and a part of what dry friction within its tolerance
+    does, which is as inexact as its law.
+
+    Args:
+        evaluator: Over the fit runs.
+        fit: Whose friction is taken.
+        nuisances: Numbers known to a tolerance.
+    """
+    rough = [u for u in uses_within(fit, nuisances) if u[0].dithered]
+    power = 0.0
+    if rough:
+        changes = evaluator.map(
+            lambda p: evaluator.change(
+                p, fit.subject, (), rough, evaluator.twin.coarse()
+            ),
+            [(p,) for p in evaluator.prepared],
+        )
+        power = sum(float(c @ c) for c in changes) / evaluator.count
+    known = evaluator.tolerances
+    if known is not None:
+        residual = fit.solution.residual[: evaluator.ends[-1]]
+        off = known.estimate(
+            residual, 1.0 + max(0.0, fit.excess) / evaluator.count
+        )
+        is_rough = [n.uses[0][0].dithered for n in known.nuisances]
+        change = known.sizes * (known.right @ np.where(is_rough, off, 0.0))
+        power += float(change @ change) / evaluator.count
+    return thresholds.LEVEL + thresholds.FRICTION_ERROR**2 * power
