@@ -36,6 +36,8 @@ LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
 # Sets of at most so many effects are made of so many best smaller ones, which
 # leave at most this many times as much as the best.
 MOST_EFFECTS, BEAM, NEAR = 3, 3, 4.0
+# Effects that tolerances suggest, the farthest first.
+MOST_STRETCHED = 4
 # Misfit that leaves nothing to search for.
 TWIN_ERROR = 0.02
 # About as near as a coarse search comes; over dozens of parameters the last of

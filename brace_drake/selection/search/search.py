@@ -11,12 +11,10 @@ of Statistical Learning, section 3.3).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from brace_drake.core.errors import BraceError
-from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
@@ -24,6 +22,7 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, best_of_kinds, refined
+from brace_drake.selection.level import with_level
 from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
@@ -39,50 +38,63 @@ from brace_drake.selection.search.shortlist import (
     refine,
     try_refine,
 )
-from brace_drake.selection.tolerated import level_of
+from brace_drake.selection.search.stretched import fit_stretched
 
 
 def search_causes(
-    evaluator: Evaluator,
-    criterion: Criterion,
-    nuisances: Sequence[Nuisance],
-    say: Say,
+    evaluator: Evaluator, criterion: Criterion, say: Say
 ) -> list[CandidateFit]:
     """Fits of all single effects and of the sets that they lead to.
 
     Args:
         evaluator: Over the fit runs.
         criterion: With the nominal fit.
-        nuisances: Numbers known to a tolerance.
         say: Progress.
     """
     effects = list(effects_for(evaluator.twin.device).values())
     room = MAX_EFFECTS - len(evaluator.twin.carried)
-    beam, known = [criterion.nominal], []
+    known = _stretched(evaluator, criterion, criterion.nominal, effects)
+    ranked = best_of_kinds(criterion, [criterion.nominal, *known])
+    criterion = with_level(evaluator, criterion, ranked[0])
+    # Friction within its tolerance is no effect: the search sets out from it.
+    beam = ranked[:1] if not criterion.findings(ranked[0]) else []
+    beam = beam or [criterion.nominal]
+    room -= len(beam[0].effects)
+    if not criterion.is_beyond_level(ranked[0]):
+        room = min(room, 1)
     for number in range(1, min(room, thresholds.MOST_EFFECTS) + 1):
         part = _part(say, number)
         for base in beam:
             known += _forward(evaluator, criterion, base, effects, part)
+            if number > 1:
+                known += _stretched(evaluator, criterion, base, effects)
         if number > 1:
             known += _backward(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
         best = ranked[0]
         # Friction that is found within its tolerance adds to the level.
-        level = max(criterion.level, level_of(evaluator, best, nuisances))
-        criterion = replace(criterion, level=level)
-        is_shorter = len(best.effects) < number
+        criterion = with_level(evaluator, criterion, best)
+        is_shorter = len(criterion.findings(best)) < number
         if not criterion.is_beyond_level(best) or (number > 1 and is_shorter):
             break
-        beam = _beam(ranked, number)
+        beam = _beam(criterion, ranked, number)
     return known
 
 
-def _beam(ranked: Sequence[CandidateFit], number: int) -> list[CandidateFit]:
+def _beam(
+    criterion: Criterion, ranked: Sequence[CandidateFit], number: int
+) -> list[CandidateFit]:
     """The best sets of a number of effects, of which larger ones are made; of
     effects by the dozen none: they cover what others do.
     """
-    able = [f for f in ranked if len(f.effects) == number and not f.is_flexible]
+    able = [
+        f
+        for f in ranked
+        if len(criterion.findings(f)) == number and not f.is_flexible
+    ]
     able.sort(key=lambda f: f.excess)
+    if not able:
+        return []
     near = [f for f in able if f.excess <= thresholds.NEAR * able[0].excess]
     return near[: thresholds.BEAM if number == 1 else 1]
 
@@ -127,7 +139,9 @@ def _backward(
     end before.
     """
     ranked = best_of_kinds(criterion, known)
-    best = next((f for f in ranked if len(f.effects) == number), None)
+    best = next(
+        (f for f in ranked if len(criterion.findings(f)) == number), None
+    )
     if best is None:
         return []
     done, found = {f.kinds for f in ranked}, []
@@ -141,6 +155,20 @@ def _backward(
         if less is not None and less.step(lines, thresholds.STEPS, own=True):
             found.append(try_refine(evaluator, less.fit()))
     return found
+
+
+def _stretched(
+    evaluator: Evaluator,
+    criterion: Criterion,
+    base: CandidateFit,
+    effects: Sequence[Effect],
+) -> list[CandidateFit]:
+    """A set with one more effect that its tolerances suggest."""
+    able = [e for e in effects if not any(e.is_alike(o) for o in base.effects)]
+    try:
+        return fit_stretched(Linearisation(evaluator, base), criterion, able)
+    except BraceError:
+        return []
 
 
 def _part(say: Say, number: int) -> Say:
