@@ -4,17 +4,16 @@
             + 2 ln(max(1, stretch / 3)) + cost n
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
-same on motions left out in turn (`identification.held_out`), `stretch` the
-largest number of tolerances that a number known to one has to be off, n the
-number of effects that are not within tolerances; less is better. For residuals
-of unknown variance the first term is the log likelihood per value (Gelman et
-al., Bayesian Data Analysis, section 3.2) and the second its cross-validated form, which an effect
+same on motions left out in turn (`identification.held_out`), `stretch` the most
+tolerances that a number known to one is off, n the number of effects that are
+not within tolerances; less is better. For residuals of unknown variance the
+first term is the log likelihood per value (Gelman et al., Bayesian Data
+Analysis, section 3.2) and the second its cross-validated form, which an effect
 that only imitates another does not share (Vehtari, Gelman, Gabry, Practical
 Bayesian model evaluation using leave-one-out cross-validation, Statistics and
 Computing 27, 2017); the third is that of the tolerances themselves. The level
-is what no twin is exact to: below it less says nothing.
-Numbers within their tolerances are no part of the misfit, see
-`identification.tolerances`.
+is what no twin is exact to: below it less says nothing. Numbers within their
+tolerances are no part of the misfit, see `identification.tolerances`.
 """
 
 from __future__ import annotations

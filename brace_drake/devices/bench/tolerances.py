@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.effects.actuation import coulomb_friction
 from brace_drake.effects.card import Effect
 from brace_drake.effects.within_tolerances import ANCHORS, NUMBERS
 from brace_drake.scenario.brace import BenchScenario
@@ -22,8 +21,6 @@ KEYS = {
     "force_bias_N": "force_bias",
     "command_delay_s": "command_delay",
 }
-# Laws of which either may hold.
-_FORMS = {"leg_dry_friction_N": coulomb_friction.CARDS}
 # What only adds to a number.
 _ONE_SIDED = ("leg_dry_friction_N", "command_delay_s")
 
@@ -42,9 +39,7 @@ def _all(scenario: BenchScenario) -> Iterator[Nuisance]:
     for name, card in NUMBERS.items():
         size = getattr(scenario.tolerances, KEYS[name])
         lower = 0.0 if name in _ONE_SIDED else -math.inf
-        values = np.array([size])
-        for form in _FORMS.get(name, (card,)):
-            yield _nuisance(name, form, size, values, lower)
+        yield _nuisance(name, card, size, np.array([size]), lower)
     names, size = ANCHORS.parameter_names, scenario.tolerances.anchor
     for name, values in zip(names, size * np.eye(len(names)), strict=True):
         yield _nuisance(name, ANCHORS, size, values, -math.inf)

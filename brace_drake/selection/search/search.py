@@ -117,7 +117,7 @@ def _forward(
     for flexible in (False, True):
         more = others(effects, base, flexible)
         candidates = screen(lines, more, say)
-        places = thresholds.PLACES if not flexible else 1
+        places = thresholds.PLACES if not flexible else len(more)
         search_best(lines, candidates, say, places=places)
         candidates += search_richer(lines, candidates, more)
         fits = refine(evaluator, best_fits(candidates), base.excess)

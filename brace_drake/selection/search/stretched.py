@@ -77,10 +77,12 @@ def _suggested(
         tried.add(card.key)
         if card.spread is not None:
             yield card, card.off()
-        else:
-            start = values * (max(abs(t), 1.0) * np.sign(t or 1.0))
-            if card.dithered:
-                start = np.abs(start)
-            yield card, np.clip(start, card.lower, card.upper)
+            continue
+        start = values * (max(abs(t), 1.0) * np.sign(t or 1.0))
+        start = np.clip(start, np.minimum(card.lower, 0.0), card.upper)
+        start = np.where(card.lower < 0.0, start, np.abs(start))
+        for form in effects:
+            if form.name == card.name:
+                yield form, start if np.any(start) else values
         if len(tried) >= thresholds.MOST_STRETCHED:
             return
