@@ -134,7 +134,7 @@ def diagnose(
 
     # Which effects, with the subject fitted anew beside each.
     criterion = make_criterion(evaluator, nominal, nuisances)
-    fits = search_causes(evaluator, criterion, nuisances, _part(say, 0.15, 0.8))
+    fits = search_causes(evaluator, criterion, _part(say, 0.15, 0.8))
     say("verdict", 0.8)
     criterion, fits = settle(evaluator, criterion, fits)
     carry = partial(set_within, evaluator, uses_off=device.uses_off)

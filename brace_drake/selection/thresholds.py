@@ -18,7 +18,7 @@ FRICTION_ERROR = 0.25
 # An effect has to leave a quarter of what is left without it, in logarithms.
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves.
-BEYOND_LEVEL = 3.0
+BEYOND_LEVEL = 4.0
 # Share of the gap's amplitude that is worth a word when nothing explains it.
 MATERIAL = 0.20
 # Explanations whose scores differ by less are tied: one leaves 1.5 times as
