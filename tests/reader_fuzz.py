@@ -22,7 +22,7 @@ import numpy as np
 import yaml
 
 from brace_drake.core.errors import BraceError, is_plain
-from brace_drake.core.resources import cache_path, scenario_path
+from brace_drake.core.resources import scenario_path
 
 SECONDS = 5.0
 # What tears files apart most often, and what must never be obeyed.
@@ -84,9 +84,7 @@ class Watch:
             return
         if event.startswith(RUNNING):
             self.seen.append(f"{event} {args!r}")
-        elif event in CHANGING and not (
-            self._is_inside(args[0]) or self._is_kept(args[0])
-        ):
+        elif event in CHANGING and not self._is_inside(args[0]):
             self.seen.append(f"{event} {args[0]!r}")
         elif event == "open" and isinstance(args[0], str | bytes):
             path, writes = args[0], self._writes(args)
@@ -106,11 +104,6 @@ class Watch:
     def _is_inside(self, path) -> bool:
         real = os.path.realpath(os.fsdecode(path))
         return real.startswith(f"{self.folder}{os.sep}") or real == self.folder
-
-    @staticmethod
-    def _is_kept(path) -> bool:
-        """Compiled laws are kept there when a file first names an effect."""
-        return Path(os.fsdecode(path)).is_relative_to(cache_path())
 
     @staticmethod
     def _is_code(path) -> bool:
