@@ -196,12 +196,12 @@ class TestCriterion(unittest.TestCase):
 
 
 class TestStoredCases(unittest.TestCase):
-    def test_stored_cases_are_as_right_as_by_the_default_decision(self):
+    def test_stored_cases_are_decided_as_when_the_numbers_were_chosen(self):
         from score_criterion import BANK, score
 
         number, right, clean = score(BANK)
         self.assertEqual(number.total(), 104)
-        # The default decision: 96; `tools/score_criterion.py` tells both.
+        # In sample: it shows a change of behaviour, not how good that is.
         self.assertGreaterEqual(right.total(), 92)
         self.assertGreaterEqual(clean.total(), 101)
 

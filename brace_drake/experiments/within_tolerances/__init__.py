@@ -4,7 +4,7 @@
 tolerance is a nuisance parameter with a normal prior, marginalised in all fits
 (`devices.tolerances`), one criterion of few numbers decides
 (`criterion`, `thresholds`), and one forward and backward search follows it
-(`search`). On stored fits of 104 clean blind cases that criterion is as good
-as the default decision (`tools/score_criterion.py`); on benches within their
-tolerances it names what the default cannot. It is slow where drives stick.
+(`search`). Its numbers were chosen on the stored fits on which
+`tools/score_criterion.py` counts, so that count flatters it; it has not been
+tried on cases of its own. It is slow where drives stick.
 """
