@@ -13,12 +13,11 @@ from brace_drake.core.reading.arrays import ReadArrays
 from brace_drake.learning.actions import SCALES, ActionLaw
 from brace_drake.learning.signals import OBSERVERS, observation_size
 from brace_drake.learning.task import LearningTask
+from brace_drake.recording.fields import HUGE
 from brace_drake.scenario.fields import merge
 
 FORMAT = 1
 _MOST_LAYERS, _MOST_OUTPUTS = 20, 100_000
-# Far beyond weights, scalings and stiffnesses, and far from overflow.
-_HUGE = 1e12
 
 
 class PolicyFile:
@@ -51,8 +50,8 @@ class PolicyFile:
         self,
         name: str,
         shape: tuple[int, ...],
-        low: float = -_HUGE,
-        high: float = _HUGE,
+        low: float = -HUGE,
+        high: float = HUGE,
     ) -> np.ndarray:
         """Numbers of a shape, between two (these included).
 
@@ -73,7 +72,7 @@ class PolicyFile:
             )
         return found
 
-    def number(self, name: str, low: float, high: float = _HUGE) -> float:
+    def number(self, name: str, low: float, high: float = HUGE) -> float:
         """One number between two."""
         return float(self.numbers(name, (), low, high))
 
@@ -110,7 +109,7 @@ class PolicyFile:
             if not 1e-6 <= value <= most:
                 self.fail(f"task.{name}", value, f"1e-06 to {most:g}")
         way = task.displacement
-        if way.shape not in ((6,), (size,)) or not (abs(way) < _HUGE).all():
+        if way.shape not in ((6,), (size,)) or not (abs(way) < HUGE).all():
             self.fail("task.displacement", way, f"6 or {size} numbers")
         return task
 

@@ -11,6 +11,7 @@ import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -81,8 +82,7 @@ def parse_yaml(data: bytes | str, may_be_empty: bool = False) -> dict:
         for event in yaml.parse(text, Loader=loader):
             builder.add(event)
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        place = f" in line {mark.line + 1}" if mark is not None else ""
+        place = _place(getattr(error, "problem_mark", None))
         problem = getattr(error, "problem", None) or error
         raise ReadError(f"not YAML{place}: {problem}") from error
     except (UnicodeError, RecursionError) as error:
@@ -93,6 +93,11 @@ def parse_yaml(data: bytes | str, may_be_empty: bool = False) -> dict:
     if not isinstance(found, dict):
         raise ReadError(f"must hold a mapping of keys, found {quoted(found)}")
     return found
+
+
+def _place(mark: Any) -> str:
+    """Of a parser's mark, in words; nothing without one."""
+    return f" in line {mark.line + 1}" if mark is not None else ""
 
 
 @dataclass
@@ -125,8 +130,7 @@ class _Builder:
         try:
             self._add(event)
         except ReadError as error:
-            mark = event.start_mark
-            place = f" in line {mark.line + 1}" if mark is not None else ""
+            place = _place(event.start_mark)
             raise ReadError(f"not YAML{place}: {error}") from error
 
     def _add(self, event: yaml.Event) -> None:
