@@ -11,7 +11,7 @@ import numpy as np
 from brace_drake.devices.bench.device import Bench
 from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.devices.tolerances import Tolerances
+from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.registry import find_effect
 from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.experiments.within_tolerances.criterion import Criterion
@@ -29,12 +29,12 @@ _ROOT = Path(__file__).resolve().parent.parent
 sys.path.append(str(_ROOT / "tools"))
 
 
-def known_tolerances(columns: np.ndarray) -> Tolerances:
+def known_tolerances(columns: np.ndarray) -> LinearTolerances:
     """Those whose change of the residual are given columns (rows, k)."""
     left, sizes, right = np.linalg.svd(columns, full_matrices=False)
     card = find_effect("force_bias")
     one = Nuisance("x", "N", "sensing", 1.0, ((card, np.ones(1)),))
-    return Tolerances((one,) * columns.shape[1], left, sizes, right)
+    return LinearTolerances((one,) * columns.shape[1], left, sizes, right)
 
 
 class TestTolerances(unittest.TestCase):

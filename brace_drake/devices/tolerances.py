@@ -22,7 +22,7 @@ from brace_drake.effects.stack import Use
 
 
 @dataclass(frozen=True)
-class Tolerances:
+class LinearTolerances:
     """What numbers within their tolerances change of weighted residuals.
 
     Attributes:
@@ -76,7 +76,7 @@ def linearise_tolerances(
     nuisances: Sequence[Nuisance],
     subject: np.ndarray,
     uses: Sequence[Use] = (),
-) -> Tolerances | None:
+) -> LinearTolerances | None:
     """The change of all runs by each number, at a subject and with effects.
 
     None where no number has a tolerance, or the twin breaks down.
@@ -89,11 +89,10 @@ def linearise_tolerances(
     """
     if not nuisances:
         return None
-    twin = evaluator.twin.coarse()
     tasks = [(p, n) for n in nuisances for p in evaluator.prepared]
     try:
         changes = evaluator.map(
-            lambda p, n: evaluator.change(p, subject, uses, n.uses, twin),
+            lambda p, n: evaluator.change(p, subject, uses, n.uses),
             tasks,
         )
     except BraceError:
@@ -111,4 +110,4 @@ def linearise_tolerances(
     sizes = np.sqrt(squares[kept])[::-1]
     right = directions[:, kept].T[::-1]
     left = columns @ (right.T / sizes)
-    return Tolerances(tuple(nuisances), left, sizes, right)
+    return LinearTolerances(tuple(nuisances), left, sizes, right)

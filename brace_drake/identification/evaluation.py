@@ -9,7 +9,7 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
-from brace_drake.devices.tolerances import Tolerances
+from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.stack import Use
 from brace_drake.identification.noise_floor import NoiseFloor
 from brace_drake.recording.recording import Run
@@ -134,7 +134,7 @@ class Evaluator:
             all are exact.
     """
 
-    tolerances: Tolerances | None = None
+    tolerances: LinearTolerances | None = None
 
     def __init__(
         self, twin, prepared: Sequence[PreparedRun], jobs: int | Workers
@@ -194,16 +194,16 @@ class Evaluator:
         subject: np.ndarray,
         uses: Sequence[Use],
         more: Sequence[Use],
-        twin,
     ) -> np.ndarray:
         """What further effects change of a run's weighted residual.
 
-        Where noise acts as a dither both twins take the same noise.
+        At the coarse plant step; where noise acts as a dither both replays
+        take the same noise.
 
         Raises:
             BraceError: The twin breaks down.
         """
-        uses = uses_in_run(uses, prepared.index)
+        twin, uses = self._twins["coarse"], uses_in_run(uses, prepared.index)
         both = (*uses, *uses_in_run(more, prepared.index))
         noisy = NUM_DITHERS if is_dithered(twin, both) else 0
         before = replay(twin, prepared, subject, uses, noisy)

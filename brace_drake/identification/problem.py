@@ -284,9 +284,12 @@ class CandidateProblem:
                 out[:rows, group[0] - first] = change[:rows] / steps[group[0]]
                 continue
             own = self.evaluator.coloured(change)
-            for i, begin, end in zip(group, [0, *ends], ends, strict=False):
-                column = np.zeros(len(base))
-                column[begin:end] = own[begin:end] / steps[i]
-                out[:, i - first] = self.evaluator.whitened(column)
+            columns = np.zeros((len(base), len(group)))
+            for k, (i, begin, end) in enumerate(
+                zip(group, [0, *ends], ends, strict=False)
+            ):
+                columns[begin:end, k] = own[begin:end] / steps[i]
+            places = np.subtract(group, first)
+            out[:, places] = self.evaluator.whitened(columns)
         out[rows:] = self.prior_jacobian()[:, first:]
         return out

@@ -56,15 +56,8 @@ class Criterion:
         return self.gain(fit, before) > self.null.least_gain(more)
 
     def closed(self, fit: CandidateFit) -> float:
-        """Share of the gap's amplitude that a fit takes away, 1 at the floor.
-
-        Amplitudes are sqrt(1 + misfit) - 1.
-        """
-        before, after = (
-            np.sqrt(1.0 + max(0.0, self.misfit(f))) - 1.0
-            for f in (self.nominal, fit)
-        )
-        return float(1.0 - after / before) if before > 0.0 else 0.0
+        """Share of the gap's amplitude that a fit takes away."""
+        return closed_amplitude(self.misfit(self.nominal), self.misfit(fit))
 
     def closes_half(self, fit: CandidateFit) -> bool:
         """Whether a fit takes away about half of the gap's amplitude."""
@@ -168,6 +161,18 @@ class Criterion:
             if part.kinds < fit.kinds and not self.gains(fit, part):
                 return part
         return None
+
+
+def closed_amplitude(before: float, after: float) -> float:
+    """Share of a gap's amplitude that is taken away, 1 at the floor.
+
+    Amplitudes are sqrt(1 + misfit) - 1.
+
+    Args:
+        before, after: Misfits; below 0 they are chance.
+    """
+    first, last = (np.sqrt(1.0 + max(0.0, m)) - 1.0 for m in (before, after))
+    return float(1.0 - last / first) if first > 0.0 else 0.0
 
 
 def make_criterion(

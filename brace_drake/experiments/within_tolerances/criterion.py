@@ -4,7 +4,7 @@
             + 2 ln(max(1, stretch / 3)) + cost n
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
-same on motions left out in turn (`identification.held_out`), `stretch` the most
+same on motions left out in turn (`validation.held_out`), `stretch` the most
 tolerances that a number known to one is off, n the number of effects that are
 not within tolerances; less is better. For residuals of unknown variance the
 first term is the log likelihood per value (Gelman et al., Bayesian Data
@@ -18,7 +18,7 @@ tolerances are no part of the misfit, see `devices.tolerances`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.experiments.within_tolerances.tolerated import is_within
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection.criterion import closed_amplitude, plausible
 
 
 @dataclass(frozen=True)
@@ -86,15 +87,8 @@ class Criterion:
         ]
 
     def closed(self, fit: CandidateFit) -> float:
-        """Share of the gap's amplitude that a fit takes away, 1 at the floor.
-
-        Amplitudes are sqrt(1 + misfit) - 1.
-        """
-        before, after = (
-            np.sqrt(1.0 + max(0.0, self.misfit(f))) - 1.0
-            for f in (self.nominal, fit)
-        )
-        return float(1.0 - after / before) if before > 0.0 else 0.0
+        """Share of the gap's amplitude that a fit takes away."""
+        return closed_amplitude(self.misfit(self.nominal), self.misfit(fit))
 
     def unexplained(self, fit: CandidateFit) -> float:
         """Share of the gap's amplitude that a fit leaves beyond the level, on
@@ -119,11 +113,6 @@ class Criterion:
         return self.is_beyond_level(fit) and share > thresholds.MATERIAL
 
 
-def refined(fits: Iterable[CandidateFit]) -> list[CandidateFit]:
-    """Fits whose search was led to its end, best first."""
-    return sorted((f for f in fits if f.refined), key=lambda f: f.excess)
-
-
 def best_of_kinds(
     criterion: Criterion, fits: Sequence[CandidateFit]
 ) -> list[CandidateFit]:
@@ -132,7 +121,7 @@ def best_of_kinds(
     one law are none.
     """
     best: dict[frozenset[str], CandidateFit] = {}
-    known = [f for f in fits if f.refined and f.is_scattered]
+    known = plausible(fits)
     for fit in sorted(known, key=criterion.score):
         best.setdefault(fit.kinds, fit)
     return list(best.values())

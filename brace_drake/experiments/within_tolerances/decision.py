@@ -12,6 +12,11 @@ from brace_drake.experiments.within_tolerances.criterion import (
     best_of_kinds,
 )
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection.decision import with_less_known
+from brace_drake.selection.thresholds import (
+    LEAST_PROBABILITY,
+    MOST_PROBABILITY,
+)
 
 
 @dataclass(frozen=True)
@@ -138,16 +143,5 @@ def _support(criterion, best, effect, ranked, odds) -> Support:
     return Support(effect.name, _limited(sure), max(0.0, closes))
 
 
-def with_less_known(probability: float, known: float) -> float:
-    """A probability drawn towards one half.
-
-    Args:
-        probability: With all that a campaign records.
-        known: Share of that which is known.
-    """
-    return min(probability, 0.5 + (probability - 0.5) * known)
-
-
 def _limited(probability: float) -> float:
-    low, high = thresholds.LEAST_PROBABILITY, thresholds.MOST_PROBABILITY
-    return min(max(probability, low), high)
+    return min(max(probability, LEAST_PROBABILITY), MOST_PROBABILITY)

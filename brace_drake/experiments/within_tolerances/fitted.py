@@ -11,13 +11,7 @@ from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import linearise_tolerances
 from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import (
-    CandidateFit,
-    correct_step,
-    finish_fit,
-    search,
-)
-from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.fits import CandidateFit, fit_nominal
 from brace_drake.selection.search import shortlist
 from brace_drake.validation.held_out import held_out_misfit
 
@@ -35,16 +29,13 @@ def fit_nominal_within(
             nuisances from here on.
         nuisances: Numbers known to a tolerance.
     """
-    problem = CandidateProblem(evaluator, ())
     subject = np.array([p.nominal for p in evaluator.twin.subject])
-    for _ in range(_ROUNDS if nuisances else 0):
+    for _ in range(_ROUNDS if nuisances else 1):
         evaluator.tolerances = linearise_tolerances(
             evaluator, nuisances, subject
         )
-        solution = search(problem, subject / problem.scales)
-        subject, _ = problem.split(solution.z)
-    solution = search(problem, subject / problem.scales)
-    fit = correct_step(problem, finish_fit(problem, solution))
+        fit = fit_nominal(evaluator)
+        subject = fit.subject
     return check_fit(evaluator, fit)
 
 
@@ -53,15 +44,22 @@ def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     return check_fit(evaluator, shortlist.try_refine(evaluator, fit))
 
 
+def estimate_off(evaluator: Evaluator, fit: CandidateFit) -> np.ndarray:
+    """How many tolerances each number is off in a fit (k,); what else the fit
+    leaves counts as noise.
+    """
+    known = evaluator.tolerances
+    residual = fit.solution.residual[: evaluator.ends[-1]]
+    rest = 1.0 + max(0.0, fit.excess) / evaluator.count
+    return known.estimate(residual, rest)
+
+
 def check_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """The fit with what it leaves on motions left out, and how far it has to
     stretch tolerances.
     """
     stretch = 0.0
     if evaluator.tolerances is not None:
-        residual = fit.solution.residual[: evaluator.ends[-1]]
-        rest = 1.0 + max(0.0, fit.excess) / evaluator.count
-        off = evaluator.tolerances.estimate(residual, rest)
-        stretch = float(np.max(np.abs(off)))
+        stretch = float(np.max(np.abs(estimate_off(evaluator, fit))))
     left = held_out_misfit(evaluator, fit, thresholds.KEPT)
     return replace(fit, held_out=left, stretch=stretch)

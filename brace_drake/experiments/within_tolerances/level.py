@@ -10,6 +10,7 @@ import numpy as np
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.experiments.within_tolerances.criterion import Criterion
+from brace_drake.experiments.within_tolerances.fitted import estimate_off
 from brace_drake.experiments.within_tolerances.tolerated import uses_within
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
@@ -53,18 +54,13 @@ def level_of(
     power = 0.0
     if rough:
         changes = evaluator.map(
-            lambda p: evaluator.change(
-                p, fit.subject, (), rough, evaluator.twin.coarse()
-            ),
+            lambda p: evaluator.change(p, fit.subject, (), rough),
             [(p,) for p in evaluator.prepared],
         )
         power = sum(float(c @ c) for c in changes) / evaluator.count
     known = evaluator.tolerances
     if known is not None:
-        residual = fit.solution.residual[: evaluator.ends[-1]]
-        off = known.estimate(
-            residual, 1.0 + max(0.0, fit.excess) / evaluator.count
-        )
+        off = estimate_off(evaluator, fit)
         is_rough = [n.uses[0][0].dithered for n in known.nuisances]
         change = known.sizes * (known.right @ np.where(is_rough, off, 0.0))
         power += float(change @ change) / evaluator.count

@@ -21,7 +21,6 @@ from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.experiments.within_tolerances.criterion import (
     Criterion,
     best_of_kinds,
-    refined,
 )
 from brace_drake.experiments.within_tolerances.fitted import (
     check_fit,
@@ -32,6 +31,7 @@ from brace_drake.experiments.within_tolerances.stretched import fit_stretched
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.laws.hooks import MAX_EFFECTS
+from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
@@ -46,6 +46,7 @@ from brace_drake.selection.search.shortlist import (
     improve_choices,
     refine,
 )
+from brace_drake.selection.thresholds import PLACES, STEPS
 
 
 def search_causes(
@@ -60,7 +61,10 @@ def search_causes(
     """
     effects = list(effects_for(evaluator.twin.device).values())
     room = MAX_EFFECTS - len(evaluator.twin.carried)
-    known = _stretched(evaluator, criterion, criterion.nominal, effects)
+    lines = _linearise(evaluator, criterion.nominal)
+    if lines is None:
+        return []
+    known = _stretched(lines, criterion, effects)
     ranked = best_of_kinds(criterion, [criterion.nominal, *known])
     criterion = with_level(evaluator, criterion, ranked[0])
     # Friction within its tolerance is no effect: the search sets out from it.
@@ -72,11 +76,16 @@ def search_causes(
     for number in range(1, min(room, thresholds.MOST_EFFECTS) + 1):
         say(f"sets of {number}", (number - 1) / thresholds.MOST_EFFECTS)
         for base in beam:
-            known += _forward(evaluator, criterion, base, effects, say)
+            here = lines
+            if base is not criterion.nominal:
+                here = _linearise(evaluator, base)
+            if here is None:
+                continue
+            known += _forward(here, criterion, effects, say)
             if number > 1:
-                known += _stretched(evaluator, criterion, base, effects)
+                known += _stretched(here, criterion, effects)
         if number > 1:
-            known += _backward(evaluator, criterion, known, number)
+            known += _backward(lines, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
         best = ranked[0]
         # Friction that is found within its tolerance adds to the level.
@@ -106,25 +115,31 @@ def _beam(
     return near[: thresholds.BEAM if number == 1 else 1]
 
 
+def _linearise(
+    evaluator: Evaluator, base: CandidateFit
+) -> Linearisation | None:
+    """Where a search sets out from; None where the twin breaks down there."""
+    try:
+        return Linearisation(evaluator, base)
+    except BraceError:
+        return None
+
+
 def _forward(
-    evaluator: Evaluator,
+    lines: Linearisation,
     criterion: Criterion,
-    base: CandidateFit,
     effects: Sequence[Effect],
     say: Say,
 ) -> list[CandidateFit]:
     """A set with one more effect: first those of few parameters, and those of
     dozens where these leave something.
     """
-    try:
-        lines = Linearisation(evaluator, base)
-    except BraceError:
-        return []
+    evaluator, base = lines.evaluator, lines.base
     found: list[CandidateFit] = []
     for flexible in (False, True):
         more = others(effects, base, flexible)
         candidates = screen(lines, more, say)
-        places = thresholds.PLACES if not flexible else len(more)
+        places = len(more) if flexible else PLACES
         search_best(lines, candidates, say, places=places)
         candidates += search_richer(lines, candidates, more)
         fits = refine(evaluator, best_fits(candidates), base.excess)
@@ -138,7 +153,7 @@ def _forward(
 
 
 def _backward(
-    evaluator: Evaluator,
+    lines: Linearisation,
     criterion: Criterion,
     known: Sequence[CandidateFit],
     number: int,
@@ -153,27 +168,22 @@ def _backward(
     if best is None:
         return []
     done, found = {f.kinds for f in ranked}, []
-    lines = Linearisation(evaluator, criterion.nominal)
     for out in best.effects:
         kept = [u for u in best.uses if u[0] is not out]
         if {e.name for e, _ in kept} in done or not kept:
             continue
         parts, values = zip(*kept, strict=True)
         less = make_candidate(lines, parts, values, best.subject, best.spread)
-        if less is not None and less.step(lines, thresholds.STEPS, own=True):
-            found.append(try_refine(evaluator, less.fit()))
+        if less is not None and less.step(lines, STEPS, own=True):
+            found.append(try_refine(lines.evaluator, less.fit()))
     return found
 
 
 def _stretched(
-    evaluator: Evaluator,
-    criterion: Criterion,
-    base: CandidateFit,
-    effects: Sequence[Effect],
+    lines: Linearisation, criterion: Criterion, effects: Sequence[Effect]
 ) -> list[CandidateFit]:
     """A set with one more effect that its tolerances suggest."""
-    able = [e for e in effects if not any(e.is_alike(o) for o in base.effects)]
-    try:
-        return fit_stretched(Linearisation(evaluator, base), criterion, able)
-    except BraceError:
-        return []
+    able = [
+        e for e in effects if not any(e.is_alike(o) for o in lines.base.effects)
+    ]
+    return fit_stretched(lines, criterion, able)

@@ -15,11 +15,15 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.experiments.within_tolerances.criterion import Criterion
-from brace_drake.experiments.within_tolerances.fitted import try_refine
+from brace_drake.experiments.within_tolerances.fitted import (
+    estimate_off,
+    try_refine,
+)
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.thresholds import STEPS
 
 
 def fit_stretched(
@@ -34,16 +38,10 @@ def fit_stretched(
     """
     base, found = lines.base, []
     for effect, values in _suggested(lines.evaluator, criterion, base, effects):
-        candidate = make_candidate(
-            lines,
-            [*base.effects, effect],
-            [*base.values, values],
-            base.subject,
-            base.spread,
-        )
+        candidate = with_one_more(lines, effect, values)
         if candidate is None:
             continue
-        if candidate.step(lines, thresholds.STEPS, own=True):
+        if candidate.step(lines, STEPS, own=True):
             found.append(try_refine(lines.evaluator, candidate.fit()))
     return found
 
@@ -60,9 +58,7 @@ def _suggested(
     known = evaluator.tolerances
     if known is None:
         return
-    residual = fit.solution.residual[: evaluator.ends[-1]]
-    rest = 1.0 + max(0.0, criterion.misfit(fit))
-    off = known.estimate(residual, rest)
+    off = estimate_off(evaluator, fit)
     is_left = criterion.is_beyond_level(fit)
     order = np.argsort(-np.abs(off))
     numbers = [(known.nuisances[i], float(off[i])) for i in order]

@@ -31,8 +31,7 @@ TIED = math.log(1.5)
 ODDS = 2.0
 # Effects whose strength is within so many tolerances are no finding.
 WITHIN = 3.0
-# Limits of any probability.
-LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
+
 # ---- Search -----------------------------------------------------------------
 
 # Sets of at most so many effects are made of so many best smaller ones, which
@@ -40,7 +39,5 @@ LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
 MOST_EFFECTS, BEAM, NEAR = 2, 3, 4.0
 # Effects that tolerances suggest, the farthest first.
 MOST_STRETCHED = 4
-# Steps of a round, and candidates that are searched whatever is predicted.
-STEPS, PLACES = 5, 5
 # Weight that a motion left out keeps.
 KEPT = 0.1

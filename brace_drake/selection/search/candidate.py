@@ -111,6 +111,28 @@ def _differentiate(problem: CandidateProblem, z, residual):
     return problem.columns(z, base=residual)
 
 
+def with_one_more(
+    base: Linearisation, effect: Effect, values: np.ndarray
+) -> Candidate | None:
+    """The base with one more effect where its search begins; None where its
+    twin breaks down. Runs take the best of the effect's own starts.
+
+    Args:
+        base: Where the search sets out from.
+        effect: The one more.
+        values: Its parameters.
+    """
+    fit = base.base
+    return make_candidate(
+        base,
+        [*fit.effects, effect],
+        [*fit.values, values],
+        fit.subject,
+        fit.spread,
+        effect,
+    )
+
+
 def make_candidate(
     base: Linearisation,
     effects: Sequence[Effect],

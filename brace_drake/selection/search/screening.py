@@ -14,7 +14,7 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.search.candidate import Candidate, make_candidate
+from brace_drake.selection.search.candidate import Candidate, with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
 
 Say = Callable[[str, float], None]
@@ -203,21 +203,14 @@ def predict(
             what there is, and nothing is tried twice beside a base that leaves
             nothing.
     """
-    fit, found = base.base, []
+    found: list[Candidate] = []
     most = thresholds.HOPELESS * base.remaining
     if least is not None:
         most = base.excess - least
     for values in effect.starts():
         start = tuple(values[effect.has_several_starts])
         for _ in range(thresholds.RESCALED + 1):
-            candidate = make_candidate(
-                base,
-                [*fit.effects, effect],
-                [*fit.values, values],
-                fit.subject,
-                fit.spread,
-                effect,
-            )
+            candidate = with_one_more(base, effect, values)
             if candidate is None:
                 break
             candidate.start = start
