@@ -3,39 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache, partial
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.design.next_run import NextRun, choose_next_run
-from brace_drake.devices.declaration import Device
+from brace_drake.devices.declaration import Device, Nuisance
 from brace_drake.devices.device import MakeDevice, check_room
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import CandidateFit, fit_nominal
+from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison, compare_runs
 from brace_drake.identification.intervals import EstimateTable, estimate_table
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
-from brace_drake.isolation.block_tests import holds_at_rest, run_block_tests
-from brace_drake.isolation.decision import nearest_block, suspected_blocks
-from brace_drake.isolation.imposed_motion import (
-    explain_imposed_motion,
-    fit_imposed_motion,
-)
+from brace_drake.isolation.block_tests import NUM_MACHINES, run_block_tests
+from brace_drake.isolation.decision import accused_blocks
+from brace_drake.isolation.imposed_motion import fit_imposed_motion
 from brace_drake.isolation.locate import locate_gap
 from brace_drake.isolation.residual_shapes import describe_rest
 from brace_drake.recording.recording import Campaign
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
+from brace_drake.selection.level import make_criterion
 from brace_drake.selection.search.search import search_causes
-from brace_drake.selection.surrogate_data import loses_to_surrogates
+from brace_drake.selection.settle import set_within, settle
 from brace_drake.validation.causes import Cause, rank_causes
+from brace_drake.validation.confirm import confirm, without_copies
 from brace_drake.validation.prediction import predict_runs
 from brace_drake.validation.shrinkage import (
     compare_new_runs,
     measure_shrinkage,
 )
+from brace_drake.validation.support import Closed, closed_by_each
 
 
 @dataclass(frozen=True)
@@ -50,12 +51,14 @@ class Diagnosis:
         block_tests: Rows of the block tests.
         fits: Of all causes.
         criterion: By which they were judged.
-        is_cut: Whether the search for two effects at once ended early.
-        shown: Effects that an imposed motion shows by itself.
+        copies: Validation runs that repeat a fit run to the last digit; they
+            were not looked at.
+        nuisances: Numbers known to a tolerance.
         verdict: Which effects explain the gap.
         estimates: Parameters of the winner, else of the nominal fit.
         fit_runs, validation_runs: Before and after the repair.
         shrinkage: How far the gap shrinks on the validation runs.
+        closed: What each named effect closes by itself.
         causes: Ranked, with what was decided of each.
         where: The gap by block, channel, phase and band.
         rest: What the best twin leaves, by the motion that it goes with.
@@ -72,13 +75,14 @@ class Diagnosis:
     block_tests: list[dict]
     fits: list[CandidateFit]
     criterion: Criterion
-    is_cut: bool
-    shown: frozenset[str]
+    copies: tuple[str, ...]
+    nuisances: list[Nuisance]
     verdict: Verdict
     estimates: EstimateTable
     fit_runs: list[RunComparison]
     validation_runs: list[RunComparison]
     shrinkage: dict | None
+    closed: dict[str, Closed]
     causes: list[Cause]
     where: dict
     rest: list[dict]
@@ -121,58 +125,54 @@ def diagnose(
     evaluator = Evaluator(twin, runs, jobs)
 
     say("fit of the subject", 0.05)
-    nominal = fit_nominal(evaluator)
+    nuisances = device.tolerances()
+    nominal = fit_nominal(evaluator, nuisances)
 
-    say("block tests", 0.08)
-    tests = run_block_tests(evaluator, device.block_tests, nominal, seed)
-    at_rest = holds_at_rest(tests)
-    # Of leg lengths that are off no motion can be told.
-    twin_on_way = None if at_rest is False else device.imposed
-    on_way = cache(
-        partial(fit_imposed_motion, twin_on_way, campaign, jobs, seed)
-    )
+    say("block tests", 0.1)
+    drawn = [device.draw_uses(seed + i) for i in range(NUM_MACHINES)]
+    tests = run_block_tests(evaluator, device.block_tests, nominal, seed, drawn)
 
     # Which effects, with the subject fitted anew beside each.
-    fits, criterion, is_cut, shown = search_causes(
-        evaluator,
-        nominal,
-        seed,
-        say,
-        at_rest,
-        lambda say: on_way() and explain_imposed_motion(on_way(), seed, say),
-    )
+    criterion = make_criterion(evaluator, nominal, nuisances)
+    fits = search_causes(evaluator, criterion, _part(say, 0.15, 0.8))
     say("verdict", 0.8)
-    is_chance = partial(loses_to_surrogates, evaluator, nominal, seed=seed)
-    verdict = decide(criterion, fits, is_chance, shown)
-    winner = verdict.winner
-    estimates = estimate_table(evaluator, winner or nominal, seed)
+    criterion, fits = settle(evaluator, criterion, fits)
+    carry = partial(set_within, evaluator, uses_off=device.uses_off)
+    nominal, fits = carry(nominal), [carry(fit) for fit in fits]
+    criterion = replace(criterion, nominal=nominal)
+    verdict = decide(criterion, fits)
 
-    say("validation runs", 0.94)
-    runs = campaign.split("validation")
+    say("validation runs", 0.9)
+    runs, copies = without_copies(campaign)
     new = prepare_runs(twin, runs, floors, rate, seed + 1000)
     validation = Evaluator(twin, new, jobs)
-    compared = compare_new_runs(validation, nominal, winner)
+    compared = compare_new_runs(validation, nominal, verdict.winner)
+    verdict = confirm(criterion, verdict, compared)
+    winner = verdict.winner
+    if winner is None:
+        compared = compare_new_runs(validation, nominal, None)
     shrinkage = measure_shrinkage(device, compared, nominal.subject, seed)
     rivals = fits if verdict.gap else []
     predictions = predict_runs(validation, compared, winner, rivals, seed)
-    causes = rank_causes(evaluator, criterion, fits, verdict, predictions, seed)
+    closed = closed_by_each(
+        validation, criterion, verdict, fits, compared, seed
+    )
+    causes = rank_causes(criterion, fits, verdict, predictions)
+    estimates = estimate_table(evaluator, winner or nominal, seed)
 
-    say("where", 0.96)
+    say("where", 0.95)
     fit_runs = compare_runs(evaluator, nominal, winner)
-    imposed = on_way() if verdict.outside_library else None
+    imposed = None
+    if verdict.outside_library:
+        imposed = fit_imposed_motion(device.imposed, campaign, jobs, seed)
     where = locate_gap(
         device, evaluator, nominal, verdict, tests, imposed, fit_runs, seed
     )
-    rest, blocks = [], []
+    rest = []
     if verdict.gap:
         best = winner or nominal
         rest = describe_rest(evaluator, best, device.motion_signals, rate, seed)
-    if winner is not None:
-        blocks = list(dict.fromkeys(e.block for e in winner.effects))
-    elif verdict.outside_library:
-        blocks = nearest_block(criterion, fits) or suspected_blocks(
-            tests, where["balance"], where["contact_side"]
-        )
+    blocks = accused_blocks(verdict, criterion, fits, tests, where)
     next_run = choose_next_run(
         device, evaluator, criterion, fits, verdict, seed
     )
@@ -186,16 +186,24 @@ def diagnose(
         block_tests=tests,
         fits=fits,
         criterion=criterion,
-        is_cut=is_cut,
-        shown=shown,
+        copies=copies,
+        nuisances=nuisances,
         verdict=verdict,
         estimates=estimates,
         fit_runs=fit_runs,
         validation_runs=compared,
         shrinkage=shrinkage,
+        closed=closed,
         causes=causes,
         where=where,
         rest=rest,
         blocks=blocks,
         next_run=next_run,
     )
+
+
+def _part(
+    say: Callable[[str, float], None], begin: float, end: float
+) -> Callable[[str, float], None]:
+    """Progress of a part, as that of the whole."""
+    return lambda what, share: say(what, begin + (end - begin) * share)

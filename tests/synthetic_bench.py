@@ -9,8 +9,8 @@ from brace_drake.devices.bench.rollout import Motion
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.reference import COLUMNS
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import fit_nominal
 from brace_drake.identification.least_squares import beyond
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.recording.recording import Campaign, Run

@@ -4,16 +4,17 @@ import unittest
 from dataclasses import replace
 
 import numpy as np
-
-from brace_drake.effects.registry import effects_for
-from brace_drake.identification.fits import finish_fit, fit_nominal
-from brace_drake.identification.least_squares import LeastSquaresSolution
-from brace_drake.identification.problem import CandidateProblem
 from brace_drake.selection.search.joint_refit import (
     implausible,
     refit_with_second,
     replace_second,
 )
+
+from brace_drake.effects.registry import effects_for
+from brace_drake.identification.fits import finish_fit
+from brace_drake.identification.least_squares import LeastSquaresSolution
+from brace_drake.identification.nominal_fit import fit_nominal
+from brace_drake.identification.problem import CandidateProblem
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.search import search_causes
 from tests.synthetic_bench import DEVICE, SyntheticBench, searched

@@ -4,7 +4,7 @@ import unittest
 
 from brace_drake.devices.bench.block_tests import bench_tests
 from brace_drake.effects.registry import effects_for
-from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.isolation.block_tests import (
     describe_unchecked,
     run_block_tests,

@@ -5,18 +5,19 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
-from scipy.signal import lfilter
-
-from brace_drake.effects.registry import find_effect
-from brace_drake.identification.evaluation import Evaluator, PreparedRun
-from brace_drake.identification.fits import fit_effects, fit_nominal
-from brace_drake.identification.prepare import estimate_floors, prepare_runs
-from brace_drake.selection import thresholds
 from brace_drake.selection.surrogate_data import (
     loses_to_surrogates,
     surrogate_gains,
 )
-from brace_drake.validation.held_out import held_out_misfit, motions_of
+from scipy.signal import lfilter
+
+from brace_drake.effects.registry import find_effect
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
+from brace_drake.identification.fits import fit_effects
+from brace_drake.identification.held_out import held_out_misfit, motions_of
+from brace_drake.identification.nominal_fit import fit_nominal
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.selection import thresholds
 from tests.synthetic_bench import RATE, SyntheticBench, record, residual_of
 
 SAMPLES, CHANNELS = 400, 3

@@ -10,7 +10,7 @@ from brace_drake.devices.bench.ring_way import slope
 from brace_drake.devices.device import Bench
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import find_effect
-from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.isolation.block_tests import run_block_tests
 from brace_drake.isolation.force_balance import (
     explain_imbalance,

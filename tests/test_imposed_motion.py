@@ -5,16 +5,16 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+from brace_drake.selection.search.friction import fit_frictions
 
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.effects.registry import find_effect
-from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.isolation.imposed_motion import (
     explain_imposed_motion,
     fit_imposed_motion,
 )
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.search.friction import fit_frictions
 from brace_drake.selection.search.linearisation import Linearisation
 from tests.synthetic_bench import SyntheticBench, record, searched
 

@@ -8,7 +8,8 @@ import numpy as np
 from brace_drake.design.confusable import ALIKE
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import effects_for
-from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.fits import fit_effects
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.laws.hooks import plug
 from brace_drake.selection.decision import decide
 from brace_drake.selection.search.linearisation import Linearisation

@@ -12,7 +12,8 @@ from brace_drake.core.resources import scenario_path
 from brace_drake.devices.leg_bench.twin import LegBenchTwin, LegMotion
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.fits import fit_effects
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.leg_bench import (

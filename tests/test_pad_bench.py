@@ -14,7 +14,7 @@ from brace_drake.devices.device import MakeDevice
 from brace_drake.devices.pad_bench.twin import PadBenchTwin
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.write import WriteCampaign
 from brace_drake.scenario.pad_bench import (

@@ -9,7 +9,8 @@ import numpy as np
 from brace_drake.devices.device import MakeDevice
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.fits import fit_effects
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.isolation.repair_shares import share_repairs
 from brace_drake.isolation.shapley import UNEXPLAINED

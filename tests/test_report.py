@@ -1,7 +1,6 @@
 """The report: whole, self-contained, safe, and there for any verdict."""
 
 import copy
-import json
 import math
 import tempfile
 import unittest
@@ -27,12 +26,15 @@ from brace_drake.report.words import (
     percent_interval,
     scale_of,
 )
-from tests.shared_data import EXAMPLE
-
-# tests/test_diagnose.py holds its form to that of one that is written.
-STORED = json.loads(
-    (EXAMPLE.parent / "example_diagnosis" / "diagnosis.json").read_text()
+from tests.diagnoses import (
+    STORED,
+    make_diagnosis,
+    make_partly,
+    make_unexplained,
+    make_withdrawn,
+    make_without_gap,
 )
+
 CHANNELS = tuple(row["channel"] for row in STORED["where"]["channels"])
 UNITS = {"N": 0.05, "m": 2e-6}
 VOID = {"wbr", "meta", "img", "br", "link", "hr", "input", "col"}
@@ -80,63 +82,6 @@ def _parameter(name, unit, value, error, **more):
         "at_limit": False,
         **more,
     }
-
-
-def make_diagnosis() -> dict:
-    """The diagnosis of the bundled example."""
-    return copy.deepcopy(STORED)
-
-
-def make_unexplained() -> dict:
-    """One whose gap no effect explains, with every part that this brings."""
-    diagnosis = make_diagnosis()
-    diagnosis["verdict"] |= {"effects": [], "outside_library": True}
-    for cause in diagnosis["causes"]:
-        cause["chosen"] = False
-    where, shrink = diagnosis["where"], diagnosis["shrink"]
-    where["contact_side"] = {**where["blocks"][0], "acquitted": False}
-    where["balance"] = [
-        {
-            "block": "mechanism",
-            "explained": 0.8,
-            "errors": [{"title": "a gap", "size": 0.0312, "unit": "N"}],
-        }
-    ]
-    for row in (shrink, *shrink["channels"]):
-        row |= {"after": row["before"], "closed": None}
-    shrink["closed_interval"] = None
-    row = {
-        "channel": "ring2_force_y_N",
-        "normalised_rms": 2.5,
-        "share_of_rest": 1.0,
-        "shape": "size of the speed",
-        "acts_like": "a damper that is not the same in both directions",
-        "takes": 0.74,
-        "lower95": 0.69,
-        "upper95": 0.79,
-    }
-    diagnosis["left"] = [row, {**row, "shape": None, "acts_like": None}]
-    diagnosis["next_experiment"] = {
-        "why": "Hysteresis and relaxation differ most while nothing moves.",
-        "motion": "hold",
-        "file": "next_run.csv",
-        "pairs": [
-            {"effects": ["hysteresis", "relaxation"], "separation": 144.0}
-        ],
-    }
-    diagnosis["warnings"] = ["no run was repeated"]
-    return diagnosis
-
-
-def make_without_gap() -> dict:
-    """One that has no gap, and no validation runs."""
-    diagnosis = make_diagnosis()
-    diagnosis["verdict"] |= {"gap": False, "effects": [], "blocks": []}
-    for cause in diagnosis["causes"]:
-        cause["chosen"] = False
-    diagnosis["shrink"] = None
-    diagnosis["where"] |= {"attribution": [], "cube": []}
-    return diagnosis
 
 
 def make_trace(
@@ -210,6 +155,52 @@ class ReportTest(unittest.TestCase):
                 self.assertIn(cause["effect"], text)
         self.assertIn("ot a medical device", text)
 
+    def test_each_named_effect_has_its_own_support(self):
+        text = " ".join("".join(self.parsed.text).split())
+        for row in self.diagnosis["verdict"]["supported"]:
+            self.assertIn(percent(row["probability"]), text)
+            ends = row["closes_interval"]
+            share, interval = percent_interval(row["closes"], *ends)
+            self.assertIn(f"{share}{interval}", text)
+
+    def test_what_was_screened_only_is_no_row_of_those_searched(self):
+        _, tail = self.page.split("Screened only")
+        names = [
+            c["effect"] for c in self.diagnosis["causes"] if not c["searched"]
+        ]
+        self.assertTrue(names)
+        for name in names:
+            self.assertIn(name.replace("+", " + "), tail)
+
+    def test_what_is_within_a_tolerance_is_no_verdict(self):
+        self.use_hollow_figures()
+        diagnosis = make_without_gap()
+        diagnosis["causes"][0]["chosen"] = True
+        page, _ = self.check_whole(diagnosis)
+        self.assertNotIn('<span class="chip win">verdict', page)
+        self.assertIn('<span class="chip">within tolerances', page)
+
+    def test_a_fault_of_the_recording_is_shown(self):
+        self.use_hollow_figures()
+        diagnosis = make_diagnosis()
+        parameter = {"name": "delay_s", "unit": "s", "value": 0.004}
+        parameter |= {"standard_error": 1e-4, "at_limit": False}
+        fault = {"fault": "late clock", "run": "push", "probability": 0.9}
+        fault |= {"channel": "leg1_length_m", "parameters": [parameter]}
+        diagnosis["verdict"]["recording"] = [fault]
+        _, text = self.check_whole(diagnosis)
+        self.assertIn(
+            "late clock: run push, Leg 1 length (delay 4.00 ms)", text
+        )
+
+    def test_a_repair_that_breaks_down_confirms_nothing(self):
+        self.use_hollow_figures()
+        diagnosis = make_diagnosis()
+        diagnosis["shrink"] |= {"closed": None, "closed_interval": None}
+        diagnosis["shrink"]["after"] = diagnosis["shrink"]["before"]
+        _, text = self.check_whole(diagnosis)
+        self.assertIn("neither confirm nor contradict", text)
+
     def test_page_needs_nothing_from_outside(self):
         self.assertTrue(self.parsed.refers)
         for target in self.parsed.refers:
@@ -238,7 +229,29 @@ class ReportTest(unittest.TestCase):
     def test_every_kind_of_verdict_has_its_page(self):
         self.use_hollow_figures()
         for diagnosis, badge, words in (
-            (make_diagnosis(), "Gap", ("of the excess closed",)),
+            (
+                make_diagnosis(),
+                "Gap",
+                ("of the excess closed", "The validation runs confirm it"),
+            ),
+            (
+                make_partly(),
+                "Gap, partly explained",
+                (
+                    "66.0 to 70.0 %",
+                    "31 % of the gap is left, in actuation; it goes with",
+                    "and what the library has not",
+                    "−2.8",
+                ),
+            ),
+            (
+                make_withdrawn(),
+                "Withdrawn",
+                (
+                    "contradict what the fit runs said",
+                    "from 2.49 to 2.61 times the floor. It is withdrawn.",
+                ),
+            ),
             (
                 make_unexplained(),
                 "Outside the library",
@@ -255,7 +268,7 @@ class ReportTest(unittest.TestCase):
             (
                 make_without_gap(),
                 "No gap",
-                ("no effect is needed", "nothing to shrink"),
+                ("no effect is needed", "nothing to shrink", "no validation"),
             ),
         ):
             with self.subTest(badge):
@@ -310,8 +323,12 @@ class ReportTest(unittest.TestCase):
     def names_of_cards(self, chosen, ambiguous, *others):
         verdict = {"gap": True, "ambiguous_with": ambiguous}
         verdict["effects"] = [p.split(" (")[0] for p in chosen.split("+") if p]
-        causes = [{"effect": chosen, "chosen": True}] if chosen else []
-        causes += [{"effect": name, "chosen": False} for name in others]
+        rows = [(chosen, True)] if chosen else []
+        rows += [(name, False) for name in others]
+        causes = [
+            {"effect": name, "chosen": is_chosen, "searched": True}
+            for name, is_chosen in rows
+        ]
         cards = make_cards(causes, verdict)
         return [(card["name"], card["role"]) for card in cards]
 
@@ -352,7 +369,7 @@ class ReportTest(unittest.TestCase):
             ("relaxation", "on which nothing was fitted"),
             ("breathing", "only what each run has of its own was fitted"),
         ):
-            diagnosis["verdict"]["effects"] = [name]
+            diagnosis["causes"][0]["effect"] = name
             self.assertIn(words, self.check_whole(diagnosis)[1])
 
     def test_every_effect_and_every_form_of_one_has_its_card(self):
@@ -382,10 +399,18 @@ class OpenTest(unittest.TestCase):
     def make_open(self, **explained):
         diagnosis = make_diagnosis()
         diagnosis["verdict"]["effects"] = ["clearance", "viscous_leg"]
-        diagnosis["causes"] = [
-            cause | {"effect": name, "converged": False, "explained": value}
+        first, *causes = diagnosis["causes"]
+        first |= {"effect": "clearance+viscous_leg", "explained": 0.75}
+        diagnosis["causes"] = [first] + [
+            cause
+            | {
+                "effect": name,
+                "searched": True,
+                "converged": False,
+                "explained": value,
+            }
             for cause, (name, value) in zip(
-                diagnosis["causes"], explained.items(), strict=False
+                causes, explained.items(), strict=False
             )
         ]
         view = make_view(diagnosis, [])
@@ -395,9 +420,16 @@ class OpenTest(unittest.TestCase):
         found = self.make_open(clearance=0.8, viscous_leg=0.2)
         self.assertEqual(found, ([], []))
 
-    def test_only_what_takes_most_of_the_gap_is_not_ruled_out(self):
+    def test_only_what_explains_as_much_as_the_verdict_is_not_ruled_out(self):
         found = self.make_open(hardening=0.76, coulomb_friction=0.74)
         self.assertEqual(found, (["hardening"], ["coulomb_friction"]))
+
+    def test_without_a_gap_nothing_is_open(self):
+        diagnosis = make_without_gap()
+        for cause in diagnosis["causes"]:
+            cause |= {"searched": True, "converged": False, "explained": 1.0}
+        view = make_view(diagnosis, [])
+        self.assertEqual((view["unconverged"], view["left_early"]), ([], []))
 
 
 class SummaryTest(unittest.TestCase):
@@ -406,9 +438,18 @@ class SummaryTest(unittest.TestCase):
             summary_row("a", make_diagnosis()),
             summary_row("b", make_unexplained()),
             summary_row("c", make_without_gap()),
-            failed_row("d", "no <runs>"),
+            summary_row("d", make_partly()),
+            summary_row("e", make_withdrawn()),
+            failed_row("f", "no <runs>"),
         ]
-        kinds = ["gap", "outside the library", "no gap", "failed"]
+        kinds = [
+            "gap",
+            "outside the library",
+            "no gap",
+            "gap, partly explained",
+            "withdrawn",
+            "failed",
+        ]
         self.assertEqual([row["verdict"] for row in rows], kinds)
         self.assertEqual(rows[0]["closed"], STORED["shrink"]["closed"])
         self.assertEqual(rows[2]["closed"], "")

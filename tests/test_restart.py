@@ -6,11 +6,11 @@ from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
+from brace_drake.selection.search.joint_refit import is_caught, restart
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search import joint_refit
-from brace_drake.selection.search.joint_refit import is_caught, restart
 
 EVALUATOR = SimpleNamespace(count=100)
 NULL = SimpleNamespace(misfit_threshold=0.1, least_gain=lambda n: 0.03)

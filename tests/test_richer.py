@@ -5,9 +5,10 @@ import unittest
 from types import SimpleNamespace
 
 import numpy as np
+from brace_drake.selection.search.small_second import try_fewer
 
 from brace_drake.effects.registry import find_effect
-from brace_drake.identification.fits import fit_nominal
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import richer_starts, search_richer
@@ -17,7 +18,6 @@ from brace_drake.selection.search.screening import (
     search_best,
 )
 from brace_drake.selection.search.shortlist import best_fits
-from brace_drake.selection.search.small_second import try_fewer
 from tests.synthetic_bench import SyntheticBench, searched
 
 COULOMB, STRIBECK = (

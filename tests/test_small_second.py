@@ -5,12 +5,13 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+from brace_drake.selection.search.small_second import try_small_second
 
 from brace_drake.effects.registry import effects_for
-from brace_drake.identification.fits import fit_effects, fit_nominal
+from brace_drake.identification.fits import fit_effects
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.small_second import try_small_second
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
 NULL = SimpleNamespace(least_gain=lambda freedom: 0.015)

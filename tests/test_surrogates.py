@@ -4,9 +4,9 @@ import unittest
 from types import SimpleNamespace
 
 import numpy as np
+from brace_drake.selection.null_bootstrap import NullDistribution
 
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.null_bootstrap import NullDistribution
 
 
 def null(is_known=True, gain=0.001):

@@ -11,7 +11,7 @@ import yaml
 
 from brace_drake.withheld.cases import KINDS, build_case, draw_kinds
 from brace_drake.withheld.faults import FAULTS
-from brace_drake.withheld.judged import label
+from brace_drake.withheld.judged import Judged, label
 from brace_drake.withheld.score import load_judged, score, share_of
 from brace_drake.withheld.score_text import draw_reliability, format_score
 from brace_drake.withheld.seals import (
@@ -237,6 +237,18 @@ class TestScore(WithFiles):
         self.assertEqual(label(verdict()), "none")
         self.assertEqual(label(verdict(outside=True)), "outside")
         self.assertEqual(label(verdict(["b", "a"])), "a+b")
+        self.assertEqual(label(verdict(["b"], outside=True)), "b+outside")
+
+    def test_what_is_partly_explained_is_right_for_neither(self):
+        told = verdict(["reflex"], ["torso"], outside=True, rivals=["posture"])
+        for kind, effects in (("single", ["reflex"]), ("outside", ["tremor"])):
+            case = Judged("case", truth(kind, effects, ["torso"]), told)
+            self.assertFalse(case.right)
+            self.assertFalse(case.covered)
+            self.assertEqual(case.named, {"reflex"})
+            self.assertEqual(
+                case.answers, ["reflex+outside", "posture+outside"]
+            )
 
 
 class TestTampering(WithFiles):

@@ -27,7 +27,7 @@ from brace_drake.devices.motions.reference import format_reference
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.criterion import Criterion, best_of_kinds
 from brace_drake.selection.decision import Verdict
 
 FILE = "next_run.csv"
@@ -153,14 +153,11 @@ def open_rivals(
     """What the next run should tell apart, the best explanation first.
 
     The winner and what is tied with it; without a winner, where the cause
-    lies outside the library, the explanations that come nearest. Pairs of which
-    one effect does as well are none.
+    lies outside the library, the explanations that come nearest.
     """
     best: dict[str, CandidateFit] = {}
     seen: set[frozenset[str]] = set()
-    for fit in refined(fits):
-        if criterion.part_as_good(fit, fits) is not None:
-            continue
+    for fit in best_of_kinds(criterion, fits):
         if fit.is_scattered and fit.kinds not in seen:
             seen.add(fit.kinds)
             best["+".join(fit.identifiers)] = fit

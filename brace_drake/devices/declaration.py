@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from brace_drake.devices.motions.library import MotionSet
+from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.recording.recording import Run
 
@@ -96,6 +97,11 @@ class Nuisance:
     uses: tuple[Use, ...]
     lower: float = -math.inf
 
+    def is_of(self, effect: Effect) -> bool:
+        """Whether an effect, or a special case of it, is this number."""
+        names = {e.name for e, _ in self.uses}
+        return bool(names & {effect.name, *effect.generalises})
+
 
 @dataclass(frozen=True)
 class Term:
@@ -142,6 +148,16 @@ class Device(ABC):
         """Motions that the device may be asked for after recorded runs; None
         where none is known to be safe.
         """
+
+    def uses_off(self, off: Mapping[str, float]) -> tuple[Use, ...]:
+        """Effects of a machine whose numbers are off, in SI units by the names
+        of `tolerances`.
+        """
+        return ()
+
+    def draw_uses(self, seed: int) -> tuple[Use, ...]:
+        """Effects of a machine that is drawn within its tolerances."""
+        return ()
 
     def small_errors(self) -> list[SmallError]:
         """Small errors of its blocks; none where they are not known."""

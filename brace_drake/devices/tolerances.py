@@ -18,6 +18,7 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Nuisance
+from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 
 
@@ -26,49 +27,79 @@ class LinearTolerances:
     """What numbers within their tolerances change of weighted residuals.
 
     Attributes:
-        nuisances: The numbers, k of them.
-        left: Orthonormal directions (rows, k), first of the largest change.
-        sizes: Change of each by one deviation (k,).
-        right: Directions among the numbers (k, k), rows.
-        shrink: Of each direction what whitening takes off (k,).
+        nuisances: The numbers, n of them.
+        basis: Orthonormal directions that their changes span (rows, k).
+        columns: Change by one deviation of each, in the basis (k, n).
+        root: (I + J J')^(-1/2) in the basis (k, k).
     """
 
     nuisances: tuple[Nuisance, ...]
-    left: np.ndarray
-    sizes: np.ndarray
-    right: np.ndarray
-    shrink: np.ndarray = field(init=False)
+    basis: np.ndarray
+    columns: np.ndarray
+    root: np.ndarray = field(init=False)
+    _coloured: np.ndarray = field(init=False)
+    _parts: dict[tuple[int, ...], LinearTolerances] = field(
+        init=False, repr=False, compare=False
+    )
 
     def __post_init__(self):
-        shrink = 1.0 - 1.0 / np.sqrt(1.0 + self.sizes**2)
-        vars(self)["shrink"] = shrink
+        squares, ways = np.linalg.eigh(self.columns @ self.columns.T)
+        size = np.sqrt(1.0 + np.maximum(squares, 0.0))
+        vars(self)["root"] = (ways / size) @ ways.T
+        vars(self)["_coloured"] = (ways * size) @ ways.T
+        vars(self)["_parts"] = {tuple(range(len(self.nuisances))): self}
 
     def whiten(self, residual: np.ndarray) -> np.ndarray:
-        """(I + J J')^(-1/2) of a weighted residual (rows,) or (rows, n)."""
-        along = (self.left.T @ residual).T * self.shrink
-        return residual - self.left @ along.T
+        """(I + J J')^(-1/2) of a weighted residual (rows,) or (rows, m)."""
+        along = self.basis.T @ residual
+        return residual + self.basis @ (self.root @ along - along)
 
     def colour(self, whitened: np.ndarray) -> np.ndarray:
         """The inverse of `whiten`."""
-        along = (self.left.T @ whitened).T
-        along = along * (self.shrink / (1.0 - self.shrink))
-        return whitened + self.left @ along.T
+        along = self.basis.T @ whitened
+        return whitened + self.basis @ (self._coloured @ along - along)
 
     def estimate(self, whitened: np.ndarray, noise: float = 1.0) -> np.ndarray:
-        """Posterior means t of the numbers, in their deviations (k,).
+        """Posterior means t of the numbers, in their deviations (n,).
 
         Args:
             whitened: Residual after `whiten`.
             noise: Variance of what else there is in the residual: 1 for noise
                 alone, more where the twin leaves more.
         """
-        along = self.left.T @ whitened / (1.0 - self.shrink)
-        return -self.right.T @ (self.sizes / (noise + self.sizes**2) * along)
+        slope = self.columns.T @ (self._coloured @ (self.basis.T @ whitened))
+        gram = self.columns.T @ self.columns
+        return -np.linalg.solve(gram + noise * np.eye(len(gram)), slope)
 
     def errors(self, noise: float = 1.0) -> np.ndarray:
-        """Posterior standard deviations of the same (k,)."""
-        told = 1.0 / (1.0 + self.sizes**2 / noise)
-        return np.sqrt(np.sum(self.right**2 * told[:, None], axis=0))
+        """Posterior standard deviations of the same (n,)."""
+        gram = self.columns.T @ self.columns
+        told = np.linalg.inv(gram / noise + np.eye(len(gram)))
+        return np.sqrt(np.diag(told))
+
+    def change(self, off: np.ndarray) -> float:
+        """Squares that numbers which are off by t change (n,)."""
+        along = self.columns @ off
+        return float(along @ along)
+
+    def tolerated(self, rows: np.ndarray) -> np.ndarray:
+        """J' W of whitened rows: what tolerances add along them (n, m)."""
+        return self.columns.T @ (self.root @ (self.basis.T @ rows))
+
+    def beside(self, effects: Sequence[Effect]) -> LinearTolerances:
+        """The same without the numbers that effects stand for themselves."""
+        kept = tuple(
+            i
+            for i, n in enumerate(self.nuisances)
+            if not any(n.is_of(e) for e in effects)
+        )
+        if kept not in self._parts:
+            self._parts[kept] = LinearTolerances(
+                tuple(self.nuisances[i] for i in kept),
+                self.basis,
+                self.columns[:, list(kept)],
+            )
+        return self._parts[kept]
 
 
 def linearise_tolerances(
@@ -104,10 +135,5 @@ def linearise_tolerances(
             for at in range(0, len(changes), runs)
         ]
     )
-    gram = columns.T @ columns
-    squares, directions = np.linalg.eigh(gram)
-    kept = squares > 1e-12 * squares[-1]
-    sizes = np.sqrt(squares[kept])[::-1]
-    right = directions[:, kept].T[::-1]
-    left = columns @ (right.T / sizes)
-    return LinearTolerances(tuple(nuisances), left, sizes, right)
+    basis, coefficients = np.linalg.qr(columns)
+    return LinearTolerances(tuple(nuisances), basis, coefficients)

@@ -11,43 +11,53 @@ from brace_drake.design.next_run import describe_next
 from brace_drake.diagnose import Diagnosis
 from brace_drake.document.rows import (
     cause_rows,
-    effect_parameters,
     estimate_row,
+    rest_text,
+    supported_rows,
+    tolerance_rows,
 )
 from brace_drake.document.verdict_text import verdict_sentence
 from brace_drake.identification.gap import is_repaired
 from brace_drake.isolation.block_tests import describe_unchecked
 from brace_drake.recording.recording import Campaign
+from brace_drake.selection import thresholds
 
-FORMAT = "brace-diagnosis/1"
+FORMAT = "brace-diagnosis/2"
+# Deviations of a number known to a tolerance that are worth a word.
+_STRETCHED = 2.0
 
 
 def MakeDocument(d: Diagnosis) -> dict:
-    """The diagnosis in plain JSON types, format brace-diagnosis/1."""
-    verdict, winner = d.verdict, d.verdict.winner
-    effects = winner.effects if winner else ()
-    table, own = d.estimates, d.estimates.num_subject
+    """The diagnosis in plain JSON types, format brace-diagnosis/2."""
+    verdict, table = d.verdict, d.estimates
+    own = table.num_subject
     closed = d.shrinkage["closed"] if d.shrinkage else None
-    values = effect_parameters(winner, d.estimates) if winner else ()
+    moved = tolerance_rows(d)
+    told = {
+        "gap": verdict.gap,
+        "effects": list(verdict.effects),
+        "supported": supported_rows(d),
+        "blocks": d.blocks,
+        "unexplained": _unexplained(d),
+        "outside_library": verdict.outside_library,
+        "recording": [],
+        "ambiguous_with": list(verdict.ambiguous_with),
+        "probability": verdict.probability,
+        "confirmed": confirmed(d),
+        "contradicted": verdict.contradicted or None,
+    }
+    name = d.campaign.name
+    told["sentence"] = verdict_sentence(name, told, closed, len(moved))
     return _plain(
         {
             "format": FORMAT,
             "campaign": d.campaign.name,
             "device": d.campaign.device,
             "subject_name": d.campaign.subject,
-            "verdict": {
-                "gap": verdict.gap,
-                "effects": [e.name for e in effects],
-                "blocks": d.blocks,
-                "outside_library": verdict.outside_library,
-                "ambiguous_with": list(verdict.ambiguous_with),
-                "probability": verdict.probability,
-                "sentence": verdict_sentence(
-                    d.campaign.name, effects, verdict.gap, closed, values
-                ),
-            },
+            "verdict": told,
             "where": d.where,
             "causes": cause_rows(d),
+            "tolerances": moved,
             "subject": {
                 "parameters": [
                     {**estimate_row(p), "nominal": p.nominal}
@@ -65,6 +75,28 @@ def MakeDocument(d: Diagnosis) -> dict:
     )
 
 
+def confirmed(d: Diagnosis) -> bool | None:
+    """Whether the validation runs confirm the verdict; None without any."""
+    if not d.validation_runs:
+        return None
+    return not d.verdict.contradicted
+
+
+def _unexplained(d: Diagnosis) -> dict:
+    """What is left: its share, in which block, and what it goes with."""
+    verdict = d.verdict
+    share = verdict.unexplained if verdict.gap else 0.0
+    named = {row["block"] for row in supported_rows(d)}
+    rest = [b for b in d.blocks if b not in named] if share else []
+    shape = d.rest[0] if share and d.rest else None
+    return {
+        "share": share,
+        "block": next(iter(rest or d.blocks), None) if share else None,
+        "description": rest_text(shape) if shape else "",
+        "law": None,
+    }
+
+
 def _warnings(d: Diagnosis) -> list[str]:
     """What a reader has to know beside the verdict, sentence by sentence."""
     winner = d.verdict.winner
@@ -80,6 +112,12 @@ def _warnings(d: Diagnosis) -> list[str]:
         found.append(
             "no run was repeated: the noise floor rests on the twin alone"
         )
+    found += [
+        f"{name}: a copy of a fit run, which confirms nothing; left out"
+        for name in d.copies
+    ]
+    if d.verdict.contradicted:
+        found.append(f"withdrawn: {d.verdict.contradicted}")
     if not d.validation_runs:
         found.append("no validation run: how far the gap shrinks is unknown")
     elif winner is not None and not is_repaired(d.validation_runs):
@@ -92,19 +130,20 @@ def _warnings(d: Diagnosis) -> list[str]:
             "what each run has of its own, such as the phase of a breath, was"
             " estimated on the validation runs themselves; all else was not"
         )
-    if winner is not None:
-        rest = d.criterion.misfit(winner)
-        if rest > d.criterion.null.misfit_threshold:
-            found.append(
-                f"with the repair the fit runs are {np.sqrt(1.0 + rest):.2f}"
-                " times the floor off, more than noise: another, smaller effect"
-                " may hide in that"
-            )
-    if d.is_cut:
+    if winner is not None and d.criterion.is_beyond_level(winner):
+        rest = max(0.0, d.criterion.misfit(winner))
         found.append(
-            "the search for two effects at once ended at its limit of replays:"
-            " pairs of which less was predicted were not tried"
+            f"with the repair the fit runs are {np.sqrt(1.0 + rest):.2f}"
+            " times the floor off, more than noise: another, smaller effect"
+            " may hide in that"
         )
+    found += [
+        f"{row['name']} is {row['deviations']:.1f} tolerances off"
+        for row in tolerance_rows(d)
+        if abs(row["deviations"]) > _STRETCHED
+    ]
+    if d.nuisances and not d.device.twin.scenario.tolerances.is_stated:
+        found.append("the scenario states no tolerances: defaults were assumed")
     found += [
         f"{p.name} is at its limit {p.value:.4g} {p.unit}"
         for p in d.estimates.parameters
@@ -120,21 +159,20 @@ def _warnings(d: Diagnosis) -> list[str]:
 
 
 def _provenance(d: Diagnosis) -> dict:
-    """What the diagnosis was made from, and the thresholds it rests on."""
-    null = d.criterion.null
+    """What the diagnosis was made from, and the numbers it rests on."""
     packages = ("brace_drake", "drake", "numpy", "scipy", "numba")
+    criterion = d.criterion
     return {
         "data_sha256": campaign_hash(d.campaign),
         "seed": d.seed,
         "time_step_s": d.device.twin.time_step,
-        "misfit": d.criterion.misfit(d.nominal),
-        "misfit_threshold": null.misfit_threshold,
-        "gain_threshold": null.least_gain(1),
-        "gain_threshold_of_six_parameters": null.least_gain(6),
-        "integration_error": null.numerical,
-        "smallest_explained_share": d.criterion.least_share,
-        "probability_is": "from what the best rival and the winner leave,"
-        " calibrated on 165 withheld cases of an independent simulator",
+        "misfit": criterion.misfit(d.nominal),
+        "level": criterion.level,
+        "cost_of_effect": thresholds.COST_OF_EFFECT,
+        "material_share": thresholds.MATERIAL,
+        "replays": d.evaluator.replays,
+        "probability_is": "from the scores of all explanations, calibrated on"
+        " withheld cases of an independent simulator",
         "versions": {p: importlib.metadata.version(p) for p in packages},
     }
 

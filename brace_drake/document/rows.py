@@ -2,43 +2,40 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from brace_drake.diagnose import Diagnosis
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.held_out import estimate_off
 from brace_drake.identification.intervals import (
     EstimateTable,
     ParameterEstimate,
 )
-from brace_drake.isolation.block_tests import holds_at_rest
-from brace_drake.validation.causes import untried_at_rest
+
+# Deviations by which the data move a number, to be listed.
+_MOVED = 2.0
 
 
 def cause_rows(d: Diagnosis) -> list[dict]:
-    """Every candidate, ranked, then those that were not tried as there is
-    nothing of them at rest.
-    """
+    """Every candidate, ranked."""
     rows = []
     for cause in d.causes:
         fit, is_winner = cause.fit, cause.fit is d.verdict.winner
-        surrogates, seen = cause.surrogates, cause.prediction
+        seen = cause.prediction
         rows.append(
             {
                 "effect": fit.name,
                 "chosen": is_winner,
                 "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
                 "title": " and ".join(e.title for e in fit.effects),
+                "score": cause.score,
                 "excess": d.criterion.misfit(fit),
-                "held_out": cause.held_out,
-                "decoys": surrogates
-                and dict(
-                    zip(
-                        ("number", "taken", "best_decoy"),
-                        surrogates,
-                        strict=True,
-                    )
-                ),
-                "explained": max(0.0, d.criterion.closed(fit)),
+                "held_out": fit.held_out,
+                "explained": max(0.0, d.criterion.closed(fit))
+                if fit.is_searched
+                else None,
                 "validation": seen
                 and {
                     "gap": seen.gap,
@@ -54,17 +51,72 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                 ),
             }
         )
-    if not (d.verdict.gap and holds_at_rest(d.block_tests)):
-        return rows
-    nothing = dict.fromkeys(("held_out", "decoys", "validation"))
-    for effect in untried_at_rest(d.evaluator.twin.device, d.fits):
-        row = {"effect": effect.name, "block": effect.block}
-        row |= nothing | {"title": effect.title, "explained": 0.0}
-        row |= dict.fromkeys(("chosen", "searched", "converged"), False)
-        row["excess"] = d.criterion.misfit(d.nominal)
-        row["decision"] = "nothing of it in the leg lengths at rest"
-        rows.append(row | {"identifiable": True, "parameters": []})
     return rows
+
+
+def supported_rows(d: Diagnosis) -> list[dict]:
+    """One row for each effect that is named, the largest first."""
+    winner, rows = d.verdict.winner, []
+    if winner is None:
+        return rows
+    table = parameters_by_effect(winner, d.estimates)
+    cards = {e.name: e for e in winner.effects}
+    for support in d.verdict.supported:
+        rows.append(
+            {
+                "effect": support.name,
+                "block": cards[support.name].block,
+                "title": cards[support.name].title,
+                "probability": support.probability,
+                "closes": d.closed[support.name].share,
+                "closes_interval": d.closed[support.name].interval,
+                "parameters": table[support.name],
+            }
+        )
+    return rows
+
+
+def parameters_by_effect(
+    fit: CandidateFit, table: EstimateTable | None
+) -> dict[str, list[dict]]:
+    """Rows of `effect_parameters` by the name of the effect."""
+    rows, found = iter(effect_parameters(fit, table)), {}
+    for effect in fit.effects:
+        size = 1 if effect.spread else len(effect.parameters)
+        found[effect.name] = list(itertools.islice(rows, size))
+    return found
+
+
+def tolerance_rows(d: Diagnosis) -> list[dict]:
+    """Numbers known to a tolerance that the data move by more than two
+    deviations, the farthest first.
+    """
+    fit = d.verdict.winner or d.nominal
+    if fit.tolerances is None:
+        return []
+    off = estimate_off(d.evaluator, fit)
+    errors = fit.tolerances.errors(1.0 + max(0.0, d.criterion.misfit(fit)))
+    rows = [
+        {
+            "name": n.name,
+            "unit": n.unit,
+            "block": n.block,
+            "tolerance": n.deviation,
+            "value": t * n.deviation,
+            "standard_error": float(e) * n.deviation,
+            "deviations": t,
+        }
+        for (n, t), e in zip(off, errors, strict=True)
+        if abs(t) > _MOVED
+    ]
+    return sorted(rows, key=lambda r: -abs(r["deviations"]))
+
+
+def rest_text(row: dict) -> str:
+    """What is left in words, from a row of `describe_rest`."""
+    if row["shape"] is None:
+        return ""
+    return f"goes with the {row['shape']}, as {row['acts_like']} would"
 
 
 def effect_parameters(

@@ -2,55 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import islice
-
-from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import choice_words
 from brace_drake.report.words import parameter_text
 
 
 def verdict_sentence(
-    name: str,
-    effects: Sequence[Effect],
-    gap: bool,
-    closed: float | None,
-    values: Sequence[dict],
+    name: str, verdict: dict, closed: float | None, moved: int
 ) -> str:
-    """One sentence that says what was found.
+    """What was found, what is certain of it, and what is left.
 
     Args:
         name: Of the campaign.
-        effects: Cards of the verdict's effects.
-        gap: Whether there is a gap.
-        closed: Share of it that the effects close on validation runs.
-        values: Rows of `effect_parameters`, one effect's after the other's.
+        verdict: Of the document, without its sentence.
+        closed: Share of the gap that all effects close on validation runs.
+        moved: Numbers known to a tolerance that the data move.
     """
-    if not gap:
+    if verdict["contradicted"]:
         return (
-            f"No gap: with the subject's parameters fitted, the twin"
-            f" reproduces {name} down to its noise."
+            f"There is a gap in {name}, and nothing that explains it is"
+            f" confirmed: {verdict['contradicted']}."
         )
-    if not effects:
+    if not verdict["gap"]:
+        how = "the subject's parameters"
+        how += " and numbers within their tolerances" if moved else ""
         return (
-            f"There is a gap in {name}, and no effect in the library explains"
-            " it."
+            f"No gap: with {how} fitted, the twin reproduces {name} down to"
+            " its noise."
         )
-    left, causes = iter(values), []
-    for effect in effects:
-        size = 1 if effect.spread else len(effect.parameters)
-        own = [_value_text(row) for row in islice(left, size)]
-        causes.append(f"{effect.title} ({', '.join(own)})")
-    text = f"The gap in {name} is explained by {' and '.join(causes)}"
+    left = verdict["unexplained"]
+    rest = _rest_text(left)
+    if not verdict["effects"]:
+        text = f"There is a gap in {name}, and no effect in the library"
+        text += " explains it"
+        return f"{text}; {rest}." if rest else f"{text}."
+    rows = verdict["supported"]
+    causes = " and ".join(_cause_text(row) for row in rows)
+    if verdict["outside_library"]:
+        shares = " and ".join(_share(row["closes"]) for row in rows)
+        verb = "is" if len(rows) == 1 else "are"
+        explains = "explains" if len(rows) == 1 else "explain"
+        sure = min(row["probability"] for row in rows)
+        return (
+            f"{causes[:1].upper()}{causes[1:]} {verb} there (p {sure:.2f}) and"
+            f" {explains} {shares} of the gap in {name}; {rest}."
+        )
+    text = f"The gap in {name} is explained by {causes}"
     if closed is not None:
-        them = "it" if len(causes) == 1 else "them"
-        # More than all is noise.
-        share = "100" if closed >= 1.0 else f"{100.0 * closed:.1f}"
-        if 0.9995 < closed < 1.0:
-            share = "more than 99.9"
-        text += f"; adding {them} closes {share} % of the gap on the validation"
-        text += " runs"
+        them = "it" if len(rows) == 1 else "them"
+        text += f"; adding {them} closes {_share(closed)} of the gap on the"
+        text += " validation runs"
     return text + "."
+
+
+def _share(share: float) -> str:
+    # More than all is noise.
+    if share >= 1.0:
+        return "100 %"
+    if share > 0.9995:
+        return "more than 99.9 %"
+    return f"{100.0 * max(share, 0.0):.1f} %"
+
+
+def _rest_text(left: dict) -> str:
+    """What is left, in words; empty where that is nothing."""
+    if not left["share"]:
+        return ""
+    text = f"{_share(left['share'])} is left"
+    if left["block"]:
+        text += f", in {left['block']}"
+    if left["description"]:
+        text += f", and {left['description']}"
+    return text
+
+
+def _cause_text(row: dict) -> str:
+    values = ", ".join(_value_text(p) for p in row["parameters"])
+    return f"{row['title']} ({values})"
 
 
 def _value_text(row: dict) -> str:

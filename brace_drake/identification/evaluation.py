@@ -211,20 +211,6 @@ class Evaluator:
             before - replay(twin, prepared, subject, both, noisy)
         )
 
-    def whitened(self, rows: np.ndarray) -> np.ndarray:
-        """Rows of all runs whitened of tolerances; a prior's below stay."""
-        if self.tolerances is None:
-            return rows
-        n = self.ends[-1]
-        return np.concatenate([self.tolerances.whiten(rows[:n]), rows[n:]])
-
-    def coloured(self, rows: np.ndarray) -> np.ndarray:
-        """The inverse of `whitened`."""
-        if self.tolerances is None:
-            return rows
-        n = self.ends[-1]
-        return np.concatenate([self.tolerances.colour(rows[:n]), rows[n:]])
-
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
         """Expected square of a weighted residual of noise alone.
 

@@ -8,6 +8,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import (
@@ -31,7 +32,7 @@ _NEAR, _END = 1e-3, 1e-5
 # Where drives stick the sum of squares is rough: what a search gains by less
 # at a time, or in later steps, is chance. Over dozens of parameters the last
 # of it is dear, and little beside what any twin is exact to.
-_NEAR_ROUGH, _ROUGH_STEPS = 1e-2, 8
+_NEAR_ROUGH, _ROUGH_STEPS, _LAST_ROUGH = 1e-2, 8, 1
 _MANY, _NEAR_OF_MANY, _END_OF_MANY = 12, 1e-2, 1e-3
 # A change of the common spread by less is none, in logarithms.
 _SAME_SPREAD = 0.05
@@ -55,9 +56,12 @@ class CandidateFit:
         refined: Whether the search was led to its end.
         sticks: Whether its drives stick and slip by chance.
         is_dithered: Whether its replays are averages over noise.
-        held_out: Misfit on motions left out in turn, where it was asked.
-        stretch: The most tolerances that a number known to one is off, where
-            it was asked.
+        held_out: Misfit on motions left out in turn, see `held_out_misfit`;
+            None where it is not known.
+        stretch: The most tolerances that a number known to one is off.
+        tolerances: What numbers known to one change: its residual and Jacobian
+            are whitened of that.
+        within: Effects of those numbers, as far off as the fit has them.
         name: Keys of the effects joined by +, or "nominal".
         identifiers, kinds: Names of the effects, whatever their form, in order
             and in no order.
@@ -84,6 +88,8 @@ class CandidateFit:
     is_dithered: bool = False
     held_out: float | None = None
     stretch: float = 0.0
+    tolerances: LinearTolerances | None = None
+    within: tuple[Use, ...] = ()
     name: str = field(init=False)
     identifiers: tuple[str, ...] = field(init=False)
     kinds: frozenset[str] = field(init=False)
@@ -117,14 +123,6 @@ class CandidateFit:
     def is_scattered(self) -> bool:
         """Whether its alike parameters may be a sample of their prior."""
         return self.spread is None or looks_scattered(self)
-
-
-def fit_nominal(evaluator: Evaluator) -> CandidateFit:
-    """Fits the subject's parameters alone."""
-    problem = CandidateProblem(evaluator, ())
-    nominal = np.array([p.nominal for p in evaluator.twin.subject])
-    solution = search(problem, nominal / problem.scales)
-    return correct_step(problem, finish_fit(problem, solution))
 
 
 def fit_effects(
@@ -209,7 +207,7 @@ def search(
         *limits,
         differentiate=lambda z, residual: known[1],
         known=known,
-        max_iterations=_STEPS,
+        max_iterations=_LAST_ROUGH if problem.is_rough else _STEPS,
         tolerance=_END_OF_MANY if is_dear else _END,
     )
 
@@ -234,6 +232,9 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     errors, at a small part of the cost of a fit at that step.
     """
     solution = fit.solution
+    if problem.is_rough:
+        # The step changes less than chance does.
+        return replace(fit, refined=True)
     (residual,) = problem.batch([solution.z], fine=True)
     if residual is None:
         return replace(fit, refined=True)
@@ -285,4 +286,5 @@ def finish_fit(
         problem.num_prior,
         sticks=sticks(evaluator.twin, uses),
         is_dithered=is_dithered(evaluator.twin, uses),
+        tolerances=problem.tolerances,
     )

@@ -38,12 +38,14 @@ class RunComparison:
         before, after: Simulated channels (N, C); `after` None where nothing
             was added.
         dither: Share of the floor's variance that `after` still carries.
+        dither_before: The same of `before`.
     """
 
     prepared: PreparedRun
     before: np.ndarray
     after: np.ndarray | None
     dither: float = 0.0
+    dither_before: float = 0.0
 
     def squares(self, which: str) -> np.ndarray:
         """Squared residuals in floors (N, C), NaN where there is none."""
@@ -51,7 +53,8 @@ class RunComparison:
         out = np.full(self.prepared.measured.shape, np.nan)
         residual = (self.prepared.measured - getattr(self, which))[:, used]
         out[:, used] = (residual / self.prepared.floor.rms[used]) ** 2
-        return out - (self.dither if which == "after" else 0.0)
+        is_after = which == "after"
+        return out - (self.dither if is_after else self.dither_before)
 
 
 def compare_runs(
@@ -60,11 +63,13 @@ def compare_runs(
     """Replays every run of an evaluator before and after the repair."""
     runs = evaluator.prepared
     replays = evaluator.map(
-        lambda run: evaluator.simulate(run, nominal.subject, ()),
+        lambda run: evaluator.simulate(run, nominal.subject, nominal.within),
         [(run,) for run in runs],
     )
+    is_noisy = is_dithered(evaluator.twin, nominal.within)
+    dither = 1.0 / NUM_DITHERS if is_noisy else 0.0
     compared = [
-        RunComparison(run, before, None)
+        RunComparison(run, before, None, dither_before=dither)
         for run, before in zip(runs, replays, strict=True)
     ]
     if winner is None:
@@ -80,10 +85,11 @@ def repair_runs(
     Raises:
         BraceError: Its twin breaks down in one of them.
     """
-    is_noisy = is_dithered(evaluator.twin, fit.uses)
+    uses = (*fit.uses, *fit.within)
+    is_noisy = is_dithered(evaluator.twin, uses)
     dither = 1.0 / NUM_DITHERS if is_noisy else 0.0
     replays = evaluator.map(
-        lambda run: evaluator.simulate(run, fit.subject, fit.uses),
+        lambda run: evaluator.simulate(run, fit.subject, uses),
         [(c.prepared,) for c in compared],
     )
     return [

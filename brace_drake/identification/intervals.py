@@ -13,7 +13,7 @@ from brace_drake.identification.prepare import noise_replicates
 _REPLICATES = 12
 _Z95 = 1.959964
 # Nearness to a limit, relative to the allowed range, that counts as at it.
-_AT_LIMIT = 1e-3
+_AT_LIMIT = 1e-7
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,8 @@ def estimate_table(
 
     The estimator is linear in small noise: dz = -(J'J)^-1 J' e. Its covariance
     is taken from replicates of e, run by run, so that correlation in time and
-    between channels counts in full; where the fit leaves more than noise, the
+    between channels counts in full, with that of numbers within their
+    tolerances; where the fit leaves more than noise, the
     covariance is scaled by that.
     """
     rows = evaluator.ends[-1]
@@ -67,18 +68,25 @@ def estimate_table(
     seen = np.linalg.norm(jacobian, axis=0) > 0.0
     q, triangle = np.linalg.qr(jacobian[:, seen])
     inverse = np.linalg.pinv(triangle)
-    score_covariance = _score_covariance(evaluator, fit, q[:rows], seed)
+    inner, known = q[:rows], fit.tolerances
+    if known is not None:
+        # The residual is whitened of tolerances, the noise is not.
+        inner = known.whiten(inner)
+    score_covariance = _score_covariance(evaluator, fit, inner, seed)
+    if known is not None:
+        along = known.tolerated(q[:rows])
+        score_covariance += along.T @ along
     # Prior rows, where there are any, are exact observations of unit variance.
     prior = q[rows:]
     score_covariance += prior.T @ prior
     misfit = max(0.0, fit.excess / evaluator.count)
     covariance = inverse @ score_covariance @ inverse.T * (1.0 + misfit)
-    known = np.sqrt(np.diag(covariance))
+    deviation = np.sqrt(np.diag(covariance))
     error = np.full(len(seen), np.inf)
-    error[seen] = known
+    error[seen] = deviation
     correlation = np.eye(len(seen))
     correlation[np.ix_(seen, seen)] = covariance / np.maximum(
-        np.outer(known, known), 1e-300
+        np.outer(deviation, deviation), 1e-300
     )
     condition = None
     if seen.all():

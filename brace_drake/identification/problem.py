@@ -37,6 +37,7 @@ class CandidateProblem:
         has_spread: Whether any has.
         is_rough: Whether noise dithers an effect.
         num_prior: Rows that the prior adds.
+        tolerances: Of numbers that the effects do not stand for.
 
     Args:
         evaluator: Over the fit runs.
@@ -52,6 +53,9 @@ class CandidateProblem:
     ):
         self.evaluator = evaluator
         self.effects = tuple(effects)
+        self.tolerances = evaluator.tolerances
+        if self.tolerances is not None:
+            self.tolerances = self.tolerances.beside(effects)
         self._templates = [np.array(v, dtype=float) for v in values]
         self._moved = []
         subject = evaluator.twin.subject
@@ -156,7 +160,7 @@ class CandidateProblem:
         if not kept:
             return z, None
         # Whitening mixes the runs: they are compared before it.
-        kept = [(p, self.evaluator.coloured(r)) for p, r in kept]
+        kept = [(p, self.coloured(r)) for p, r in kept]
         out, residual = z.copy(), kept[0][1].copy()
         ends = self.evaluator.ends
         for run, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
@@ -165,7 +169,7 @@ class CandidateProblem:
             residual[begin:end] = chosen[begin:end]
             mine = self.places_in_run(effect, run)
             out[mine] = point[mine]
-        return out, self.evaluator.whitened(residual)
+        return out, self.whitened(residual)
 
     @property
     def spread_scale(self) -> float:
@@ -239,8 +243,22 @@ class CandidateProblem:
                 out.append(None)
                 continue
             rows = np.concatenate([*parts, self.prior_rows(z)])
-            out.append(self.evaluator.whitened(rows))
+            out.append(self.whitened(rows))
         return out
+
+    def whitened(self, rows: np.ndarray) -> np.ndarray:
+        """Rows of all runs whitened of tolerances; the prior's as they are."""
+        if self.tolerances is None:
+            return rows
+        n = self.evaluator.ends[-1]
+        return np.concatenate([self.tolerances.whiten(rows[:n]), rows[n:]])
+
+    def coloured(self, rows: np.ndarray) -> np.ndarray:
+        """The inverse of `whitened`."""
+        if self.tolerances is None:
+            return rows
+        n = self.evaluator.ends[-1]
+        return np.concatenate([self.tolerances.colour(rows[:n]), rows[n:]])
 
     def columns(
         self, z: np.ndarray, first: int = 0, base: np.ndarray | None = None
@@ -283,13 +301,13 @@ class CandidateProblem:
             if len(group) == 1:
                 out[:rows, group[0] - first] = change[:rows] / steps[group[0]]
                 continue
-            own = self.evaluator.coloured(change)
+            own = self.coloured(change)
             columns = np.zeros((len(base), len(group)))
             for k, (i, begin, end) in enumerate(
                 zip(group, [0, *ends], ends, strict=False)
             ):
                 columns[begin:end, k] = own[begin:end] / steps[i]
             places = np.subtract(group, first)
-            out[:, places] = self.evaluator.whitened(columns)
+            out[:, places] = self.whitened(columns)
         out[rows:] = self.prior_jacobian()[:, first:]
         return out

@@ -6,5 +6,6 @@ reading by the balance of forces (`force_balance`). The gap is shared out over
 blocks (`repair_shares`, `attribution`), channels, phases of the motion and
 bands (`budget`), and what the best twin leaves is described by the motion that
 it goes with (`residual_shapes`). `locate` puts it together, and `decision`
-names the block of a gap that no effect explains.
+accuses the blocks: those of the effects named and, where none is, the one in
+which what is left lies.
 """

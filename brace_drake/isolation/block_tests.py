@@ -12,11 +12,13 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from brace_drake.devices.declaration import BlockTest
+from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.noise_floor import on_grid, written_quantum
 
-_REPLICATES = 4
+# Machines, noise and tolerances drawn, that a block is compared with.
+NUM_MACHINES = 6
 # A block's residual may exceed its own noise this much, and three times the
 # spread between replicates, before it is accused.
 _TOLERANCE = 1.15
@@ -29,6 +31,7 @@ def run_block_tests(
     tests: Sequence[BlockTest],
     fit: CandidateFit,
     seed: int,
+    drawn: Sequence[Sequence[Use]] = (),
 ) -> list[dict]:
     """Rows with the residual of each block against that of noisy replays.
 
@@ -40,7 +43,10 @@ def run_block_tests(
         tests: The device's, in the order of the signal.
         fit: Whose subject, without effects, the blocks set out from.
         seed: Of the replays.
+        drawn: Machines within their tolerances, one for each noisy replay; by
+            default all have the twin's numbers.
     """
+    machines = drawn or [()] * NUM_MACHINES
 
     def take_part(prepared):
         """The recording, then as noisy replays would have been written."""
@@ -51,10 +57,10 @@ def run_block_tests(
             evaluator.twin.simulate(
                 prepared.motion,
                 fit.subject,
-                (),
+                uses,
                 np.random.default_rng([seed, 29, prepared.seed, i]),
             )
-            for i in range(_REPLICATES)
+            for i, uses in enumerate(machines)
         ]
         return [prepared.measured, *(on_grid(r, grid) for r in replays)]
 
@@ -118,14 +124,6 @@ def describe_unchecked(
         + ("; what errs there cannot be divided" if len(blocks) > 1 else "")
         for lacks, blocks in segments.items()
     ]
-
-
-def holds_at_rest(rows: Sequence[dict]) -> bool | None:
-    """Whether the leg lengths at rest are as they should be; None where the
-    device has no such lengths.
-    """
-    found = [r for r in rows if r["block"] == "mechanism"]
-    return all(r["acquitted"] for r in found) if found else None
 
 
 def _power(

@@ -8,6 +8,37 @@ from brace_drake.effects.card import ANSWER_MOTION
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.isolation.force_balance import DRIVES, RING, suspected_part
 from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.decision import Verdict
+from brace_drake.selection.thresholds import MATERIAL
+
+
+def accused_blocks(
+    verdict: Verdict,
+    criterion: Criterion,
+    fits: Sequence[CandidateFit],
+    tests: Sequence[dict],
+    where: dict,
+) -> list[str]:
+    """Blocks in which the gap lies: those of the effects named and, where what
+    is left is material, the one in which that lies.
+
+    Args:
+        verdict: Of the diagnosis.
+        criterion, fits: Of the search.
+        tests: Rows of `run_block_tests`.
+        where: From `locate_gap`.
+    """
+    if not verdict.gap:
+        return []
+    found: list[str] = []
+    if verdict.winner is not None:
+        block = {e.name: e.block for e in verdict.winner.effects}
+        found = [block[name] for name in verdict.effects]
+    if verdict.outside_library and not found:
+        found = nearest_block(criterion, fits) or suspected_blocks(
+            tests, where["balance"], where["contact_side"]
+        )
+    return list(dict.fromkeys(found))
 
 
 def nearest_block(
@@ -22,7 +53,7 @@ def nearest_block(
     return [
         fit.effects[0].block
         for fit in singles[:1]
-        if criterion.closed(fit) >= criterion.least_share
+        if criterion.closed(fit) >= 1.0 - 2.0 * MATERIAL
     ]
 
 

@@ -8,26 +8,17 @@ would without friction, and so does the subject.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers
-from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import CandidateFit, fit_nominal
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
-from brace_drake.selection.criterion import Criterion, make_criterion
-from brace_drake.selection.decision import Verdict, decide
-from brace_drake.selection.null_bootstrap import draw_null
-from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import screen, search_best
-from brace_drake.selection.search.shortlist import best_fits, refine
-from brace_drake.selection.surrogate_data import loses_to_surrogates
 
 # Mean square, in floors, from which on a gap is beyond doubt.
 _LARGE = 0.5
@@ -96,60 +87,3 @@ def fit_imposed_motion(
         return ImposedMotionFit(evaluator, fit_nominal(evaluator))
     except (BraceError, ValueError):
         return None
-
-
-def explain_imposed_motion(
-    found: ImposedMotionFit,
-    seed: int,
-    say: Callable[[str, float], None] = lambda what, share: None,
-) -> CandidateFit | None:
-    """What answers otherwise than the twin to the imposed motion.
-
-    Args:
-        found: From `fit_imposed_motion`.
-        seed: As of the diagnosis.
-        say: Progress, shares of this search.
-
-    Returns:
-        The fit of the one effect that explains a gap beyond doubt, that of no
-        effect where there is no gap, None where neither is known: as the noise
-        of a way is known less than that of readings, and no twin is exact, a
-        gap of less than half of the floor is none to build on.
-    """
-    evaluator, nominal = found.evaluator, found.nominal
-    criterion = make_criterion(evaluator, nominal)
-    try:
-        base = Linearisation(evaluator, nominal)
-        if criterion.misfit(nominal) <= _LARGE:
-            null = draw_null(evaluator, nominal, [], seed)
-            known = replace(criterion, null=null)
-            return None if known.has_gap([]) else nominal
-        verdict = _diagnose(base, criterion, seed, say)
-    except (BraceError, ValueError):
-        return None
-    return None if verdict.ambiguous_with else verdict.winner
-
-
-def _diagnose(
-    base: Linearisation, criterion: Criterion, seed: int, say
-) -> Verdict:
-    evaluator, nominal = base.evaluator, base.base
-    known = effects_for(evaluator.twin.device).values()
-    effects = [e for e in known if e.answers_motion]
-    most = criterion.largest_excess(1)
-    few = [e for e in effects if not e.is_flexible]
-    fits = _screen(base, few, most, say)
-    null = draw_null(evaluator, nominal, fits, seed)
-    criterion = replace(criterion, null=null)
-    if not criterion.is_near_floor(fits):
-        many = [e for e in effects if e.is_flexible]
-        fits += _screen(base, many, most, say)
-    is_chance = partial(loses_to_surrogates, evaluator, nominal, seed=seed)
-    return decide(criterion, fits, is_chance)
-
-
-def _screen(base, effects, most, say) -> list[CandidateFit]:
-    found = screen(base, effects, say)
-    search_best(base, found, say, enough=most)
-    fits = best_fits(found)
-    return refine(base.evaluator, fits, base.base.excess, rivals=most)

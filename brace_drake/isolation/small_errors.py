@@ -36,19 +36,25 @@ def attribute_errors(
     if not errors:
         return []
     parts = [slice(a, b) for a, b in itertools.pairwise([0, *evaluator.ends])]
-    residual = nominal.solution.residual
+    residual, jacobian = nominal.solution.residual, nominal.solution.jacobian
+    known, tolerated = nominal.tolerances, np.zeros((len(residual), 0))
+    if known is not None:
+        # Errors are not whitened of tolerances: these stand beside them.
+        residual, jacobian = known.colour(residual), known.colour(jacobian)
+        tolerated = known.basis
     picked = pick_runs(evaluator, [residual[p] for p in parts])
     runs = [evaluator.prepared[i] for i in picked]
     answers = _responses(evaluator, nominal.subject, errors, runs)
     blocks = list(dict.fromkeys(block for block, _ in answers))
-    owner = [-2, *[-1] * len(nominal.subject)]
+    kept = len(nominal.subject) + tolerated.shape[1]
+    owner = [-2, *[-1] * kept]
     # Columns of one block stand together.
     answers.sort(key=lambda answer: blocks.index(answer[0]))
     owner += [blocks.index(block) for block, _ in answers]
     pieces = []
     for place, run in enumerate(runs):
         rows, zero = parts[picked[place]], np.zeros(run.num_weighted)
-        columns = [residual[rows], *nominal.solution.jacobian[rows].T]
+        columns = [residual[rows], *jacobian[rows].T, *tolerated[rows].T]
         columns += [changes.get(place, zero) for _, changes in answers]
         series = np.array([in_time(run, column) for column in columns])
         pieces += pieces_of(run.run, series, axis=1)

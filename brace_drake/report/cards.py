@@ -10,13 +10,20 @@ def make_cards(causes: list[dict], verdict: dict) -> list[dict]:
     """Cards of the verdict's effects and of the runner-up; none without gap.
 
     The runner-up is what the data cannot tell apart from the verdict, else
-    the best cause that does not contain it; what both have in common is left
-    out. Without a verdict from the library it is the best cause, called the
-    nearest.
+    the best cause that was searched and does not contain it; what both have in
+    common is left out. Where no effect is named it is the best cause, called
+    the nearest.
     """
     if not verdict["gap"]:
         return []
-    chosen = [p for c in causes if c["chosen"] for p in parts_of(c["effect"])]
+    # The winner may hold what is within its tolerance, which is not named.
+    chosen = [
+        part
+        for cause in causes
+        if cause["chosen"]
+        for part in parts_of(cause["effect"])
+        if name_of(part) in verdict["effects"]
+    ]
     role = "runner-up" if chosen else "nearest in the library"
     return [
         *(make_card(key, "verdict", verdict) for key in chosen),
@@ -26,7 +33,7 @@ def make_cards(causes: list[dict], verdict: dict) -> list[dict]:
 
 def _runner_up(causes: list[dict], verdict: dict) -> list[str]:
     chosen = verdict["effects"]
-    ranked = [cause["effect"] for cause in causes]
+    ranked = [cause["effect"] for cause in causes if cause["searched"]]
     for effect in [*verdict["ambiguous_with"], *ranked]:
         parts = parts_of(effect)
         # The verdict with something added to it is no rival of the verdict,

@@ -15,6 +15,7 @@ _FILTERS = (
     words.band_text,
     words.bar_width,
     words.channel_text,
+    words.fixed,
     words.floor_text,
     words.over_floor,
     words.percent,

@@ -9,6 +9,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from brace_drake.core.output import WriteText
+from brace_drake.report.certain import BADGES, kind_of
 from brace_drake.report.page import render_template
 from brace_drake.report.words import percent_interval
 
@@ -53,7 +54,7 @@ def summary_row(name: str, document: dict) -> dict:
         | known
         | {
             "campaign": name,
-            "verdict": _kind(verdict),
+            "verdict": BADGES[kind_of(verdict)].lower(),
             "effects": "+".join(verdict["effects"]),
             "blocks": "+".join(verdict["blocks"]),
             "ambiguous_with": " ".join(verdict["ambiguous_with"]),
@@ -88,12 +89,6 @@ def render_summary(rows: Sequence[dict]) -> str:
     )
 
 
-def _kind(verdict: dict) -> str:
-    if verdict["outside_library"]:
-        return "outside the library"
-    return "gap" if verdict["gap"] else "no gap"
-
-
 def _shown(row: dict) -> dict:
     # A cell without a number is empty in the file, and None for the page.
     cells = {key: None if v == "" else v for key, v in row.items()}
@@ -108,12 +103,8 @@ def _shown(row: dict) -> dict:
     }
 
 
-_TONES = {
-    "gap": "gap",
-    "no gap": "none",
-    "outside the library": "outside",
-    "failed": "failed",
-}
+_TONES = {badge.lower(): kind for kind, badge in BADGES.items()}
+_TONES["failed"] = "failed"
 
 
 def _counts(rows: Sequence[dict]) -> list[tuple[str, int]]:

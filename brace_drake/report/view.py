@@ -8,6 +8,7 @@ from brace_drake.effects.registry import find_effect
 from brace_drake.report.budget_figures import draw_attribution, draw_cube
 from brace_drake.report.canvas import WIDTH
 from brace_drake.report.cards import make_cards, name_of, parts_of
+from brace_drake.report.certain import BADGES, describe_certain, kind_of
 from brace_drake.report.figures import draw_blocks, draw_correlation, draw_pairs
 from brace_drake.report.trace_figures import draw_plane, draw_trace
 from brace_drake.report.traces import VALIDATION, RunTrace
@@ -16,18 +17,19 @@ from brace_drake.report.words import (
     band_text,
     channel_text,
     error_row,
+    over_floor,
     parameter_row,
     percent_interval,
     times,
     to_number,
+    to_text,
 )
 
 # More runs than these would not be read, and the file would grow.
 _MOST_TRACES = 4
 _MOST_PLANES = 1
-# Least share of the gap that any verdict asks of an effect that explains it.
-_NEAR = 0.75
-_KINDS = {"gap": "Gap", "none": "No gap", "outside": "Outside the library"}
+# Keys of the provenance that are mean squares above the floor's.
+_MISFITS = ("misfit", "level")
 
 
 def make_view(diagnosis: dict, traces: Sequence[RunTrace]) -> dict:
@@ -38,21 +40,21 @@ def make_view(diagnosis: dict, traces: Sequence[RunTrace]) -> dict:
         for cause in causes
         if cause["searched"]
     ]
-    kind = "gap" if verdict["gap"] else "none"
-    kind = "outside" if verdict["outside_library"] else kind
+    kind = kind_of(verdict)
     return diagnosis | {
         "kind": kind,
-        "badge": _KINDS[kind],
+        "badge": BADGES[kind],
+        "certain": describe_certain(diagnosis),
         "lead": _lead(diagnosis["where"]["blocks"]),
         "blocks": checked_blocks(diagnosis["where"]),
         "figures": _draw_where(diagnosis["where"]),
         "searched": searched,
-        "unsearched": [c["effect"] for c in causes if not c["searched"]],
-        "decoys": next((c["decoys"] for c in causes if c["decoys"]), None),
+        "screened": [c["effect"] for c in causes if not c["searched"]],
         "cards": make_cards(causes, verdict),
         "how_far": _how_far(diagnosis["shrink"]),
-        "fitted": _fitted(verdict),
+        "fitted": _fitted(causes),
         "runs": _draw_runs(traces),
+        "made_from": _made_from(diagnosis["provenance"]),
         **_subject(diagnosis["subject"]),
         **_open_causes(causes, verdict),
     }
@@ -63,7 +65,7 @@ def _lead(blocks: list[dict]) -> str:
     if not blocks:
         return ""
     if not guilty:
-        return "Every block, replayed on its own, stays at its noise floor."
+        return "Every block, replayed on its own, stays within its threshold."
     guilty.sort(key=lambda b: -b["normalised_rms"])
     parts = [
         f"{b['block']} ({times(b['normalised_rms'])} times its floor)"
@@ -133,9 +135,10 @@ def _how_far(shrink: dict | None) -> dict | None:
     }
 
 
-def _fitted(verdict: dict) -> str:
+def _fitted(causes: list[dict]) -> str:
     """What was estimated on the validation runs themselves."""
-    if any(find_effect(name).run_parameters for name in verdict["effects"]):
+    chosen = [p for c in causes if c["chosen"] for p in parts_of(c["effect"])]
+    if any(find_effect(name).run_parameters for name in chosen):
         return "only what each run has of its own"
     return "nothing"
 
@@ -169,8 +172,14 @@ def _subject(subject: dict) -> dict:
 
 
 def _open_causes(causes: list[dict], verdict: dict) -> dict:
-    """Causes whose fits do not tell: near the gap's size, and far from it."""
-    chosen = set(verdict["effects"])
+    """Causes whose search was not led to its end: those that explain as much
+    of the gap as the best that was, and the others.
+    """
+    if not verdict["gap"]:
+        return {"unconverged": [], "left_early": []}
+    chosen, led = set(verdict["effects"]), [c for c in causes if c["converged"]]
+    first = [c for c in led if c["chosen"]] or led
+    most = max((to_number(c["explained"]) for c in first), default=0.0)
     # What the verdict holds already is part of a fit that has converged.
     unconverged = [
         c
@@ -179,11 +188,21 @@ def _open_causes(causes: list[dict], verdict: dict) -> dict:
         and not c["converged"]
         and not {name_of(p) for p in parts_of(c["effect"])} <= chosen
     ]
-    far = [c for c in unconverged if to_number(c["explained"]) < _NEAR]
+    far = [c for c in unconverged if to_number(c["explained"]) < most]
     return {
         "unconverged": [c["effect"] for c in unconverged if c not in far],
         "left_early": [c["effect"] for c in far],
-        "unidentifiable": [
-            c["effect"] for c in causes if not c["identifiable"]
-        ],
     }
+
+
+def _made_from(provenance: dict) -> list[tuple[str, str]]:
+    """Rows of the provenance; misfits as multiples of the floor."""
+    rows = []
+    for name, value in provenance.items():
+        if isinstance(value, dict):
+            rows += [(f"{name}.{k}", to_text(v)) for k, v in value.items()]
+        elif name in _MISFITS:
+            rows.append((name, f"{over_floor(value)} × floor"))
+        else:
+            rows.append((name, to_text(value)))
+    return rows

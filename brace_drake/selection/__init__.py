@@ -1,10 +1,9 @@
-"""Model selection: is there a gap, and which effects explain it.
+"""Model selection: is there a gap, which effects are certain, what is left.
 
-`search` fits candidate explanations; `criterion` holds what each leaves and
-takes; `decision` turns them into a verdict with a probability. A gap is what
-the fitted nominal twin leaves beyond what noise would (`null_bootstrap`); an
-explanation takes nearly all of it, more than its freedom alone would
-(`surrogate_data`), with parameters that agree with their prior
-(`identification.prior_check`). Every number that decides stands in
-`thresholds`.
+`search` fits explanations, sets of none to three effects; `criterion` scores
+each by what it leaves, on its own runs and on motions left out of it, and by
+what its effects cost; `decision` turns the scores into a verdict with
+probabilities. `tolerated` knows what is within tolerances and so no finding,
+`level` what even a right twin leaves, and `settle` ends the search. Every
+number that decides stands in `thresholds`.
 """

@@ -1,166 +1,115 @@
-"""What fits leave, take away and explain: the figures a decision rests on."""
+"""The criterion: what a set of effects leaves, and what each effect costs.
+
+    score = ln(misfit + level) / 2 + ln(predicted + level) / 2
+            + 2 ln(max(1, stretch / 3)) + cost n
+
+`misfit` is the mean square that a fit leaves above the noise, `predicted` the
+same on motions left out in turn (`identification.held_out`), `stretch` the most
+tolerances that a number known to one is off, n the number of effects that are
+not within tolerances; less is better. For residuals of unknown variance the
+first term is the log likelihood per value (Gelman et al., Bayesian Data
+Analysis, section 3.2) and the second its cross-validated form, which an effect
+that only imitates another does not share (Vehtari, Gelman, Gabry, Practical
+Bayesian model evaluation using leave-one-out cross-validation, Statistics and
+Computing 27, 2017); the third is that of the tolerances themselves. The level
+is what no twin is exact to: below it less says nothing. Numbers within their
+tolerances are no part of the misfit, see `identification.tolerances`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from brace_drake.identification.evaluation import Evaluator, sticks
+from brace_drake.devices.declaration import Nuisance
+from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-
-if TYPE_CHECKING:
-    from brace_drake.selection.null_bootstrap import NullDistribution
+from brace_drake.selection.tolerated import is_within
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """The gap of one campaign and what counts as an explanation of it.
+    """The gap of one campaign, and the score of what may explain it.
 
-    Misfits and gains are mean squares in units of the noise floor's.
+    Misfits are mean squares in units of the noise floor's.
 
     Attributes:
         nominal: The fit of the subject alone; what it leaves is the gap.
         count: Number of independent values.
-        is_known: Whether instruments and nominal numbers are given by a data
-            sheet, not taken from the recording itself.
         recorded: Share of the informative channels that was recorded.
-        carries_friction: Whether drives stick by an effect that the twin
-            carries anyway.
-        null: What noise alone gives; None before it was drawn.
+        level: Misfit of a right twin: the noise is not known better, and its
+            laws are not.
+        nuisances: Numbers known to a tolerance.
     """
 
     nominal: CandidateFit
     count: int
-    is_known: bool
     recorded: float = 1.0
-    carries_friction: bool = False
-    null: NullDistribution | None = None
+    level: float = thresholds.LEVEL
+    nuisances: tuple[Nuisance, ...] = ()
 
     def misfit(self, fit: CandidateFit) -> float:
-        """What a fit leaves above the floor."""
+        """What a fit leaves above the floor on the runs that it was fitted
+        to; below 0 by chance.
+        """
         return fit.excess / self.count
 
-    def gain(self, fit: CandidateFit, before: CandidateFit) -> float:
-        """What a fit takes off another one's misfit."""
-        return (before.excess - fit.excess) / self.count
-
-    def gains(self, fit: CandidateFit, before: CandidateFit) -> bool:
-        """Whether a fit takes more off another one's misfit than noise and the
-        twin's own errors would give to as many parameters more.
+    def predicted(self, fit: CandidateFit) -> float:
+        """What it leaves on motions left out in turn; on its own runs where
+        there is one motion alone.
         """
-        more = max(1, fit.freedom - before.freedom)
-        return self.gain(fit, before) > self.null.least_gain(more)
+        inside = max(0.0, self.misfit(fit))
+        if fit.held_out is None:
+            return inside
+        return max(0.0, fit.held_out)
+
+    def left(self, fit: CandidateFit) -> float:
+        """Geometric mean of both misfits, each with the level."""
+        both = (max(0.0, self.misfit(fit)), self.predicted(fit))
+        return float(np.sqrt(np.prod([m + self.level for m in both])))
+
+    def score(self, fit: CandidateFit) -> float:
+        """Of a fit; the least one is the best explanation."""
+        cost = thresholds.COST_OF_EFFECT * len(self.findings(fit))
+        stretch = max(1.0, fit.stretch / thresholds.WITHIN)
+        return float(np.log(self.left(fit)) + 2.0 * np.log(stretch) + cost)
+
+    def findings(self, fit: CandidateFit) -> list[Effect]:
+        """A fit's effects that are not within tolerances."""
+        return [
+            use[0]
+            for use in fit.uses
+            if not is_within(use, fit.spread, self.nuisances)
+        ]
 
     def closed(self, fit: CandidateFit) -> float:
         """Share of the gap's amplitude that a fit takes away."""
         return closed_amplitude(self.misfit(self.nominal), self.misfit(fit))
 
-    def closes_half(self, fit: CandidateFit) -> bool:
-        """Whether a fit takes away about half of the gap's amplitude."""
-        return self.closed(fit) >= thresholds.HALF
-
-    def left(self, fit: CandidateFit) -> float:
-        """What a fit leaves, and what no twin is exact to."""
-        return max(0.0, self.misfit(fit)) + thresholds.TWIN_ERROR
-
-    def sticking(self, fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-        """Single effects with which drives stick, if they are among the best
-        and none of those explains all that there is.
+    def unexplained(self, fit: CandidateFit) -> float:
+        """Share of the gap's amplitude that a fit leaves beyond the level, on
+        motions that it has not seen.
         """
-        known = [f for f in fits if f.is_searched]
-        least = min((max(0.0, f.excess) for f in known), default=np.inf)
-        if least <= self.null.misfit_threshold * self.count:
-            return []
-        near = thresholds.FRICTION_NEAR * least
-        found = [f for f in known if f.excess <= near and f.sticks]
-        found.sort(key=lambda f: f.excess)
-        return found[: thresholds.NUM_FRICTIONS]
-
-    def is_almost_near_floor(self, fit: CandidateFit) -> bool:
-        """Whether screening leaves it where its end may be near the floor."""
-        most = thresholds.UNFINISHED * thresholds.NEAR_FLOOR
-        return self.misfit(fit) <= most
-
-    @property
-    def least_share(self) -> float:
-        """Share of the gap's amplitude that an explanation takes away."""
-        known = thresholds.SHARE_KNOWN
-        return known if self.is_known else thresholds.SHARE_REAL
-
-    def largest_rest(self, number: int, is_sticking: bool = False) -> float:
-        """Misfit that an explanation by so many effects may leave.
-
-        A real machine has more than one flaw, so one effect may leave a rest,
-        if that is a small part of the gap's amplitude. Two effects together
-        can cover much of any gap; on a bench with known instruments they may
-        leave no more than the noise, or a hundredth of the amplitude, a tenth
-        where drives stick.
-        """
-        gap = np.sqrt(1.0 + max(0.0, self.misfit(self.nominal))) - 1.0
-        pair = thresholds.PAIR_SHARE
-        if is_sticking:
-            pair = thresholds.PAIR_SHARE_STICKING
-        # Misfits of the amplitudes that these shares leave.
-        most, least = (
-            float((1.0 + (1.0 - share) * gap) ** 2 - 1.0)
-            for share in (self.least_share, pair)
+        gap = self.left(self.nominal) - self.level
+        rest = self.left(fit) - self.level
+        before, after, least = (
+            np.sqrt(1.0 + m) - 1.0 for m in (gap, rest, self.level)
         )
-        if number < 2 or not self.is_known:
-            return most
-        return min(most, max(thresholds.NEAR_FLOOR, least))
+        return float(np.clip((after - least) / before, 0.0, 1.0))
 
-    def largest_excess(self, number: int) -> float:
-        """Excess after screening from which an explanation can be reached."""
-        gap = thresholds.UNFINISHED_SHARE * self.misfit(self.nominal)
-        coarse = min(thresholds.NEAR_FLOOR, gap)
-        most = thresholds.UNFINISHED * self.largest_rest(number)
-        return max(most, coarse) * self.count
+    def is_beyond_level(self, fit: CandidateFit) -> bool:
+        """Whether a fit leaves more than a right twin would."""
+        return self.left(fit) > thresholds.BEYOND_LEVEL * self.level
 
-    def has_gap(self, fits: Sequence[CandidateFit]) -> bool:
-        """Whether the nominal fit leaves more than its own noise would."""
-        return self.misfit(self.nominal) > self.null.misfit_threshold or any(
-            self.gains(f, self.nominal) for f in refined(fits)
-        )
-
-    def explains(self, fit: CandidateFit) -> bool:
-        """Whether a fit explains the gap: down to what noise leaves, or by far
-        most of it; and not with parameters that are no sample of their prior.
+    def is_material(self, fit: CandidateFit) -> bool:
+        """Whether what it leaves is beyond the level and no small part of the
+        gap: then something is there that the library has not.
         """
-        if not self.gains(fit, self.nominal):
-            return False
-        most = self.largest_rest(len(fit.effects), fit.sticks)
-        little = self.misfit(fit) <= max(self.null.misfit_threshold, most)
-        return bool(little) and fit.is_scattered
-
-    def is_near_floor(self, fits: Sequence[CandidateFit]) -> bool:
-        """Whether the best of fits leaves no more than noise would.
-
-        Or a bit more, where drives stick and it closes much of the gap: no
-        replay follows such a recording to the floor.
-        """
-        best = next(iter(plausible(fits)), None)
-        if best is None:
-            return False
-        limit = self.null.misfit_threshold
-        # Friction that the twin carries has taken its part before.
-        if best.sticks and (self.carries_friction or self.closes_half(best)):
-            limit = max(limit, thresholds.NEAR_FLOOR_STICKING)
-        return self.misfit(best) <= limit
-
-    def part_as_good(
-        self, fit: CandidateFit, fits: Sequence[CandidateFit]
-    ) -> CandidateFit | None:
-        """Some of a fit's effects that leave no more without the others, but
-        for what noise would gain; None where all are needed.
-        """
-        for part in refined(fits):
-            if part.kinds < fit.kinds and not self.gains(fit, part):
-                return part
-        return None
+        share = self.unexplained(fit)
+        return self.is_beyond_level(fit) and share > thresholds.MATERIAL
 
 
 def closed_amplitude(before: float, after: float) -> float:
@@ -175,28 +124,20 @@ def closed_amplitude(before: float, after: float) -> float:
     return float(1.0 - last / first) if first > 0.0 else 0.0
 
 
-def make_criterion(
-    evaluator: Evaluator,
-    nominal: CandidateFit,
-    null: NullDistribution | None = None,
-) -> Criterion:
-    """The criterion of an evaluator's runs."""
-    twin = evaluator.twin
-    return Criterion(
-        nominal,
-        evaluator.count,
-        twin.instruments_known,
-        evaluator.recorded,
-        sticks(twin, ()),
-        null,
-    )
-
-
 def refined(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Fits whose search was led to its end, best first."""
     return sorted((f for f in fits if f.refined), key=lambda f: f.excess)
 
 
-def plausible(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """Refined fits whose many parameters may be a sample of their prior."""
-    return [f for f in refined(fits) if f.is_scattered]
+def best_of_kinds(
+    criterion: Criterion, fits: Sequence[CandidateFit]
+) -> list[CandidateFit]:
+    """Of refined fits of the same effects, whatever their form, the best; all
+    in the order of their score. Those whose many parameters are no draw from
+    one law are none.
+    """
+    best: dict[frozenset[str], CandidateFit] = {}
+    known = [f for f in fits if f.refined and f.is_scattered]
+    for fit in sorted(known, key=criterion.score):
+        best.setdefault(fit.kinds, fit)
+    return list(best.values())

@@ -1,7 +1,9 @@
-"""How far the gap shrinks, on runs that no fit has seen.
+"""What runs that no fit has seen say of the verdict.
 
-Nothing is estimated on a validation run, but for what every run has of its own.
-`shrinkage` measures the gap before and after the repair, `prediction` what
-rival causes leave there, `held_out` what they leave on fit runs left out in
-turn; `causes` ranks the causes by it. `repaired` keeps the repaired twin.
+Nothing is estimated on a validation run, but for what every run has of its own
+(`run_parameters`). `confirm` has the last word: it leaves out copies of fit
+runs and withdraws what the others contradict. `shrinkage` measures the gap
+before and after the repair, `support` what each effect closes by itself,
+`prediction` what rival causes leave; `causes` ranks the causes by the
+criterion. `repaired` keeps the repaired twin.
 """

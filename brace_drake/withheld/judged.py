@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+OUTSIDE = "outside"
 
 
 def label(verdict: dict | None) -> str:
-    """A verdict in a word: none, outside, effects joined by +, or failed."""
+    """A verdict in a word: none, failed, or the effects named joined by +, with
+    outside as the last of them where something is left that the library has
+    not.
+    """
     if verdict is None:
         return "failed"
     if not verdict["gap"]:
         return "none"
-    if verdict["outside_library"] or not verdict["effects"]:
-        return "outside"
-    return "+".join(sorted(verdict["effects"]))
+    return _joined(verdict["effects"], verdict["outside_library"])
+
+
+def _joined(effects: Iterable[str], outside: bool) -> str:
+    """Effects as one word; without any, outside."""
+    names = sorted(effects)
+    return "+".join([*names, OUTSIDE] if outside or not names else names)
 
 
 @dataclass(frozen=True)
@@ -45,9 +55,9 @@ class Judged:
     @property
     def expected(self) -> str:
         """The right answer in a word."""
-        if self.kind in ("none", "outside"):
+        if self.kind in ("none", OUTSIDE):
             return self.kind
-        return "+".join(sorted(self.truth["effects"]))
+        return _joined(self.truth["effects"], outside=False)
 
     @property
     def given(self) -> str:
@@ -68,10 +78,11 @@ class Judged:
     def answers(self) -> list[str]:
         """The verdict and all it calls possible, each a word like `given`."""
         verdict = self.verdict
-        if verdict is None or self.given in ("none", "outside", "failed"):
+        if verdict is None or self.given in ("none", OUTSIDE, "failed"):
             return []
+        outside = verdict["outside_library"]
         rivals = verdict.get("ambiguous_with", [])
-        others = ("+".join(sorted(r.split("+"))) for r in rivals)
+        others = (_joined(r.split("+"), outside) for r in rivals)
         return list(dict.fromkeys([self.given, *others]))
 
     @property

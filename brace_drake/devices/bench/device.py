@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from brace_drake.devices.bench.block_tests import FORCE_Y, MARKER_Y, bench_tests
+from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.bench.errors import bench_errors
 from brace_drake.devices.bench.force_balance import balance_of_run
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
@@ -22,6 +23,8 @@ from brace_drake.devices.motions.library import (
     MotionSet,
 )
 from brace_drake.devices.motions.limits import exceeded_limit
+from brace_drake.effects.stack import Use
+from brace_drake.effects.within_tolerances import ANCHORS, NUMBERS
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.brace import BenchScenario
 
@@ -65,6 +68,20 @@ class Bench(Device):
         library = [MakeMotion(name) for name in MOTIONS]
         chosen = [m for m in library if m.contact in recorded]
         return MotionSet(RATE_HZ, chosen, exceeded_limit)
+
+    def uses_off(self, off: Mapping[str, float]) -> tuple[Use, ...]:
+        """All in one effect; what cannot be below its limit is at it."""
+        names = (*NUMBERS, *ANCHORS.parameter_names)
+        drawn = {name: off.get(name, 0.0) for name in names}
+        for name, card in NUMBERS.items():
+            least = card.parameters[0].lower
+            drawn[name] = max(drawn[name], least)
+        return uses_of_draws(self.twin.scenario, drawn)
+
+    def draw_uses(self, seed: int) -> tuple[Use, ...]:
+        """As `simulate --tolerances` draws it."""
+        scenario = self.twin.scenario
+        return uses_of_draws(scenario, draw_tolerances(scenario, seed))
 
     def small_errors(self):
         """Any small error of each block, and of the places of anchors."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from brace_drake.core.errors import BraceError
+from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import beyond
@@ -48,8 +51,8 @@ class Linearisation:
         self.rows, self._with_prior = evaluator.ends[-1], with_prior
         if with_prior:
             self.rows += base.num_prior
-        self.sensitivities = base.solution.jacobian[: self.rows]
         problem = CandidateProblem(evaluator, base.effects, base.values)
+        self.tolerances = problem.tolerances
         if base.spread is not None:
             problem.spread = base.spread / problem.spread_scale
         z = base.solution.z
@@ -58,6 +61,16 @@ class Linearisation:
         if residual is None:
             raise BraceError("the twin breaks down at the fit of its causes")
         self.residual = residual[: self.rows]
+        jacobian = base.solution.jacobian[: self.rows]
+        self.sensitivities = self._seen(jacobian, base.tolerances)
+        self._beside: dict[int, Linearisation] = {}
+        self.noise = evaluator.count * evaluator.noise_level(
+            base.uses, coarse=True
+        )
+        self._derive()
+
+    def _derive(self) -> None:
+        """What follows from residual and sensitivities."""
         self._gram = self.sensitivities.T @ self.sensitivities
         self._slope = self.sensitivities.T @ self.residual
         self._square = float(self.residual @ self.residual)
@@ -67,15 +80,40 @@ class Linearisation:
         self._basis = np.linalg.qr(self.sensitivities[:, inside & seen])[0]
         moved = self.residual + self.sensitivities @ np.where(inside, 0, step)
         self.unreachable = self.beyond(moved)
-        self.noise = evaluator.count * evaluator.noise_level(
-            base.uses, coarse=True
-        )
         self.excess = float(self.unreachable @ self.unreachable) - self.noise
         self.remaining = max(0.0, self.excess)
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
         """What of residuals or columns no change of the fit takes."""
         return beyond(vectors[: self.rows], self._basis)
+
+    def _seen(
+        self, rows: np.ndarray, before: LinearTolerances | None
+    ) -> np.ndarray:
+        """Rows as whitened of the tolerances here, not of others before."""
+        if before is self.tolerances or self.tolerances is None:
+            return rows
+        n, out = self.evaluator.ends[-1], rows.copy()
+        known = rows[:n] if before is None else before.colour(rows[:n])
+        out[:n] = self.tolerances.whiten(known)
+        return out
+
+    def beside(self, tolerances: LinearTolerances | None) -> Linearisation:
+        """The same as a candidate sees it, which stands for some of the
+        numbers known to tolerances itself.
+        """
+        if tolerances is self.tolerances:
+            return self
+        if id(tolerances) not in self._beside:
+            other = copy(self)
+            other.tolerances = tolerances
+            other.residual = other._seen(self.residual, self.tolerances)
+            other.sensitivities = other._seen(
+                self.sensitivities, self.tolerances
+            )
+            other._derive()
+            self._beside[id(tolerances)] = other
+        return self._beside[id(tolerances)]
 
     @property
     def is_exact(self) -> bool:
@@ -105,6 +143,7 @@ class Linearisation:
             Sum of squares above noise at that place, and how far it is, 1 at
             the candidate itself.
         """
+        self = self.beside(problem.tolerances)
         way = residual[: self.rows] - self.residual
         whole, noise = float(way @ way), self.added_noise(problem, z)
         # Noise that the way has of its own is no part of it.
@@ -141,9 +180,10 @@ class Linearisation:
         self, problem: CandidateProblem, z: np.ndarray, residual: np.ndarray
     ) -> np.ndarray:
         """Jacobian of a candidate with the fit's columns kept."""
-        n = self.sensitivities.shape[1]
+        sensitivities = self.beside(problem.tolerances).sensitivities
+        n = sensitivities.shape[1]
         out = np.zeros((len(residual), len(z)))
-        out[: self.rows, :n] = self.sensitivities
+        out[: self.rows, :n] = sensitivities
         prior = problem.prior_jacobian()
         out[len(out) - len(prior) :] = prior
         out[:, n:] = problem.columns(z, n, residual)

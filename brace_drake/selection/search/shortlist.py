@@ -10,6 +10,7 @@ import numpy as np
 from brace_drake.core.errors import BraceError
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_effects
+from brace_drake.identification.held_out import check_fit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate
@@ -24,14 +25,6 @@ def best_fits(candidates: Sequence[Candidate]) -> list[CandidateFit]:
     for fit in fits:
         if fit.name not in searched or fit.is_searched:
             best.setdefault(fit.name, fit)
-    return list(best.values())
-
-
-def best_of_each(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
-    """Refined fits, of the same effects the best one."""
-    best: dict[frozenset[str], CandidateFit] = {}
-    for fit in refined(fits):
-        best.setdefault(frozenset(e.key for e in fit.effects), fit)
     return list(best.values())
 
 
@@ -79,10 +72,11 @@ def refine(
 def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """Leads a search to its end; the fit as it is where its twin breaks."""
     try:
-        return fit_effects(evaluator, fit.effects, fit)
+        fit = fit_effects(evaluator, fit.effects, fit)
     except (BraceError, ValueError):
         # A candidate whose twin cannot even run explains nothing.
         return fit
+    return check_fit(evaluator, fit)
 
 
 def improve_choices(

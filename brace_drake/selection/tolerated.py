@@ -7,10 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
-from brace_drake.experiments.within_tolerances import thresholds
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection import thresholds
 
 
 def is_within(
@@ -24,18 +23,13 @@ def is_within(
         nuisances: Numbers known to a tolerance.
     """
     effect, values = use
-    deviations = [n.deviation for n in nuisances if _is_of(n, effect)]
+    deviations = [n.deviation for n in nuisances if n.is_of(effect)]
     if not deviations:
         return False
     if effect.spread is not None:
         return bool(spread <= thresholds.WITHIN * max(deviations))
     strengths = np.abs(values[: len(effect.parameters)][effect.is_strength])
     return bool(strengths.max() <= thresholds.WITHIN * max(deviations))
-
-
-def _is_of(nuisance: Nuisance, effect: Effect) -> bool:
-    names = {e.name for e, _ in nuisance.uses}
-    return bool(names & {effect.name, *effect.generalises})
 
 
 def uses_within(

@@ -13,17 +13,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
-from brace_drake.experiments.within_tolerances import thresholds
-from brace_drake.experiments.within_tolerances.criterion import Criterion
-from brace_drake.experiments.within_tolerances.fitted import (
-    estimate_off,
-    try_refine,
-)
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.search.candidate import with_one_more
+from brace_drake.identification.held_out import estimate_off
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.thresholds import STEPS
+from brace_drake.selection.search.shortlist import try_refine
 
 
 def fit_stretched(
@@ -38,10 +35,16 @@ def fit_stretched(
     """
     base, found = lines.base, []
     for effect, values in _suggested(lines.evaluator, criterion, base, effects):
-        candidate = with_one_more(lines, effect, values)
+        candidate = make_candidate(
+            lines,
+            [*base.effects, effect],
+            [*base.values, values],
+            base.subject,
+            base.spread,
+        )
         if candidate is None:
             continue
-        if candidate.step(lines, STEPS, own=True):
+        if candidate.step(lines, thresholds.STEPS, own=True):
             found.append(try_refine(lines.evaluator, candidate.fit()))
     return found
 
@@ -55,13 +58,8 @@ def _suggested(
     """Effects of numbers that are far off, the farthest first, with the values
     to set out from.
     """
-    known = evaluator.tolerances
-    if known is None:
-        return
-    off = estimate_off(evaluator, fit)
     is_left = criterion.is_beyond_level(fit)
-    order = np.argsort(-np.abs(off))
-    numbers = [(known.nuisances[i], float(off[i])) for i in order]
+    numbers = sorted(estimate_off(evaluator, fit), key=lambda n: -abs(n[1]))
     tried: set[str] = set()
     for nuisance, t in numbers:
         ((card, values),) = nuisance.uses

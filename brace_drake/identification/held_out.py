@@ -13,13 +13,19 @@ on it in any case.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from brace_drake.devices.declaration import Nuisance
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import calc_triangle
 from brace_drake.identification.problem import CandidateProblem
+
+# Weight that a motion left out keeps: what it alone tells of is not lost.
+_KEPT = 0.1
 
 
 def motions_of(prepared: list[PreparedRun]) -> list[list[int]]:
@@ -30,9 +36,32 @@ def motions_of(prepared: list[PreparedRun]) -> list[list[int]]:
     return list(groups.values())
 
 
-def held_out_misfit(
-    evaluator: Evaluator, fit: CandidateFit, kept: float = 0.0
-) -> float | None:
+def check_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
+    """The fit with what it leaves on motions left out, and how far it has to
+    stretch tolerances.
+    """
+    off = estimate_off(evaluator, fit)
+    stretch = max((abs(float(t)) for _, t in off), default=0.0)
+    left = held_out_misfit(evaluator, fit)
+    return replace(fit, held_out=left, stretch=stretch)
+
+
+def estimate_off(
+    evaluator: Evaluator, fit: CandidateFit
+) -> list[tuple[Nuisance, float]]:
+    """How many tolerances each number is off in a fit; what else the fit
+    leaves counts as noise.
+    """
+    known = fit.tolerances
+    if known is None:
+        return []
+    residual = fit.solution.residual[: evaluator.ends[-1]]
+    rest = 1.0 + max(0.0, fit.excess) / evaluator.count
+    off = known.estimate(residual, rest)
+    return list(zip(known.nuisances, off.tolist(), strict=True))
+
+
+def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
     """Mean square above the floor's, in floors, of motions left out in turn.
 
     None where there is one motion alone, or the fit was not searched.
@@ -40,8 +69,6 @@ def held_out_misfit(
     Args:
         evaluator: Over the fit runs.
         fit: Of them.
-        kept: Weight that a motion left out keeps, so that what it alone tells
-            of is not lost.
     """
     motions = motions_of(evaluator.prepared)
     if len(motions) < 2 or not fit.is_searched:
@@ -75,19 +102,17 @@ def held_out_misfit(
         np.maximum(problem.lower - z, -problem.radius)[shared],
         np.minimum(problem.upper - z, problem.radius)[shared],
     )
-    left = sum(
-        _left_on(motion, triangles, prior, room, kept) for motion in motions
-    )
+    left = sum(_left_on(motion, triangles, prior, room) for motion in motions)
     before = sum(float(t[:, -1] @ t[:, -1]) for t in triangles)
     return (fit.excess + left - before) / evaluator.count
 
 
-def _left_on(motion, triangles, prior, room, kept) -> float:
+def _left_on(motion, triangles, prior, room) -> float:
     """Squares left on a motion by the parameters that the others give."""
-    weights = [
-        np.sqrt(kept) if i in motion else 1.0 for i in range(len(triangles))
+    weighed = [
+        np.sqrt(_KEPT) * t if i in motion else t
+        for i, t in enumerate(triangles)
     ]
-    weighed = [w * t for w, t in zip(weights, triangles, strict=True) if w]
     others = np.vstack([*weighed, prior])
     low = np.minimum(room[0], 0.0)
     high = np.maximum(room[1], low + 1e-15)

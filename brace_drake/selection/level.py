@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.experiments.within_tolerances import thresholds
-from brace_drake.experiments.within_tolerances.criterion import Criterion
-from brace_drake.experiments.within_tolerances.fitted import estimate_off
-from brace_drake.experiments.within_tolerances.tolerated import uses_within
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.held_out import estimate_off
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.tolerated import uses_within
 
 
 def make_criterion(
@@ -58,10 +58,8 @@ def level_of(
             [(p,) for p in evaluator.prepared],
         )
         power = sum(float(c @ c) for c in changes) / evaluator.count
-    known = evaluator.tolerances
-    if known is not None:
+    if fit.tolerances is not None:
         off = estimate_off(evaluator, fit)
-        is_rough = [n.uses[0][0].dithered for n in known.nuisances]
-        change = known.sizes * (known.right @ np.where(is_rough, off, 0.0))
-        power += float(change @ change) / evaluator.count
+        rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
+        power += fit.tolerances.change(np.array(rough)) / evaluator.count
     return thresholds.LEVEL + thresholds.FRICTION_ERROR**2 * power

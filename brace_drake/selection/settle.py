@@ -4,18 +4,19 @@ there, and the level that its friction adds.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import linearise_tolerances
-from brace_drake.experiments.within_tolerances.criterion import (
-    Criterion,
-    best_of_kinds,
-)
-from brace_drake.experiments.within_tolerances.fitted import try_refine
-from brace_drake.experiments.within_tolerances.level import with_level
+from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.held_out import estimate_off
+from brace_drake.laws.hooks import MAX_EFFECTS
+from brace_drake.selection.criterion import Criterion, best_of_kinds
+from brace_drake.selection.level import with_level
+from brace_drake.selection.search.shortlist import try_refine
 
 
 def settle(
@@ -58,3 +59,27 @@ def _refit_within(
         evaluator.tolerances = before
         return fit
     return again
+
+
+def set_within(
+    evaluator: Evaluator,
+    fit: CandidateFit,
+    uses_off: Callable[[Mapping[str, float]], tuple[Use, ...]],
+) -> CandidateFit:
+    """A fit with its numbers as far off as it has them, within tolerances.
+
+    Args:
+        evaluator: Over the fit runs.
+        fit: One that was searched.
+        uses_off: From numbers that are off, SI units, to effects.
+    """
+    number = len(evaluator.twin.carried)
+    has_room = number + len(fit.effects) < MAX_EFFECTS
+    numbers = estimate_off(evaluator, fit)
+    if not (numbers and fit.is_searched and has_room):
+        return fit
+    off: dict[str, float] = {}
+    for nuisance, t in numbers:
+        size = t * nuisance.deviation
+        off[nuisance.name] = off.get(nuisance.name, 0.0) + size
+    return replace(fit, within=uses_off(off))

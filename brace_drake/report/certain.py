@@ -1,0 +1,144 @@
+"""What is certain and what is left, as the page shows it."""
+
+from __future__ import annotations
+
+import math
+
+from brace_drake.report.words import (
+    decimals_for,
+    fixed,
+    parameter_row,
+    parameter_text,
+    percent,
+    percent_interval,
+    scale_of,
+    significant,
+    times,
+    to_number,
+)
+
+NONE, GAP, PARTLY = "none", "gap", "partly"
+OUTSIDE, WITHDRAWN = "outside", "withdrawn"
+BADGES = {
+    GAP: "Gap",
+    NONE: "No gap",
+    PARTLY: "Gap, partly explained",
+    OUTSIDE: "Outside the library",
+    WITHDRAWN: "Withdrawn",
+}
+
+
+def kind_of(verdict: dict) -> str:
+    """Which of BADGES a verdict of a document is."""
+    if verdict.get("contradicted"):
+        return WITHDRAWN
+    if not verdict["gap"]:
+        return NONE
+    if not verdict["effects"]:
+        return OUTSIDE
+    return PARTLY if verdict["outside_library"] else GAP
+
+
+def describe_certain(diagnosis: dict) -> dict:
+    """Effects that are named, what is left, what validation says of both."""
+    verdict = diagnosis["verdict"]
+    return {
+        "supported": [_supported_row(row) for row in verdict["supported"]],
+        "rest": _rest_text(verdict),
+        "validation": _validation_text(verdict, diagnosis["shrink"]),
+        "faults": [_fault_row(row) for row in verdict["recording"]],
+        "moved": [_moved_row(row) for row in diagnosis["tolerances"]],
+    }
+
+
+def _supported_row(row: dict) -> dict:
+    ends = row["closes_interval"] or (None, None)
+    share, interval = percent_interval(row["closes"], *ends)
+    return row | {
+        "share": share,
+        "interval": interval,
+        "parameters": [parameter_row(p) for p in row["parameters"]],
+    }
+
+
+def _rest_text(verdict: dict) -> str:
+    """What is left of the gap, as a sentence; empty where there is no gap."""
+    left = verdict["unexplained"]
+    if not verdict["gap"]:
+        return ""
+    if not left["share"]:
+        return "Nothing is left beyond what a right twin leaves."
+    text = f"{percent(left['share'])} of the gap is left"
+    if left["block"]:
+        text += f", in {left['block']}"
+    if left["description"]:
+        text += f"; it {left['description']}"
+    if left["law"]:
+        text += f": {left['law']}"
+    if verdict["outside_library"]:
+        return f"{text}. No effect of the library explains that."
+    return f"{text}. That is too little to be called a further cause."
+
+
+def _validation_text(verdict: dict, shrink: dict | None) -> str:
+    """What runs that no fit has seen say of the verdict."""
+    if verdict["confirmed"] is None or shrink is None:
+        return (
+            "There is no validation run that could confirm or contradict this."
+        )
+    if not verdict["confirmed"]:
+        why = verdict["contradicted"]
+        return (
+            f"The validation runs contradict what the fit runs said: {why}."
+            " It is withdrawn."
+        )
+    before, after = times(shrink["before"]), times(shrink["after"])
+    if not verdict["gap"]:
+        return (
+            f"The validation runs confirm it: on them the twin is {after}"
+            " times the floor off."
+        )
+    if not verdict["effects"]:
+        return (
+            f"The validation runs confirm that there is a gap: {before} times"
+            " the floor."
+        )
+    if shrink["closed"] is None:
+        return (
+            "The repaired twin breaks down on the validation runs: they neither"
+            " confirm nor contradict this."
+        )
+    return (
+        "The validation runs confirm it: with the effects the gap goes from"
+        f" {before} to {after} times the floor."
+    )
+
+
+def _fault_row(row: dict) -> dict:
+    """A fault of the recording itself."""
+    words = [
+        f"{parameter_text(p['name'], p['unit'])} {shown['value']}"
+        f" {shown['unit']}".strip()
+        for p in row["parameters"]
+        for shown in (parameter_row(p),)
+    ]
+    return row | {"parameters": words}
+
+
+def _moved_row(row: dict) -> dict:
+    """A number known to a tolerance that the data put elsewhere."""
+    keys = ("value", "tolerance", "standard_error")
+    found = [to_number(row[key]) for key in keys]
+    factor, unit = scale_of(row["unit"], found[:1])
+    value, tolerance, error = (v * factor for v in found)
+    decimals = decimals_for(error, value if math.isfinite(value) else 0.0)
+    return {
+        "name": parameter_text(row["name"], row["unit"]),
+        "column": row["name"],
+        "block": row["block"],
+        "unit": unit,
+        "tolerance": significant(tolerance, 3),
+        "value": fixed(value, decimals),
+        "error": significant(error, 2, padded=True),
+        "deviations": fixed(row["deviations"], 1),
+    }
