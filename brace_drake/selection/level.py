@@ -54,7 +54,7 @@ def level_of(
     power = 0.0
     if rough:
         changes = evaluator.map(
-            lambda p: evaluator.change(p, fit.subject, (), rough),
+            lambda p: evaluator.changes(p, fit.subject, (), [rough])[0],
             [(p,) for p in evaluator.prepared],
         )
         power = sum(float(c @ c) for c in changes) / evaluator.count

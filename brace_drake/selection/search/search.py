@@ -39,6 +39,7 @@ from brace_drake.selection.search.shortlist import (
     try_refine,
 )
 from brace_drake.selection.search.stretched import fit_stretched
+from brace_drake.selection.search.within import refit_within, set_out
 
 
 def search_causes(
@@ -52,22 +53,24 @@ def search_causes(
         say: Progress.
     """
     effects = list(effects_for(evaluator.twin.device).values())
-    room = MAX_EFFECTS - len(evaluator.twin.carried)
     known = _stretched(evaluator, criterion, criterion.nominal, effects)
     ranked = best_of_kinds(criterion, [criterion.nominal, *known])
-    criterion = with_level(evaluator, criterion, ranked[0])
     # Friction within its tolerance is no effect: the search sets out from it.
-    beam = ranked[:1] if not criterion.findings(ranked[0]) else []
-    beam = beam or [criterion.nominal]
-    room -= len(beam[0].effects)
+    base = next(f for f in ranked if not criterion.findings(f))
+    criterion = with_level(evaluator, criterion, ranked[0])
+    room = MAX_EFFECTS - len(evaluator.twin.carried) - len(base.effects)
     if not criterion.is_beyond_level(ranked[0]):
         room = min(room, 1)
+    beam = [base]
     for number in range(1, min(room, thresholds.MOST_EFFECTS) + 1):
         part = _part(say, number)
         for base in beam:
-            known += _forward(evaluator, criterion, base, effects, part)
+            set_out(evaluator, base)
             if number > 1:
+                base = refit_within(evaluator, base, criterion.nuisances)
+                known.append(base)
                 known += _stretched(evaluator, criterion, base, effects)
+            known += _forward(evaluator, criterion, base, effects, part)
         if number > 1:
             known += _backward(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
@@ -145,6 +148,7 @@ def _backward(
     if best is None:
         return []
     done, found = {f.kinds for f in ranked}, []
+    set_out(evaluator, best)
     lines = Linearisation(evaluator, criterion.nominal)
     for out in best.effects:
         kept = [u for u in best.uses if u[0] is not out]
@@ -165,6 +169,7 @@ def _stretched(
 ) -> list[CandidateFit]:
     """A set with one more effect that its tolerances suggest."""
     able = [e for e in effects if not any(e.is_alike(o) for o in base.effects)]
+    set_out(evaluator, base)
     try:
         return fit_stretched(Linearisation(evaluator, base), criterion, able)
     except BraceError:

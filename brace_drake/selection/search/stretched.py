@@ -21,6 +21,7 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.shortlist import try_refine
+from brace_drake.selection.search.within import refit_within
 
 
 def fit_stretched(
@@ -34,6 +35,7 @@ def fit_stretched(
         effects: Those that may be added.
     """
     base, found = lines.base, []
+    known = len(criterion.findings(base))
     for effect, values in _suggested(lines.evaluator, criterion, base, effects):
         candidate = make_candidate(
             lines,
@@ -44,8 +46,13 @@ def fit_stretched(
         )
         if candidate is None:
             continue
-        if candidate.step(lines, thresholds.STEPS, own=True):
-            found.append(try_refine(lines.evaluator, candidate.fit()))
+        if not candidate.step(lines, thresholds.STEPS, own=True):
+            continue
+        fit = try_refine(lines.evaluator, candidate.fit())
+        if effect.dithered and not criterion.findings(fit)[known:]:
+            # What is there on any machine bends what tolerances do.
+            fit = refit_within(lines.evaluator, fit, criterion.nuisances)
+        found.append(fit)
     return found
 
 
