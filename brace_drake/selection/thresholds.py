@@ -19,6 +19,8 @@ FRICTION_ERROR = 0.25
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves.
 BEYOND_LEVEL = 4.0
+# Share of the gap's amplitude that is chance where drives stick.
+CHANCE = 0.1
 # Share of the gap's amplitude that is worth a word when nothing explains it.
 MATERIAL = 0.20
 # Explanations whose scores differ by less are tied: one leaves 1.5 times as
