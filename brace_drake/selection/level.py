@@ -50,16 +50,23 @@ def level_of(
         fit: Whose friction is taken.
         nuisances: Numbers known to a tolerance.
     """
+    power = friction_in_tolerance(evaluator, fit)
     rough = [u for u in uses_within(fit, nuisances) if u[0].dithered]
-    power = 0.0
     if rough:
         changes = evaluator.map(
             lambda p: evaluator.changes(p, fit.subject, (), [rough])[0],
             [(p,) for p in evaluator.prepared],
         )
-        power = sum(float(c @ c) for c in changes) / evaluator.count
-    if fit.tolerances is not None:
-        off = estimate_off(evaluator, fit)
-        rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
-        power += fit.tolerances.change(np.array(rough)) / evaluator.count
+        power += sum(float(c @ c) for c in changes) / evaluator.count
     return thresholds.LEVEL + thresholds.FRICTION_ERROR**2 * power
+
+
+def friction_in_tolerance(evaluator: Evaluator, fit: CandidateFit) -> float:
+    """Mean square that dry friction changes, as far as it is off in a fit
+    within tolerances.
+    """
+    if fit.tolerances is None:
+        return 0.0
+    off = estimate_off(evaluator, fit)
+    rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
+    return fit.tolerances.change(np.array(rough)) / evaluator.count

@@ -126,6 +126,10 @@ def _beside(
             base = rough
             set_out(evaluator, base)
             lines = Linearisation(evaluator, base)
+        best = min([base, *found], key=criterion.score)
+        criterion = with_level(evaluator, criterion, best)
+        if not criterion.may_pay(best):
+            return found
         criterion = with_level(evaluator, criterion, base)
         if len(base.effects) == room or not criterion.may_pay(base):
             return found

@@ -17,6 +17,7 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.level import friction_in_tolerance
 from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.shortlist import try_refine
@@ -34,22 +35,23 @@ def fit_friction(
         criterion: Of the campaign.
         effects: Those that may be added.
     """
-    fit, found = lines.base, []
-    number = len(criterion.findings(fit))
-    for nuisance, t in estimate_off(lines.evaluator, fit):
+    found = []
+    power = friction_in_tolerance(lines.evaluator, lines.base)
+    if power < thresholds.WORTH_FRICTION * criterion.misfit(lines.base):
+        return []
+    for nuisance, t in estimate_off(lines.evaluator, lines.base):
         ((card, values),) = nuisance.uses
         if not card.dithered:
             continue
         for form in effects:
-            if form.name != card.name:
-                continue
-            more = _fit_one(lines, form, _start(card, values, t))
-            if more is None:
-                continue
-            if len(criterion.findings(more)) == number:
-                # What is there on any machine bends what tolerances do.
-                more = refit_within(lines.evaluator, more, criterion.nuisances)
-            found.append(more)
+            if form.name == card.name:
+                more = _fit_one(lines, form, _start(card, values, t))
+                found += [more] if more is not None else []
+    if not found:
+        return []
+    # What it does bends what tolerances do.
+    best = min(found, key=lambda f: f.excess)
+    found.append(refit_within(lines.evaluator, best, criterion.nuisances))
     return found
 
 
