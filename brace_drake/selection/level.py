@@ -62,11 +62,13 @@ def level_of(
 
 
 def friction_in_tolerance(evaluator: Evaluator, fit: CandidateFit) -> float:
-    """Mean square that dry friction changes, as far as it is off in a fit
-    within tolerances.
+    """Mean square that dry friction changes, as far as it is off in a fit and
+    within its tolerance.
     """
     if fit.tolerances is None:
         return 0.0
     off = estimate_off(evaluator, fit)
     rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
-    return fit.tolerances.change(np.array(rough)) / evaluator.count
+    most = thresholds.WITHIN
+    within = np.clip(rough, -most, most)
+    return fit.tolerances.change(within) / evaluator.count
