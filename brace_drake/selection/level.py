@@ -50,7 +50,7 @@ def level_of(
         fit: Whose friction is taken.
         nuisances: Numbers known to a tolerance.
     """
-    power = friction_in_tolerance(evaluator, fit)
+    power = tolerated_friction(evaluator, fit)
     rough = [u for u in uses_within(fit, nuisances) if u[0].dithered]
     if rough:
         changes = evaluator.map(
@@ -61,14 +61,19 @@ def level_of(
     return thresholds.LEVEL + thresholds.FRICTION_ERROR**2 * power
 
 
-def friction_in_tolerance(evaluator: Evaluator, fit: CandidateFit) -> float:
-    """Mean square that dry friction changes, as far as it is off in a fit and
-    within its tolerance.
+def tolerated_friction(
+    evaluator: Evaluator, fit: CandidateFit, most: float = thresholds.WITHIN
+) -> float:
+    """Mean square that dry friction changes, as far as a fit has it off.
+
+    Args:
+        evaluator: Over the fit runs.
+        fit: Beside tolerances.
+        most: Tolerances that it is off, at most.
     """
     if fit.tolerances is None:
         return 0.0
     off = estimate_off(evaluator, fit)
     rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
-    most = thresholds.WITHIN
     within = np.clip(rough, -most, most)
     return fit.tolerances.change(within) / evaluator.count

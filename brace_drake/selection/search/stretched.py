@@ -17,7 +17,7 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.level import friction_in_tolerance
+from brace_drake.selection.level import tolerated_friction
 from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.shortlist import try_refine
@@ -36,7 +36,7 @@ def fit_friction(
         effects: Those that may be added.
     """
     found = []
-    power = friction_in_tolerance(lines.evaluator, lines.base)
+    power = tolerated_friction(lines.evaluator, lines.base, np.inf)
     if power < thresholds.WORTH_FRICTION * criterion.misfit(lines.base):
         return []
     for nuisance, t in estimate_off(lines.evaluator, lines.base):
