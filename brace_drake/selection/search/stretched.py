@@ -47,10 +47,10 @@ def fit_friction(
             if form.name == card.name:
                 more = _search_one(lines, form, _start(card, values, t))
                 found += [more] if more is not None else []
-    if not found:
+    best = min(found, key=lambda f: f.excess, default=lines.base)
+    if best.excess > thresholds.GAINED * lines.remaining:
         return []
     # What it does bends what tolerances do.
-    best = min(found, key=lambda f: f.excess)
     return [refit_within(lines.evaluator, best, criterion.nuisances)]
 
 
