@@ -96,8 +96,8 @@ class TestCards(unittest.TestCase):
 
     def test_more_effects_than_the_twin_carries_are_refused(self):
         card = find_effect("force_bias")
-        with self.assertRaisesRegex(EffectError, "at most 2"):
-            stack_effects([(card, np.zeros(1))] * 3)
+        with self.assertRaisesRegex(EffectError, f"at most {MAX_EFFECTS}"):
+            stack_effects([(card, np.zeros(1))] * (MAX_EFFECTS + 1))
 
 
 class TestOwnEffects(unittest.TestCase):
