@@ -23,6 +23,7 @@ from brace_drake.effects.registry import (
     register_effect,
 )
 from brace_drake.effects.stack import stack_effects
+from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.withheld.faults import FAULTS
 

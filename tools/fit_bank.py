@@ -10,7 +10,7 @@ left out, how far it stretches tolerances and which effects are within theirs.
 `pack` puts them into one file, with the truth. tools/score_criterion.py decides
 all of them anew, in seconds, and counts which verdicts are right.
 
-The bank that comes with the source is tests/data/fit_bank.npz. It is of machines
+The bank that comes with the source, tests/data/fit_bank.npz, is of machines
 that are exactly as their scenario says: nothing is within tolerances there, no
 tolerance is stretched, and the level is that of the noise.
 """
