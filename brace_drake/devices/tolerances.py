@@ -30,12 +30,16 @@ class LinearTolerances:
         nuisances: The numbers, n of them.
         basis: Orthonormal directions that their changes span (rows, k).
         columns: Change by one deviation of each, in the basis (k, n).
+        whole: The same with the numbers that effects stand for.
         root: (I + J J')^(-1/2) in the basis (k, k).
     """
 
     nuisances: tuple[Nuisance, ...]
     basis: np.ndarray
     columns: np.ndarray
+    whole: LinearTolerances | None = field(
+        default=None, repr=False, compare=False
+    )
     root: np.ndarray = field(init=False)
     _coloured: np.ndarray = field(init=False)
     _parts: dict[tuple[int, ...], LinearTolerances] = field(
@@ -98,6 +102,7 @@ class LinearTolerances:
                 tuple(self.nuisances[i] for i in kept),
                 self.basis,
                 self.columns[:, list(kept)],
+                self.whole or self,
             )
         return self._parts[kept]
 
@@ -120,20 +125,16 @@ def linearise_tolerances(
     """
     if not nuisances:
         return None
-    tasks = [(p, n) for n in nuisances for p in evaluator.prepared]
+    more = [n.uses for n in nuisances]
     try:
         changes = evaluator.map(
-            lambda p, n: evaluator.change(p, subject, uses, n.uses),
-            tasks,
+            lambda p: evaluator.changes(p, subject, uses, more),
+            [(p,) for p in evaluator.prepared],
         )
     except BraceError:
         return None
-    runs = len(evaluator.prepared)
     columns = np.column_stack(
-        [
-            np.concatenate(changes[at : at + runs])
-            for at in range(0, len(changes), runs)
-        ]
+        [np.concatenate(parts) for parts in zip(*changes, strict=True)]
     )
     basis, coefficients = np.linalg.qr(columns)
     return LinearTolerances(tuple(nuisances), basis, coefficients)

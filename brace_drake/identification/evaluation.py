@@ -188,28 +188,33 @@ class Evaluator:
             return None
         return prepared.weigh(prepared.measured - simulated)
 
-    def change(
+    def changes(
         self,
         prepared: PreparedRun,
         subject: np.ndarray,
         uses: Sequence[Use],
-        more: Sequence[Use],
-    ) -> np.ndarray:
-        """What further effects change of a run's weighted residual.
+        more: Sequence[Sequence[Use]],
+    ) -> list[np.ndarray]:
+        """What further effects, one set at a time, change of a run's weighted
+        residual.
 
-        At the coarse plant step; where noise acts as a dither both replays
-        take the same noise.
+        At the coarse plant step; where noise acts as a dither all replays take
+        the same noise.
 
         Raises:
             BraceError: The twin breaks down.
         """
-        twin, uses = self._twins["coarse"], uses_in_run(uses, prepared.index)
-        both = (*uses, *uses_in_run(more, prepared.index))
-        noisy = NUM_DITHERS if is_dithered(twin, both) else 0
-        before = replay(twin, prepared, subject, uses, noisy)
-        return prepared.weigh(
-            before - replay(twin, prepared, subject, both, noisy)
-        )
+        twin, out = self._twins["coarse"], []
+        uses = uses_in_run(uses, prepared.index)
+        before: dict[int, np.ndarray] = {}
+        for one in more:
+            both = (*uses, *uses_in_run(one, prepared.index))
+            noisy = _FEW_DITHERS if is_dithered(twin, both) else 0
+            if noisy not in before:
+                before[noisy] = replay(twin, prepared, subject, uses, noisy)
+            after = replay(twin, prepared, subject, both, noisy)
+            out.append(prepared.weigh(before[noisy] - after))
+        return out
 
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
         """Expected square of a weighted residual of noise alone.

@@ -52,7 +52,7 @@ PLUG_POINTS = tuple(SIGNATURES)
 DRIVE, COMPRESSION, CONTACT, TORSO, RING, SENSING = range(len(PLUG_POINTS))
 
 # The twin carries up to this many effects at once.
-MAX_EFFECTS = 3
+MAX_EFFECTS = 4
 
 # First-class functions are what lets one compiled rollout serve all effects.
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)

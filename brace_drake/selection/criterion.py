@@ -85,6 +85,10 @@ class Criterion:
             if not is_within(use, fit.spread, self.nuisances)
         ]
 
+    def named(self, fit: CandidateFit) -> frozenset[str]:
+        """Names of those."""
+        return frozenset(e.name for e in self.findings(fit))
+
     def closed(self, fit: CandidateFit) -> float:
         """Share of the gap's amplitude that a fit takes away."""
         return closed_amplitude(self.misfit(self.nominal), self.misfit(fit))
@@ -103,6 +107,19 @@ class Criterion:
     def is_beyond_level(self, fit: CandidateFit) -> bool:
         """Whether a fit leaves more than a right twin would."""
         return self.left(fit) > thresholds.BEYOND_LEVEL * self.level
+
+    def may_pay(self, fit: CandidateFit) -> bool:
+        """Whether one effect more could better a fit's score at all.
+
+        Not where drives stick and little else is left: when they slip is
+        chance, which no twin follows.
+        """
+        chance = thresholds.CHANCE**2 * self.left(self.nominal)
+        if fit.sticks and self.left(fit) <= chance:
+            return False
+        number = len(self.findings(fit)) + 1
+        least = np.log(self.level) + thresholds.COST_OF_EFFECT * number
+        return bool(self.score(fit) > least)
 
     def is_material(self, fit: CandidateFit) -> bool:
         """Whether what it leaves is beyond the level and no small part of the
@@ -132,12 +149,12 @@ def refined(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
 def best_of_kinds(
     criterion: Criterion, fits: Sequence[CandidateFit]
 ) -> list[CandidateFit]:
-    """Of refined fits of the same effects, whatever their form, the best; all
-    in the order of their score. Those whose many parameters are no draw from
-    one law are none.
+    """Of refined fits that name the same effects, whatever their form, the
+    best; all in the order of their score. Those whose many parameters are no
+    draw from one law are none.
     """
     best: dict[frozenset[str], CandidateFit] = {}
     known = [f for f in fits if f.refined and f.is_scattered]
     for fit in sorted(known, key=criterion.score):
-        best.setdefault(fit.kinds, fit)
+        best.setdefault(criterion.named(fit), fit)
     return list(best.values())

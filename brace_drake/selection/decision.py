@@ -83,9 +83,9 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
         within = best if best.effects else None
         return Verdict(gap, within, gap, (), sure, (), left)
     tied = [
-        "+".join(f.identifiers)
+        "+".join(e.name for e in criterion.findings(f))
         for f in ranked[1:]
-        if f.effects
+        if criterion.findings(f)
         and criterion.score(f) - criterion.score(best) < thresholds.TIED
     ]
     supported = tuple(
@@ -130,10 +130,13 @@ def _sure_of_rest(
 def _support(criterion, best, effect, ranked, odds) -> Support:
     """What speaks for one of the named effects."""
     sure = sum(
-        p for f, p in zip(ranked, odds, strict=True) if effect.name in f.kinds
+        p
+        for f, p in zip(ranked, odds, strict=True)
+        if effect.name in criterion.named(f)
     )
-    kinds = best.kinds - {effect.name}
-    without = next((f for f in ranked if f.kinds == kinds), criterion.nominal)
+    others = criterion.named(best) - {effect.name}
+    same = (f for f in ranked if criterion.named(f) == others)
+    without = next(same, criterion.nominal)
     closes = criterion.closed(best) - criterion.closed(without)
     return Support(effect.name, _limited(sure), max(0.0, closes))
 

@@ -50,16 +50,30 @@ def level_of(
         fit: Whose friction is taken.
         nuisances: Numbers known to a tolerance.
     """
+    power = tolerated_friction(evaluator, fit)
     rough = [u for u in uses_within(fit, nuisances) if u[0].dithered]
-    power = 0.0
     if rough:
         changes = evaluator.map(
-            lambda p: evaluator.change(p, fit.subject, (), rough),
+            lambda p: evaluator.changes(p, fit.subject, (), [rough])[0],
             [(p,) for p in evaluator.prepared],
         )
-        power = sum(float(c @ c) for c in changes) / evaluator.count
-    if fit.tolerances is not None:
-        off = estimate_off(evaluator, fit)
-        rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
-        power += fit.tolerances.change(np.array(rough)) / evaluator.count
+        power += sum(float(c @ c) for c in changes) / evaluator.count
     return thresholds.LEVEL + thresholds.FRICTION_ERROR**2 * power
+
+
+def tolerated_friction(
+    evaluator: Evaluator, fit: CandidateFit, most: float = thresholds.WITHIN
+) -> float:
+    """Mean square that dry friction changes, as far as a fit has it off.
+
+    Args:
+        evaluator: Over the fit runs.
+        fit: Beside tolerances.
+        most: Tolerances that it is off, at most.
+    """
+    if fit.tolerances is None:
+        return 0.0
+    off = estimate_off(evaluator, fit)
+    rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
+    within = np.clip(rough, -most, most)
+    return fit.tolerances.change(within) / evaluator.count

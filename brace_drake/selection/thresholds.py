@@ -19,6 +19,8 @@ FRICTION_ERROR = 0.25
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves.
 BEYOND_LEVEL = 4.0
+# Share of the gap's amplitude that is chance where drives stick.
+CHANCE = 0.03
 # Share of the gap's amplitude that is worth a word when nothing explains it.
 MATERIAL = 0.20
 # Explanations whose scores differ by less are tied: one leaves 1.5 times as
@@ -36,6 +38,9 @@ LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
 # Sets of at most so many effects are made of so many best smaller ones, which
 # leave at most this many times as much as the best.
 MOST_EFFECTS, BEAM, NEAR = 3, 3, 4.0
+# Friction within tolerance that changes less than this share of what is left
+# explains nothing of it.
+WORTH_FRICTION = 0.1
 # Effects that tolerances suggest, the farthest first.
 MOST_STRETCHED = 4
 # Misfit that leaves nothing to search for.

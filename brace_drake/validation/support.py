@@ -57,8 +57,9 @@ def closed_by_each(
     ranked = best_of_kinds(criterion, fits)
     found = {}
     for support in verdict.supported:
-        kinds = verdict.winner.kinds - {support.name}
-        without = next((f for f in ranked if f.kinds == kinds), None)
+        others = criterion.named(verdict.winner) - {support.name}
+        same = (f for f in ranked if criterion.named(f) == others)
+        without = next(same, None)
         found[support.name] = Closed(support.closes, None)
         if not is_repaired(compared) or (kinds and without is None):
             continue

@@ -17,7 +17,6 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.shortlist import best_fits
 
 
 def richer_starts(
@@ -57,19 +56,19 @@ def richer_starts(
 
 def search_richer(
     base: Linearisation,
-    candidates: Sequence[Candidate],
+    fits: Sequence[CandidateFit],
     effects: Sequence[Effect],
 ) -> list[Candidate]:
-    """Richer effects in the place of special cases near the best candidate.
+    """Richer effects in the place of special cases near the best fit.
 
     Args:
-        base: The fit that the candidates set out from.
-        candidates: After screening.
+        base: The fit that the others set out from.
+        fits: After screening.
         effects: Those that may be richer.
     """
     if base.is_exact:
         return []
-    fits = [f for f in best_fits(candidates) if f.is_searched]
+    fits = [f for f in fits if f.is_searched]
     least = min((f.excess for f in fits), default=np.inf)
     near = thresholds.NESTED_NEAR * max(0.0, least)
     return [
@@ -119,45 +118,3 @@ def _richer_in(
             before = best.excess
         out.append(best)
     return out
-
-
-def special_cases(
-    base: Linearisation, pair: CandidateFit, effects: Sequence[Effect]
-) -> Iterator[Candidate]:
-    """The pair with a special case of either effect in its place, parameters
-    that both have as they are.
-    """
-    for (out, values), kept in itertools.permutations(pair.uses):
-        there = dict(zip(out.parameter_names, values, strict=False))
-        for effect in effects:
-            if not out.is_richer_than(effect):
-                continue
-            start = dict(
-                zip(effect.parameter_names, effect.starts()[0], strict=True)
-            )
-            # From no strength at all no way leads on.
-            mine = np.array([there.get(n) or v for n, v in start.items()])
-            both, strengths = zip(kept, (effect, mine), strict=True)
-            candidate = make_candidate(
-                base, both, strengths, pair.subject, pair.spread
-            )
-            if candidate is not None:
-                yield candidate
-
-
-def confused_with_many(
-    base: Linearisation, pair: CandidateFit, effects: Sequence[Effect]
-) -> Iterator[Candidate]:
-    """The pair with an effect of many parameters, drawn alike, in the place of
-    one that is confused with it.
-    """
-    for (out, _), kept in itertools.permutations(pair.uses):
-        for effect in effects:
-            if effect.spread is None or effect.is_alike(kept[0]):
-                continue
-            if out.name not in effect.impostors:
-                continue
-            both, values = zip(kept, (effect, effect.off()), strict=True)
-            candidate = make_candidate(base, both, values, pair.subject)
-            if candidate is not None:
-                yield candidate

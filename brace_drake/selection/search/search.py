@@ -38,7 +38,11 @@ from brace_drake.selection.search.shortlist import (
     refine,
     try_refine,
 )
-from brace_drake.selection.search.stretched import fit_stretched
+from brace_drake.selection.search.stretched import (
+    fit_friction,
+    fit_stretched,
+)
+from brace_drake.selection.search.within import refit_within, set_out
 
 
 def search_causes(
@@ -53,21 +57,12 @@ def search_causes(
     """
     effects = list(effects_for(evaluator.twin.device).values())
     room = MAX_EFFECTS - len(evaluator.twin.carried)
-    known = _stretched(evaluator, criterion, criterion.nominal, effects)
-    ranked = best_of_kinds(criterion, [criterion.nominal, *known])
-    criterion = with_level(evaluator, criterion, ranked[0])
-    # Friction within its tolerance is no effect: the search sets out from it.
-    beam = ranked[:1] if not criterion.findings(ranked[0]) else []
-    beam = beam or [criterion.nominal]
-    room -= len(beam[0].effects)
-    if not criterion.is_beyond_level(ranked[0]):
-        room = min(room, 1)
-    for number in range(1, min(room, thresholds.MOST_EFFECTS) + 1):
+    known: list[CandidateFit] = []
+    beam = [criterion.nominal]
+    for number in range(1, thresholds.MOST_EFFECTS + 1):
         part = _part(say, number)
         for base in beam:
-            known += _forward(evaluator, criterion, base, effects, part)
-            if number > 1:
-                known += _stretched(evaluator, criterion, base, effects)
+            known += _beside(evaluator, criterion, base, effects, part)
         if number > 1:
             known += _backward(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
@@ -75,9 +70,10 @@ def search_causes(
         # Friction that is found within its tolerance adds to the level.
         criterion = with_level(evaluator, criterion, best)
         is_shorter = len(criterion.findings(best)) < number
-        if not criterion.is_beyond_level(best) or (number > 1 and is_shorter):
+        if not criterion.may_pay(best) or (number > 1 and is_shorter):
             break
         beam = _beam(criterion, ranked, number)
+        beam = [f for f in beam if len(f.effects) < room]
     return known
 
 
@@ -99,32 +95,91 @@ def _beam(
     return near[: thresholds.BEAM if number == 1 else 1]
 
 
-def _forward(
+def _beside(
     evaluator: Evaluator,
     criterion: Criterion,
     base: CandidateFit,
     effects: Sequence[Effect],
     say: Say,
 ) -> list[CandidateFit]:
+    """Sets with one more effect, beside tolerances as they act there.
+
+    Friction within its tolerance is no effect: where it is there, the search
+    sets out from it.
+    """
+    room = MAX_EFFECTS - len(evaluator.twin.carried)
+    set_out(evaluator, base)
+    found: list[CandidateFit] = []
+    try:
+        if base.effects:
+            base = refit_within(evaluator, base, criterion.nuisances)
+            found.append(base)
+        lines = Linearisation(evaluator, base)
+        if not criterion.may_pay(base):
+            return found
+        say("friction", 0.0)
+        found += fit_friction(lines, criterion, _beyond(effects, base))
+        number = len(criterion.findings(base))
+        same = [f for f in found if len(criterion.findings(f)) == number]
+        rough = min(same, key=criterion.score, default=base)
+        if criterion.score(rough) < criterion.score(base):
+            base = rough
+            set_out(evaluator, base)
+            lines = Linearisation(evaluator, base)
+        best = min([base, *found], key=criterion.score)
+        criterion = with_level(evaluator, criterion, best)
+        if not criterion.may_pay(best):
+            return found
+        criterion = with_level(evaluator, criterion, base)
+        if len(base.effects) == room or not criterion.may_pay(base):
+            return found
+        found += fit_stretched(lines, criterion, _beyond(effects, base))
+        found += _forward(lines, criterion, effects, found, say)
+    except BraceError:
+        # The twin breaks down where the search would set out.
+        pass
+    return found
+
+
+def _beyond(effects: Sequence[Effect], base: CandidateFit) -> list[Effect]:
+    return [e for e in effects if not any(e.is_alike(o) for o in base.effects)]
+
+
+def _forward(
+    lines: Linearisation,
+    criterion: Criterion,
+    effects: Sequence[Effect],
+    known: Sequence[CandidateFit],
+    say: Say,
+) -> list[CandidateFit]:
     """A set with one more effect: first those of few parameters, and those of
     dozens where these leave something.
+
+    Args:
+        lines: Where the search sets out from.
+        criterion: Of the campaign.
+        effects: All that there are.
+        known: Fits that were led to their end from there before.
+        say: Progress.
     """
-    try:
-        lines = Linearisation(evaluator, base)
-    except BraceError:
-        return []
+    evaluator, base = lines.evaluator, lines.base
+    done = {f.name for f in known}
+    name = f"{base.name}+" if base.effects else ""
     found: list[CandidateFit] = []
     for flexible in (False, True):
         more = others(effects, base, flexible)
-        candidates = screen(lines, more, say)
+        fresh = [e for e in more if name + e.key not in done]
+        candidates = screen(lines, fresh, say)
         places = thresholds.PLACES if not flexible else len(more)
         search_best(lines, candidates, say, places=places)
-        candidates += search_richer(lines, candidates, more)
+        fits = [*best_fits(candidates), *(f for f in known if f.refined)]
+        candidates += search_richer(lines, fits, more)
         fits = refine(evaluator, best_fits(candidates), base.excess)
         fits = improve_choices(lines, fits, np.inf)
         found += fits
-        best = next(iter(refined(found)), base)
-        if not criterion.is_beyond_level(best):
+        ends = refined([*known, *found])
+        best = min(ends, key=criterion.score, default=base)
+        if not criterion.may_pay(best):
             break
     return found
 
@@ -144,7 +199,8 @@ def _backward(
     )
     if best is None:
         return []
-    done, found = {f.kinds for f in ranked}, []
+    done, found = {f.kinds for f in known if f.refined}, []
+    set_out(evaluator, best)
     lines = Linearisation(evaluator, criterion.nominal)
     for out in best.effects:
         kept = [u for u in best.uses if u[0] is not out]
@@ -155,20 +211,6 @@ def _backward(
         if less is not None and less.step(lines, thresholds.STEPS, own=True):
             found.append(try_refine(evaluator, less.fit()))
     return found
-
-
-def _stretched(
-    evaluator: Evaluator,
-    criterion: Criterion,
-    base: CandidateFit,
-    effects: Sequence[Effect],
-) -> list[CandidateFit]:
-    """A set with one more effect that its tolerances suggest."""
-    able = [e for e in effects if not any(e.is_alike(o) for o in base.effects)]
-    try:
-        return fit_stretched(Linearisation(evaluator, base), criterion, able)
-    except BraceError:
-        return []
 
 
 def _part(say: Say, number: int) -> Say:

@@ -8,19 +8,51 @@ left.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from brace_drake.effects.card import Effect
-from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.level import tolerated_friction
+from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.shortlist import try_refine
+from brace_drake.selection.search.within import refit_within
+
+
+def fit_friction(
+    lines: Linearisation, criterion: Criterion, effects: Sequence[Effect]
+) -> list[CandidateFit]:
+    """A fit with dry friction that a tolerance allows for, in each of its
+    forms, where something is left; refined.
+
+    Args:
+        lines: At the fit that is looked at.
+        criterion: Of the campaign.
+        effects: Those that may be added.
+    """
+    found = []
+    power = tolerated_friction(lines.evaluator, lines.base, np.inf)
+    if power < thresholds.WORTH_FRICTION * criterion.misfit(lines.base):
+        return []
+    for nuisance, t in estimate_off(lines.evaluator, lines.base):
+        ((card, values),) = nuisance.uses
+        if not card.dithered:
+            continue
+        for form in effects:
+            if form.name == card.name:
+                more = _fit_one(lines, form, _start(card, values, t))
+                found += [more] if more is not None else []
+    if not found:
+        return []
+    # What it does bends what tolerances do.
+    best = min(found, key=lambda f: f.excess)
+    found.append(refit_within(lines.evaluator, best, criterion.nuisances))
+    return found
 
 
 def fit_stretched(
@@ -33,50 +65,36 @@ def fit_stretched(
         criterion: Of the campaign.
         effects: Those that may be added.
     """
-    base, found = lines.base, []
-    for effect, values in _suggested(lines.evaluator, criterion, base, effects):
-        candidate = make_candidate(
-            lines,
-            [*base.effects, effect],
-            [*base.values, values],
-            base.subject,
-            base.spread,
-        )
-        if candidate is None:
-            continue
-        if candidate.step(lines, thresholds.STEPS, own=True):
-            found.append(try_refine(lines.evaluator, candidate.fit()))
-    return found
-
-
-def _suggested(
-    evaluator: Evaluator,
-    criterion: Criterion,
-    fit: CandidateFit,
-    effects: Sequence[Effect],
-) -> Iterator[tuple[Effect, np.ndarray]]:
-    """Effects of numbers that are far off, the farthest first, with the values
-    to set out from.
-    """
-    is_left = criterion.is_beyond_level(fit)
-    numbers = sorted(estimate_off(evaluator, fit), key=lambda n: -abs(n[1]))
-    tried: set[str] = set()
-    for nuisance, t in numbers:
+    found: dict[str, CandidateFit | None] = {}
+    off = estimate_off(lines.evaluator, lines.base)
+    for nuisance, t in sorted(off, key=lambda n: -abs(n[1])):
         ((card, values),) = nuisance.uses
-        is_rough = card.dithered and is_left
-        if card.key in tried or card not in effects:
+        if card.dithered or card.key in found or card not in effects:
             continue
-        if abs(t) <= thresholds.WITHIN and not is_rough:
-            continue
-        tried.add(card.key)
-        if card.spread is not None:
-            yield card, card.off()
-            continue
-        start = values * (max(abs(t), 1.0) * np.sign(t or 1.0))
-        start = np.clip(start, np.minimum(card.lower, 0.0), card.upper)
-        start = np.where(card.lower < 0.0, start, np.abs(start))
-        for form in effects:
-            if form.name == card.name:
-                yield form, start if np.any(start) else values
-        if len(tried) >= thresholds.MOST_STRETCHED:
-            return
+        if abs(t) <= thresholds.WITHIN:
+            break
+        if len(found) == thresholds.MOST_STRETCHED:
+            break
+        start = _start(card, values, t) if card.spread is None else card.off()
+        found[card.key] = _fit_one(lines, card, start)
+    return [fit for fit in found.values() if fit is not None]
+
+
+def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:
+    """Where an effect sets out that a number off by t stands for."""
+    start = values * (max(abs(t), 1.0) * np.sign(t or 1.0))
+    start = np.clip(start, np.minimum(card.lower, 0.0), card.upper)
+    start = np.where(card.lower < 0.0, start, np.abs(start))
+    return start if np.any(start) else values
+
+
+def _fit_one(
+    lines: Linearisation, effect: Effect, values: np.ndarray
+) -> CandidateFit | None:
+    """The fit with one more effect; None where its twin breaks down."""
+    candidate = with_one_more(lines, effect, values)
+    if candidate is None:
+        return None
+    if not candidate.step(lines, thresholds.STEPS, own=True):
+        return None
+    return try_refine(lines.evaluator, candidate.fit())
