@@ -107,11 +107,7 @@ def _most_without_gap(document: dict) -> float:
 def _of_causes(document: dict) -> Iterator[str]:
     verdict, causes = document["verdict"], document["causes"]
     chosen = [c for c in causes if c["chosen"]]
-    kinds = {
-        part.partition(" (")[0]
-        for cause in chosen
-        for part in cause["effect"].split("+")
-    }
+    kinds = set().union(*map(_names, chosen))
     if len(chosen) > 1 or not set(verdict["effects"]) <= kinds:
         yield "the cause chosen has not the effects named"
     for cause in causes:
@@ -121,8 +117,16 @@ def _of_causes(document: dict) -> Iterator[str]:
             yield "a cause that was screened only has figures of a search"
         if cause["converged"] and not cause["searched"]:
             yield "a cause is led to its end and was not searched"
-    if not set(verdict["ambiguous_with"]) <= {c["effect"] for c in causes}:
-        yield "a rival is no cause"
+    for rival in verdict["ambiguous_with"]:
+        if not any(set(rival.split("+")) <= _names(c) for c in causes):
+            yield "a rival is no cause"
+        if set(rival.split("+")) == set(verdict["effects"]):
+            yield "the verdict is its own rival"
+
+
+def _names(cause: dict) -> set[str]:
+    """Names of a cause's effects, without their forms."""
+    return {part.partition(" (")[0] for part in cause["effect"].split("+")}
 
 
 def _of_words(document: dict) -> Iterator[str]:

@@ -224,9 +224,9 @@ class TestLevel(unittest.TestCase):
             prepared=[None],
             count=COUNT,
             map=lambda function, tasks: [function(*task) for task in tasks],
-            change=lambda run, subject, uses, more: np.full(
-                COUNT, 30.0 * more[0][1][0]
-            ),
+            changes=lambda run, subject, uses, more: [
+                np.full(COUNT, 30.0 * one[0][1][0]) for one in more
+            ],
         )
         none = fit_of("relaxation", 0.1)
         self.assertEqual(level_of(evaluator, none, known), thresholds.LEVEL)

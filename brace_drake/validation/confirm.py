@@ -140,7 +140,7 @@ def withdraw(
         reason: In words.
     """
     kept = {*verdict.effects} - {name}
-    able = [f for f in fits if {e.name for e in criterion.findings(f)} <= kept]
+    able = [f for f in fits if criterion.named(f) <= kept]
     reason = _all_reasons(verdict, reason)
     left = decide(criterion, able)
     if not left.effects:

@@ -61,7 +61,7 @@ def closed_by_each(
         same = (f for f in ranked if criterion.named(f) == others)
         without = next(same, None)
         found[support.name] = Closed(support.closes, None)
-        if not is_repaired(compared) or (kinds and without is None):
+        if not is_repaired(compared) or (others and without is None):
             continue
         which, runs = "before", list(compared)
         if without is not None:
