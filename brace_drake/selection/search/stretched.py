@@ -45,14 +45,13 @@ def fit_friction(
             continue
         for form in effects:
             if form.name == card.name:
-                more = _fit_one(lines, form, _start(card, values, t))
+                more = _search_one(lines, form, _start(card, values, t))
                 found += [more] if more is not None else []
     if not found:
         return []
     # What it does bends what tolerances do.
     best = min(found, key=lambda f: f.excess)
-    found.append(refit_within(lines.evaluator, best, criterion.nuisances))
-    return found
+    return [refit_within(lines.evaluator, best, criterion.nuisances)]
 
 
 def fit_stretched(
@@ -76,8 +75,9 @@ def fit_stretched(
         if len(found) == thresholds.MOST_STRETCHED:
             break
         start = _start(card, values, t) if card.spread is None else card.off()
-        found[card.key] = _fit_one(lines, card, start)
-    return [fit for fit in found.values() if fit is not None]
+        found[card.key] = _search_one(lines, card, start)
+    fits = [fit for fit in found.values() if fit is not None]
+    return [try_refine(lines.evaluator, fit) for fit in fits]
 
 
 def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:
@@ -88,13 +88,13 @@ def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:
     return start if np.any(start) else values
 
 
-def _fit_one(
+def _search_one(
     lines: Linearisation, effect: Effect, values: np.ndarray
 ) -> CandidateFit | None:
-    """The fit with one more effect; None where its twin breaks down."""
+    """The fit with one more effect, searched; None where its twin breaks
+    down.
+    """
     candidate = with_one_more(lines, effect, values)
-    if candidate is None:
+    if candidate is None or not candidate.step(lines, thresholds.STEPS):
         return None
-    if not candidate.step(lines, thresholds.STEPS, own=True):
-        return None
-    return try_refine(lines.evaluator, candidate.fit())
+    return candidate.fit()

@@ -26,25 +26,25 @@ def set_out(evaluator: Evaluator, fit: CandidateFit) -> None:
 def refit_within(
     evaluator: Evaluator, fit: CandidateFit, nuisances: Sequence[Nuisance]
 ) -> CandidateFit:
-    """A fit led on with tolerances linearised where it stands; the fit itself
-    where that leaves no less.
+    """A fit led to its end with tolerances linearised where it stands; as it
+    is, or with those before, where that leaves no less.
 
     Args:
         evaluator: Over the fit runs; it keeps the linearisation, if the fit
             does.
-        fit: Led to its end before.
+        fit: That was searched.
         nuisances: Numbers known to a tolerance.
     """
     number = len(fit.effects) + len(evaluator.twin.carried)
-    if not nuisances or number >= MAX_EFFECTS:
-        return fit
-    before = evaluator.tolerances
-    found = linearise_tolerances(evaluator, nuisances, fit.subject, fit.uses)
-    if found is None:
-        return fit
-    evaluator.tolerances = found
-    again = try_refine(evaluator, fit)
-    if again is fit or again.excess > fit.excess:
+    before, found = evaluator.tolerances, None
+    if nuisances and number < MAX_EFFECTS:
+        found = linearise_tolerances(
+            evaluator, nuisances, fit.subject, fit.uses
+        )
+    if found is not None:
+        evaluator.tolerances = found
+        again = try_refine(evaluator, fit)
+        if again is not fit and again.excess <= fit.excess:
+            return again
         evaluator.tolerances = before
-        return fit
-    return again
+    return fit if fit.refined else try_refine(evaluator, fit)
