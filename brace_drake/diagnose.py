@@ -32,11 +32,8 @@ from brace_drake.selection.settle import set_within, settle
 from brace_drake.validation.causes import Cause, rank_causes
 from brace_drake.validation.confirm import confirm, without_copies
 from brace_drake.validation.prediction import predict_runs
-from brace_drake.validation.shrinkage import (
-    compare_new_runs,
-    measure_shrinkage,
-)
-from brace_drake.validation.support import Closed, closed_by_each
+from brace_drake.validation.shrinkage import measure_shrinkage
+from brace_drake.validation.support import Closed
 
 
 @dataclass(frozen=True)
@@ -146,17 +143,12 @@ def diagnose(
     runs, copies = without_copies(campaign)
     new = prepare_runs(twin, runs, floors, rate, seed + 1000)
     validation = Evaluator(twin, new, jobs)
-    compared = compare_new_runs(validation, nominal, verdict.winner)
-    verdict = confirm(criterion, verdict, compared)
-    winner = verdict.winner
-    if winner is None:
-        compared = compare_new_runs(validation, nominal, None)
+    confirmation = confirm(validation, criterion, verdict, fits, seed)
+    verdict, winner = confirmation.verdict, confirmation.verdict.winner
+    compared, closed = confirmation.compared, confirmation.closed
     shrinkage = measure_shrinkage(device, compared, nominal.subject, seed)
     rivals = fits if verdict.gap else []
     predictions = predict_runs(validation, compared, winner, rivals, seed)
-    closed = closed_by_each(
-        validation, criterion, verdict, fits, compared, seed
-    )
     causes = rank_causes(criterion, fits, verdict, predictions)
     estimates = estimate_table(evaluator, winner or nominal, seed)
 

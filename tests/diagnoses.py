@@ -138,6 +138,24 @@ def make_withdrawn() -> dict:
     return diagnosis
 
 
+def make_partly_withdrawn() -> dict:
+    """One of whose two effects the validation runs contradict one."""
+    diagnosis = make_diagnosis()
+    verdict = diagnosis["verdict"]
+    why = (
+        "backlash (actuation) makes the validation runs worse: it closes"
+        " -12.0 % of their gap, 95 % of -15.0 to -9.0 %"
+    )
+    verdict |= {
+        "confirmed": False,
+        "contradicted": why,
+        "probability": 0.05,
+        "sentence": f"{verdict['sentence']} Withdrawn: {why}.",
+    }
+    diagnosis["warnings"] = [f"withdrawn: {why}"]
+    return diagnosis
+
+
 def make_without_gap() -> dict:
     """One that has no gap, and no validation runs."""
     diagnosis = make_diagnosis()
@@ -168,5 +186,6 @@ ALL = (
     make_partly,
     make_unexplained,
     make_withdrawn,
+    make_partly_withdrawn,
     make_without_gap,
 )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.identification.nn_regression import (
+from brace_drake.identification.subject.nn_regression import (
     DISCRETISATIONS,
     NnContactEstimate,
     fit_contact_nn,

@@ -15,8 +15,6 @@ from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.brace import BenchScenario
-from brace_drake.selection.search.screening import screen, search_best
-from brace_drake.selection.search.shortlist import best_fits
 
 RATE, DEVICE = 200.0, "bench stage 2"
 # Mean square of the gap, in floors, that a recording is made to have.
@@ -65,13 +63,6 @@ def residual_of(evaluator, subject, uses=(), step=""):
             for p in evaluator.prepared
         ]
     )
-
-
-def searched(base, effects, **options):
-    """Fits of effects beside a base after their searches, best first."""
-    candidates = screen(base, effects)
-    search_best(base, candidates, **options)
-    return best_fits(candidates)
 
 
 def without_torso(run):

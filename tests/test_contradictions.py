@@ -67,30 +67,47 @@ def _is_beyond_level(cause: dict, level: float) -> bool:
 
 def _of_validation(document: dict) -> Iterator[str]:
     verdict, shrink = document["verdict"], document["shrink"]
-    if (verdict["confirmed"] is None) != (shrink is None):
-        yield "confirmed without validation runs, or not with them"
-    if (verdict["confirmed"] is False) != bool(verdict["contradicted"]):
+    why, confirmed = verdict["contradicted"], verdict["confirmed"]
+    if (confirmed is False) != bool(why):
         yield "not confirmed, and nothing that contradicts"
-    if verdict["contradicted"] and verdict["effects"]:
+    if confirmed and not _tells_something(document):
+        yield "confirmed by validation runs that tell nothing"
+    if confirmed is None and _tells_something(document):
+        yield "not confirmed by validation runs that tell something"
+    if why and any(f"{name} (" in why for name in verdict["effects"]):
         yield "what is contradicted is named all the same"
+    if why and verdict["probability"] > 0.5:
+        yield "what is contradicted is held for probable"
     if shrink is None:
         return
-    if verdict["effects"] and not shrink["after"] < shrink["before"]:
-        yield "the effects do not shrink the gap"
-    level = document["provenance"]["level"]
-    most = math.sqrt(1.0 + thresholds.BEYOND_LEVEL * level)
-    if not verdict["gap"] and shrink["before"] > most:
+    repaired = shrink["closed"] is not None
+    if verdict["effects"] and repaired:
+        if not shrink["after"] < shrink["before"]:
+            yield "the effects do not shrink the gap"
+    if not verdict["gap"] and shrink["after"] > _most_without_gap(document):
         yield "no gap, yet the validation runs are off"
+
+
+def _tells_something(document: dict) -> bool:
+    """Whether validation runs show the gap and what closes it, or no gap."""
+    verdict, shrink = document["verdict"], document["shrink"]
+    if shrink is None:
+        return False
+    if verdict["effects"]:
+        return shrink["closed"] is not None
+    return not verdict["gap"] or shrink["before"] > _most_without_gap(document)
+
+
+def _most_without_gap(document: dict) -> float:
+    """Times the floor that a right twin is off at most."""
+    level = document["provenance"]["level"]
+    return math.sqrt(1.0 + thresholds.BEYOND_LEVEL * level)
 
 
 def _of_causes(document: dict) -> Iterator[str]:
     verdict, causes = document["verdict"], document["causes"]
     chosen = [c for c in causes if c["chosen"]]
-    kinds = {
-        part.partition(" (")[0]
-        for cause in chosen
-        for part in cause["effect"].split("+")
-    }
+    kinds = set().union(*map(_names, chosen))
     if len(chosen) > 1 or not set(verdict["effects"]) <= kinds:
         yield "the cause chosen has not the effects named"
     for cause in causes:
@@ -100,8 +117,16 @@ def _of_causes(document: dict) -> Iterator[str]:
             yield "a cause that was screened only has figures of a search"
         if cause["converged"] and not cause["searched"]:
             yield "a cause is led to its end and was not searched"
-    if not set(verdict["ambiguous_with"]) <= {c["effect"] for c in causes}:
-        yield "a rival is no cause"
+    for rival in verdict["ambiguous_with"]:
+        if not any(set(rival.split("+")) <= _names(c) for c in causes):
+            yield "a rival is no cause"
+        if set(rival.split("+")) == set(verdict["effects"]):
+            yield "the verdict is its own rival"
+
+
+def _names(cause: dict) -> set[str]:
+    """Names of a cause's effects, without their forms."""
+    return {part.partition(" (")[0] for part in cause["effect"].split("+")}
 
 
 def _of_words(document: dict) -> Iterator[str]:
@@ -187,7 +212,8 @@ class ConstructedTest(unittest.TestCase):
 
     def test_no_gap_with_validation_runs_that_are_off_is_found(self):
         document = diagnoses.make_without_gap()
-        document["shrink"] = diagnoses.make_diagnosis()["shrink"]
+        shrink = document["shrink"] = diagnoses.make_diagnosis()["shrink"]
+        shrink["after"] = shrink["before"]
         document["verdict"]["confirmed"] = True
         self.assertEqual(
             contradictions(document),
@@ -206,6 +232,28 @@ class ConstructedTest(unittest.TestCase):
         document = diagnoses.make_withdrawn()
         document["warnings"] = []
         self.assertTrue(contradictions(document))
+
+    def test_a_repair_that_breaks_down_confirms_nothing(self):
+        document = diagnoses.make_diagnosis()
+        shrink = document["shrink"]
+        shrink |= {"after": shrink["before"], "closed": None}
+        self.assertTrue(contradictions(document))
+        document["verdict"]["confirmed"] = None
+        self.assertEqual(contradictions(document), [])
+
+    def test_an_effect_withdrawn_by_itself_is_not_named(self):
+        document = diagnoses.make_partly_withdrawn()
+        (name,) = document["verdict"]["effects"]
+        for changes in (
+            {"contradicted": f"{name} (contact) makes them worse"},
+            {"probability": 0.9},
+            {"confirmed": None},
+        ):
+            with self.subTest(changes):
+                self.assertTrue(
+                    self.found(diagnoses.make_partly_withdrawn, **changes)
+                )
+        self.assertEqual(contradictions(document), [])
 
     def test_a_cause_that_was_screened_only_has_no_share(self):
         document = diagnoses.make_diagnosis()

@@ -93,7 +93,7 @@ class TestExample(unittest.TestCase):
         prepared = prepare_runs(repaired, runs, floors, campaign.rate_hz, 1000)
         evaluator = Evaluator(repaired, prepared, 1)
         fitted = np.array([p.nominal for p in repaired.subject])
-        twin_alone = SimpleNamespace(subject=fitted)
+        twin_alone = SimpleNamespace(subject=fitted, within=())
         runs = compare_runs(evaluator, twin_alone, None)
         self.assertEqual(
             rms_gap(runs, "before"), self.document["shrink"]["after"]

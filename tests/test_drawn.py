@@ -17,6 +17,7 @@ from brace_drake.devices.bench.drawn import (
 from brace_drake.devices.bench.tolerances import KEYS, bench_tolerances
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.effects.registry import find_effect
+from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.model.simulate import RecordBrace
 from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.brace import BenchScenario, BraceScenario, EffectUse
@@ -111,8 +112,12 @@ class TestDraws(unittest.TestCase):
                     draw_tolerances(scenario, 0, "some.yaml")
                 self.assertNotIn("\n", str(caught.exception))
         full = BenchScenario()
-        full.effects = [EffectUse("ring_mass", {"added_mass_kg": 0.1})] * 2
-        with self.assertRaisesRegex(ScenarioError, "at most 1 beside drawn"):
+        full.effects = [
+            EffectUse("ring_mass", {"added_mass_kg": 0.1})
+        ] * MAX_EFFECTS
+        with self.assertRaisesRegex(
+            ScenarioError, f"at most {MAX_EFFECTS - 1} beside drawn"
+        ):
             uses_of_draws(full, self.draws[0])
 
 

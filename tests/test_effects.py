@@ -23,6 +23,7 @@ from brace_drake.effects.registry import (
     register_effect,
 )
 from brace_drake.effects.stack import stack_effects
+from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.withheld.faults import FAULTS
 
@@ -96,8 +97,8 @@ class TestCards(unittest.TestCase):
 
     def test_more_effects_than_the_twin_carries_are_refused(self):
         card = find_effect("force_bias")
-        with self.assertRaisesRegex(EffectError, "at most 2"):
-            stack_effects([(card, np.zeros(1))] * 3)
+        with self.assertRaisesRegex(EffectError, f"at most {MAX_EFFECTS}"):
+            stack_effects([(card, np.zeros(1))] * (MAX_EFFECTS + 1))
 
 
 class TestOwnEffects(unittest.TestCase):

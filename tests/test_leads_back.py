@@ -12,10 +12,17 @@ from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.laws.hooks import plug
 from brace_drake.selection.decision import decide
+from brace_drake.selection.level import make_criterion
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import predict, screen, search_best
+from brace_drake.selection.search.screening import (
+    predict,
+    screen,
+    search_best,
+    silent,
+)
 from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.search.shortlist import best_fits
+from brace_drake.selection.settle import settle
 from tests.synthetic_bench import DEVICE, SyntheticBench, without_torso
 
 
@@ -40,9 +47,9 @@ TREMOR = Effect(
 
 def answer(evaluator):
     """The verdict over all causes."""
-    nominal = fit_nominal(evaluator)
-    found = search_causes(evaluator, nominal, 0, lambda what, share: None)
-    return decide(found.criterion, found.fits)
+    criterion = make_criterion(evaluator, fit_nominal(evaluator), ())
+    fits = search_causes(evaluator, criterion, silent)
+    return decide(*settle(evaluator, criterion, fits))
 
 
 class OnTheBench(unittest.TestCase):
@@ -100,7 +107,13 @@ class TestAnswers(OnTheBench):
         cards = [self.cards[n] for n in names]
         uses = [(c, self.bench.values_of_a_gap(c)) for c in cards]
         verdict = answer(self.bench.evaluator(uses))
-        self.assertEqual(set(verdict.winner.identifiers), set(names))
+        self.assertEqual(set(verdict.effects), set(names))
+
+    def test_one_of_few_parameters_is_named_before_one_of_dozens(self):
+        evaluator, _ = self.bench.recording_with_a_gap(self.cards["weak_leg"])
+        verdict = answer(evaluator)
+        self.assertEqual(verdict.effects, ("weak_leg",))
+        self.assertFalse(verdict.outside_library)
 
     def test_what_a_straight_way_hides_is_searched_as_a_second_effect(self):
         bias, reflex = self.cards["force_bias"], self.cards["reflex"]
@@ -112,7 +125,7 @@ class TestAnswers(OnTheBench):
         promises = [r.predicted for r in predict(ground, reflex)]
         self.assertGreater(min(promises), bar)
         found = screen(ground, [reflex])
-        search_best(ground, found, bar=bar, must_explain=True)
+        search_best(ground, found)
         self.assertLess(best_fits(found)[0].excess, bar)
 
     def test_what_no_effect_explains_is_outside_the_library(self):

@@ -36,6 +36,8 @@ from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.least_squares import orthonormal_basis
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.selection.criterion import Criterion
+from tests.known_fits import COUNT, fit_of
 
 
 def toy_run(x, y_of, slope=1.0):
@@ -169,35 +171,23 @@ class TestLibrary(unittest.TestCase):
         self.assertLessEqual(set(STANDARD), set(MOTIONS))
 
 
-def fit(key, excess, refined=True):
-    card = find_effect(key)
-    values = np.array(card.starts()[0])
-    return SimpleNamespace(
-        effects=(card,),
-        identifiers=(card.name,),
-        kinds=frozenset((card.name,)),
-        is_scattered=True,
-        subject=np.array([6400.0, 150, 1800, 220, 40, 1e-3]),
-        uses=((card, values),),
-        excess=excess,
-        refined=refined,
-    )
-
-
 def verdict(winner, ambiguous=(), outside=False):
     return SimpleNamespace(
-        winner=winner, ambiguous_with=ambiguous, outside_library=outside
+        winner=winner,
+        effects=winner.identifiers if winner else (),
+        ambiguous_with=ambiguous,
+        outside_library=outside,
     )
 
 
 class TestNextRun(unittest.TestCase):
     def test_rivals_are_the_winner_and_what_is_tied(self):
         fits = [
-            fit("viscous_leg", 2.0),
-            fit("hardening", 1.0),
-            fit("force_lag", 3.0, refined=False),
+            fit_of("viscous_leg", 2.0),
+            fit_of("hardening", 1.0),
+            fit_of("force_lag", 3.0, refined=False),
         ]
-        alone = SimpleNamespace(part_as_good=lambda fit, fits: None)
+        alone = Criterion(fit_of("", 9.0), COUNT)
         for said, expected in (
             (
                 verdict(fits[1], ("viscous_leg", "force_lag")),
@@ -219,7 +209,7 @@ class TestNextRun(unittest.TestCase):
         self.assertIn("lies in contact", row["why"])
         self.assertIn("stairs", row["motion"])
         row = describe_next(
-            verdict(fit("hardening", 1.0), ("force_lag",)), [], None
+            verdict(fit_of("hardening", 1.0), ("force_lag",)), [], None
         )
         self.assertIn("separate hardening, force_lag", row["why"])
         self.assertEqual(row["motion"], find_effect("hardening").experiment)

@@ -8,11 +8,11 @@ import numpy as np
 import torch
 
 from brace_drake.core.errors import CampaignError, FitError
-from brace_drake.identification.contact_start import (
+from brace_drake.identification.subject.contact_start import (
     contact_motion_from_run,
     signed_compression,
 )
-from brace_drake.identification.nn_regression import fit_contact_nn
+from brace_drake.identification.subject.nn_regression import fit_contact_nn
 from brace_drake.recording.recording import Run
 from tests.nn_comparison import (
     compare_discretisations,
@@ -280,7 +280,7 @@ class NetworkTest(unittest.TestCase):
 
     def test_importing_the_modules_does_not_import_torch(self):
         code = (
-            "import sys, brace_drake.identification.nn_regression; "
+            "import sys, brace_drake.identification.subject.nn_regression; "
             "sys.exit('torch' in sys.modules)"
         )
         done = subprocess.run([sys.executable, "-c", code], check=False)

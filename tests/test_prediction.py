@@ -43,6 +43,7 @@ def cause(error, excess=0.0, searched=True, of_runs=()):
     return SimpleNamespace(
         subject=error,
         uses=(),
+        within=(),
         excess=excess,
         effects=(SimpleNamespace(run_parameters=of_runs),),
         is_searched=searched,
@@ -52,7 +53,9 @@ def cause(error, excess=0.0, searched=True, of_runs=()):
 
 class TestNewRuns(unittest.TestCase):
     def test_without_any_there_is_nothing_to_adapt_to(self):
-        nothing = SimpleNamespace(prepared=[], map=lambda function, tasks: [])
+        nothing = SimpleNamespace(
+            prepared=[], twin=Replays.twin, map=lambda function, tasks: []
+        )
         breathing = cause(0.0, of_runs=("phase",))
         self.assertEqual(compare_new_runs(nothing, cause(1.0), breathing), [])
 

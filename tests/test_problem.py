@@ -20,7 +20,7 @@ class LinearEvaluator:
             has_loop=True,
             subject=(SubjectParameter("mass_kg", "kg", 40.0, 20.0, 80.0),),
         )
-        self.rows, self.replays = rows, 0
+        self.rows, self.replays, self.tolerances = rows, 0, None
 
     def map(self, function, tasks):
         return [function(*task) for task in tasks]

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, EffectError, ScenarioError
+from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.bench.rollout import Motion
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.device import MakeDevice
@@ -20,6 +21,7 @@ from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.model.brace_station import MakeControlledBrace
 from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.brace import BenchScenario, EffectUse
@@ -52,9 +54,9 @@ def saved(scenario):
         return LoadScenario(Path(folder) / "s.yaml")
 
 
-def found(subject, *uses):
+def found(subject, *uses, within=()):
     """What `MakeRepairedScenario` takes of a fit."""
-    return SimpleNamespace(uses=uses, subject=subject)
+    return SimpleNamespace(uses=uses, subject=subject, within=within)
 
 
 class TestEffectsInFiles(unittest.TestCase):
@@ -98,7 +100,10 @@ class TestEffectsInFiles(unittest.TestCase):
             ),
             f"{{{one}, form: odd}}": ("[0].form", "'odd'"),
             "{name: backlash, form: odd}": ("[0].form", "'play' or 'gap'"),
-            ", ".join([f"{{{one}}}"] * 3): ("effects is", "at most 2"),
+            ", ".join([f"{{{one}}}"] * (MAX_EFFECTS + 1)): (
+                "effects is",
+                f"at most {MAX_EFFECTS}",
+            ),
         }
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "some.scenario.yaml"
@@ -168,13 +173,16 @@ class TestCarriedEffects(unittest.TestCase):
         )
 
     def test_more_effects_than_the_twin_carries_are_one_clear_error(self):
-        scenario = self.repaired(use("hardening"), use("force_bias"))
-        third = [use("relaxation")]
-        with self.assertRaisesRegex(EffectError, "at most 2 effects, got 3"):
-            BenchTwin(scenario).simulate(self.motion, SUBJECT, third)
-        with self.assertRaisesRegex(EffectError, "at most 2 effects, got 3"):
-            MakeControlledBrace(scenario, self.reference, uses=third)
-        with self.assertRaisesRegex(ScenarioError, "carries 2 effects"):
+        scenario = self.repaired(*[use("hardening")] * MAX_EFFECTS)
+        more = [use("relaxation")]
+        told = f"at most {MAX_EFFECTS} effects, got {MAX_EFFECTS + 1}"
+        with self.assertRaisesRegex(EffectError, told):
+            BenchTwin(scenario).simulate(self.motion, SUBJECT, more)
+        with self.assertRaisesRegex(EffectError, told):
+            MakeControlledBrace(scenario, self.reference, uses=more)
+        with self.assertRaisesRegex(
+            ScenarioError, f"carries {MAX_EFFECTS} effects"
+        ):
             diagnose(LoadCampaign(EXAMPLE), 1, scenario=scenario)
 
     def test_effects_of_the_linear_contact_need_it(self):
@@ -203,10 +211,17 @@ class TestRepairedTwin(unittest.TestCase):
         floors, _ = estimate_floors(twin, campaign, SUBJECT, 0)
         prepared = prepare_runs(twin, runs, floors, 200.0, 0)
         before = Evaluator(twin, prepared, 1)
-        # Of the two, noise is a dither to the first.
-        for uses in ([use("coulomb_friction")], [use("relaxation")]):
-            with self.subTest(effect=uses[0][0].name):
-                fit = found(SUBJECT, *uses)
+        drawn = draw_tolerances(twin.scenario, 5)
+        off = uses_of_draws(twin.scenario, drawn)
+        # Of the first two, noise is a dither to the first.
+        for own, within in (
+            ([use("coulomb_friction")], ()),
+            ([use("relaxation")], ()),
+            ([use("relaxation")], off),
+        ):
+            uses = [*own, *within]
+            with self.subTest(effects=[effect.name for effect, _ in uses]):
+                fit = found(SUBJECT, *own, within=within)
                 repaired = BenchTwin(saved(MakeRepairedScenario(twin, fit)))
                 after = before.simulate(prepared[0], SUBJECT, uses)
                 again = Evaluator(repaired, prepared, 1)
@@ -250,7 +265,7 @@ class TestRepairedTwin(unittest.TestCase):
 
     def test_effects_put_together_are_at_most_as_many_as_places(self):
         with self.assertRaises(EffectError):
-            stack_effects([use("hardening")] * 3)
+            stack_effects([use("hardening")] * (MAX_EFFECTS + 1))
 
 
 if __name__ == "__main__":

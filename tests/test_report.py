@@ -30,6 +30,7 @@ from tests.diagnoses import (
     STORED,
     make_diagnosis,
     make_partly,
+    make_partly_withdrawn,
     make_unexplained,
     make_withdrawn,
     make_without_gap,
@@ -193,9 +194,18 @@ class ReportTest(unittest.TestCase):
             "late clock: run push, Leg 1 length (delay 4.00 ms)", text
         )
 
+    def test_an_effect_withdrawn_by_itself_leaves_the_others(self):
+        self.use_hollow_figures()
+        diagnosis = make_partly_withdrawn()
+        why = diagnosis["verdict"]["contradicted"]
+        _, text = self.check_whole(diagnosis)
+        self.assertIn(f"contradict what the fit runs said: {why}.", text)
+        self.assertIn("with what is named the gap goes from", text)
+
     def test_a_repair_that_breaks_down_confirms_nothing(self):
         self.use_hollow_figures()
         diagnosis = make_diagnosis()
+        diagnosis["verdict"]["confirmed"] = None
         diagnosis["shrink"] |= {"closed": None, "closed_interval": None}
         diagnosis["shrink"]["after"] = diagnosis["shrink"]["before"]
         _, text = self.check_whole(diagnosis)

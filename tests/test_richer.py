@@ -5,7 +5,6 @@ import unittest
 from types import SimpleNamespace
 
 import numpy as np
-from brace_drake.selection.search.small_second import try_fewer
 
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.nominal_fit import fit_nominal
@@ -18,7 +17,7 @@ from brace_drake.selection.search.screening import (
     search_best,
 )
 from brace_drake.selection.search.shortlist import best_fits
-from tests.synthetic_bench import SyntheticBench, searched
+from tests.synthetic_bench import SyntheticBench
 
 COULOMB, STRIBECK = (
     find_effect(f"{name}_friction") for name in ("coulomb", "stribeck")
@@ -95,29 +94,6 @@ class TestOtherStarts(unittest.TestCase):
             found = [begun(name, s, 1.0) for s in starts]
             (best,) = _best_starts(found, math.inf)
             self.assertEqual(best.others, ())
-
-
-class TestFewer(unittest.TestCase):
-    def test_two_effects_of_few_are_found_where_many_would_do(self):
-        bench = SyntheticBench()
-        offsets, mass = find_effect("encoder_offset"), find_effect("ring_mass")
-        values = np.array([0.0, -4e-4, 0.0, 0.0, 0.0, 0.0]), np.array([0.02])
-        uses = list(zip((offsets, mass), values, strict=True))
-        evaluator = bench.evaluator(uses)
-        ground = Linearisation(evaluator, fit_nominal(evaluator))
-        (alone,) = searched(ground, [offsets])
-        many = SimpleNamespace(excess=0.0)
-        cards = [find_effect("force_bias"), find_effect("viscous_leg"), mass]
-        found = best_fits(
-            try_fewer(evaluator, alone, many, cards, lambda what, share: None)
-        )[0]
-        self.assertEqual(found.identifiers, ("encoder_offset", "ring_mass"))
-        # As screening leaves it, before the end of its search.
-        self.assertLess(
-            found.excess / evaluator.count,
-            1e-2 * alone.excess / evaluator.count,
-        )
-        self.assertAlmostEqual(found.values[1][0], 0.02, delta=0.002)
 
 
 if __name__ == "__main__":

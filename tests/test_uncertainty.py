@@ -7,7 +7,7 @@ import numpy as np
 
 from brace_drake.cli.diagnosis.fit import format_fit
 from brace_drake.devices.device import MakeDevice
-from brace_drake.identification.campaign_fit import fit_campaign
+from brace_drake.identification.subject.campaign_fit import fit_campaign
 from brace_drake.recording import LoadCampaign
 from tests.shared_data import EXAMPLE
 

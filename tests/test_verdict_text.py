@@ -10,19 +10,41 @@ def row(name, unit, value):
     return {"name": name, "unit": unit, "value": value}
 
 
-def sentence(rows, *names, closed=None):
-    cards = [find_effect(name) for name in names]
-    return verdict_sentence("case016", cards, True, closed, rows)
-
-
 CLEARANCE = (row("pad", "1", 0.0), row("clearance_m", "m", 0.0020328))
+VISCOUS = (row("extra_viscous_N_s_m", "N s/m", 99.458),)
+ANCHORS = (row("anchor_m", "m", 0.0021),)
+
+
+def verdict(**effects):
+    """Of effects with the rows of their parameters."""
+    return {
+        "gap": True,
+        "effects": list(effects),
+        "supported": [
+            {
+                "effect": name,
+                "title": find_effect(name).title,
+                "probability": 0.97,
+                "closes": 0.5,
+                "parameters": rows,
+            }
+            for name, rows in effects.items()
+        ],
+        "unexplained": {"share": 0.0, "block": None, "description": ""},
+        "outside_library": False,
+        "contradicted": None,
+    }
+
+
+def sentence(told, closed=None, moved=0):
+    return verdict_sentence("case016", told, closed, moved)
 
 
 class TestVerdictText(unittest.TestCase):
     def test_two_effects_have_each_their_own_numbers_with_units(self):
-        rows = [*CLEARANCE, row("extra_viscous_N_s_m", "N s/m", 99.458)]
+        told = verdict(clearance=CLEARANCE, viscous_leg=VISCOUS)
         self.assertEqual(
-            sentence(rows, "clearance", "viscous_leg", closed=1.0001),
+            sentence(told, closed=1.0001),
             "The gap in case016 is explained by clearance between pad and"
             " torso (both pads, clearance 2.033 mm) and viscous friction of"
             " the legs off its data sheet value (extra viscous 99.46 N s/m);"
@@ -30,20 +52,48 @@ class TestVerdictText(unittest.TestCase):
         )
 
     def test_no_identifier_and_one_meaning_of_the_word_gap(self):
-        text = sentence(CLEARANCE, "clearance", closed=0.9957)
+        text = sentence(verdict(clearance=CLEARANCE), closed=0.9957)
         self.assertNotIn("_", text)
         self.assertIn("adding it closes 99.6 % of the gap", text)
         self.assertEqual(text.count("gap"), 2)
 
     def test_of_parameters_drawn_alike_there_is_their_deviation(self):
-        rows = [row("anchor_m", "m", 0.0021), *CLEARANCE]
-        text = sentence(rows, "anchor_error", "clearance")
+        text = sentence(verdict(anchor_error=ANCHORS, clearance=CLEARANCE))
         self.assertIn("(anchor 2.1 mm)", text)
         self.assertIn("(both pads, clearance 2.033 mm).", text)
 
     def test_nearly_all_is_not_all(self):
-        text = sentence(CLEARANCE, "clearance", closed=0.99991)
+        text = sentence(verdict(clearance=CLEARANCE), closed=0.99991)
         self.assertIn("closes more than 99.9 %", text)
+
+    def test_what_is_certain_stands_before_what_is_left(self):
+        told = verdict(clearance=CLEARANCE) | {"outside_library": True}
+        told["unexplained"] = {
+            "share": 0.31,
+            "block": "actuation",
+            "description": "goes with the speed, as a damper would",
+        }
+        self.assertEqual(
+            sentence(told),
+            "Clearance between pad and torso (both pads, clearance 2.033 mm)"
+            " is there (p 0.97) and explains 50.0 % of the gap in case016;"
+            " 31.0 % is left, in actuation, and goes with the speed, as a"
+            " damper would.",
+        )
+
+    def test_what_is_withdrawn_by_itself_stands_behind_what_stays(self):
+        told = verdict(clearance=CLEARANCE) | {"contradicted": "it is worse"}
+        text = sentence(told)
+        self.assertTrue(text.startswith("The gap in case016 is explained by"))
+        self.assertTrue(text.endswith("mm). Withdrawn: it is worse."))
+
+    def test_where_all_is_withdrawn_nothing_is_confirmed(self):
+        told = verdict() | {"contradicted": "it is worse"}
+        self.assertEqual(
+            sentence(told),
+            "There is a gap in case016, and nothing that explains it is"
+            " confirmed: it is worse.",
+        )
 
 
 if __name__ == "__main__":

@@ -1,10 +1,7 @@
-"""Tolerances as priors, and the criterion that counts with them."""
+"""Tolerances as priors: what is within them is no gap."""
 
-import math
-import sys
 import unittest
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -13,28 +10,20 @@ from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.registry import find_effect
-from brace_drake.experiments.within_tolerances import thresholds
-from brace_drake.experiments.within_tolerances.criterion import Criterion
-from brace_drake.experiments.within_tolerances.decision import decide
-from brace_drake.experiments.within_tolerances.fitted import fit_nominal_within
-from brace_drake.experiments.within_tolerances.tolerated import is_within
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import CandidateFit, fit_nominal
-from brace_drake.identification.least_squares import LeastSquaresSolution
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
-
-_ROOT = Path(__file__).resolve().parent.parent
-sys.path.append(str(_ROOT / "tools"))
+from tests.shared_data import EXAMPLE
 
 
 def known_tolerances(columns: np.ndarray) -> LinearTolerances:
     """Those whose change of the residual are given columns (rows, k)."""
-    left, sizes, right = np.linalg.svd(columns, full_matrices=False)
+    basis, coefficients = np.linalg.qr(columns)
     card = find_effect("force_bias")
     one = Nuisance("x", "N", "sensing", 1.0, ((card, np.ones(1)),))
-    return LinearTolerances((one,) * columns.shape[1], left, sizes, right)
+    return LinearTolerances((one,) * columns.shape[1], basis, coefficients)
 
 
 class TestTolerances(unittest.TestCase):
@@ -68,7 +57,7 @@ class TestTolerances(unittest.TestCase):
 
 class TestBenchWithinTolerances(unittest.TestCase):
     def test_a_machine_within_its_tolerances_has_no_gap_and_is_estimated(self):
-        campaign = LoadCampaign(_ROOT / "tests" / "data" / "example")
+        campaign = LoadCampaign(EXAMPLE)
         scenario = BenchScenario()
         # Friction sticks by chance, which no expectation tells.
         scenario.tolerances.leg_dry_friction = 0.0
@@ -94,7 +83,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         evaluator = Evaluator(twin, prepared, 2)
         exact = fit_nominal(evaluator)
         self.assertGreater(exact.excess / evaluator.count, 1.0)
-        within = fit_nominal_within(evaluator, device.tolerances())
+        within = fit_nominal(evaluator, device.tolerances())
         self.assertLess(within.excess / evaluator.count, 0.1)
         self.assertLess(within.stretch, 5.0)
         residual = within.solution.residual[: evaluator.ends[-1]]
@@ -109,101 +98,6 @@ class TestBenchWithinTolerances(unittest.TestCase):
                 self.assertLess(errors[place], 1.0)
                 distance = abs(off[place] - true)
                 self.assertLess(distance, 4.0 * errors[place] + 0.1)
-
-
-def fit_of(keys: str, misfit: float, predicted: float) -> CandidateFit:
-    """A fit that leaves so much of a thousand values."""
-    effects = tuple(find_effect(k) for k in keys.split("+") if k)
-    number = 1 + sum(len(e.parameters) for e in effects)
-    solution = LeastSquaresSolution(
-        np.ones(number), np.zeros(1000), None, 0, True
-    )
-    return CandidateFit(
-        effects,
-        np.ones(1),
-        tuple(e.starts()[0] for e in effects),
-        solution,
-        np.ones(number),
-        1000.0 * misfit,
-        None,
-        2,
-        refined=True,
-        held_out=predicted,
-    )
-
-
-class TestCriterion(unittest.TestCase):
-    def setUp(self):
-        self.nominal = fit_of("", 10.0, 10.0)
-        self.criterion = Criterion(self.nominal, 1000)
-
-    def test_an_effect_pays_if_it_leaves_less_than_a_quarter(self):
-        quarter = 0.25 * (10.0 + thresholds.LEVEL) - thresholds.LEVEL
-        for factor, pays in ((0.95, True), (1.05, False)):
-            left = factor * quarter
-            fit = fit_of("relaxation", left, left)
-            score = self.criterion.score(fit)
-            self.assertEqual(score < self.criterion.score(self.nominal), pays)
-
-    def test_what_imitates_a_gap_in_sample_alone_is_not_named(self):
-        imitates = fit_of("force_scale", 1.0, 9.0)
-        verdict = decide(self.criterion, [imitates])
-        self.assertEqual(verdict.effects, ())
-        self.assertTrue(verdict.outside_library)
-
-    def test_less_than_the_level_says_nothing(self):
-        one = fit_of("relaxation", 0.04, 0.04)
-        two = fit_of("relaxation+force_bias", 0.0, 0.0)
-        verdict = decide(self.criterion, [two, one])
-        self.assertEqual(verdict.effects, ("relaxation",))
-        self.assertFalse(verdict.outside_library)
-
-    def test_a_certain_effect_is_named_beside_a_rest_that_is_unknown(self):
-        large = Criterion(fit_of("", 1000.0, 1000.0), 1000)
-        fits = [
-            fit_of("coulomb_friction", 60.0, 65.0),
-            fit_of("relaxation", 950.0, 950.0),
-        ]
-        verdict = decide(large, fits)
-        self.assertEqual(verdict.effects, ("coulomb_friction",))
-        self.assertTrue(verdict.outside_library)
-        self.assertGreater(verdict.supported[0].probability, 0.9)
-        self.assertGreater(verdict.unexplained, thresholds.MATERIAL)
-        # An effect that takes next to nothing is not supported.
-        self.assertEqual(decide(large, fits[1:]).effects, ())
-
-    def test_a_tolerance_that_is_stretched_far_costs_more_than_an_effect(self):
-        stretched = replace(fit_of("", 0.0, 0.0), stretch=8.0)
-        effect = fit_of("ring_mass", 0.0, 0.0)
-        criterion = Criterion(stretched, 1000)
-        self.assertLess(criterion.score(effect), criterion.score(stretched))
-
-    def test_an_effect_within_its_tolerance_is_no_finding(self):
-        card = find_effect("ring_mass")
-        use = ((card, np.array([0.015])),)
-        nuisances = [Nuisance("ring_mass_kg", "kg", "mechanism", 0.015, use)]
-        for mass, within in ((0.03, True), (-0.03, True), (0.15, False)):
-            found = is_within((card, np.array([mass])), None, nuisances)
-            self.assertEqual(found, within)
-        other = find_effect("relaxation")
-        use = (other, other.starts()[0])
-        self.assertFalse(is_within(use, None, nuisances))
-
-    def test_probabilities_of_all_explanations_are_one(self):
-        verdict = decide(self.criterion, [fit_of("relaxation", 0.05, 0.05)])
-        self.assertTrue(0.5 < verdict.probability <= 1.0)
-        self.assertTrue(math.isfinite(verdict.probability))
-
-
-class TestStoredCases(unittest.TestCase):
-    def test_stored_cases_are_decided_as_when_the_numbers_were_chosen(self):
-        from score_criterion import BANK, score
-
-        number, right, clean = score(BANK)
-        self.assertEqual(number.total(), 104)
-        # In sample: it shows a change of behaviour, not how good that is.
-        self.assertGreaterEqual(right.total(), 92)
-        self.assertGreaterEqual(clean.total(), 101)
 
 
 if __name__ == "__main__":

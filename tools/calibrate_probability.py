@@ -7,9 +7,10 @@ Prints offset and slope of the log-odds of being right over those stated, with
 standard errors, and log and Brier scores before and after: on the same cases,
 and on cases that took no part.
 
-Where the answers were given with offset a and slope b in
-`brace_drake/selection/thresholds.py`, and c and d are printed: c + d a and
-d b replace them.
+`ODDS` in `brace_drake/selection/thresholds.py` weighs differences of scores in
+the log-odds: times the slope that is printed it replaces itself. An offset has
+no place there; one that is far from 0 says that the scores are not to be
+trusted as they are.
 """
 
 import argparse

@@ -2,14 +2,15 @@
 
     python tools/fit_bank.py make CASES --out FOLDER
     python tools/fit_bank.py pack FOLDER --vault VAULT.json --out BANK.npz
-    python tools/fit_bank.py score [BANK.npz]
 
 `make` diagnoses cases of `brace-drake withheld make` and stores for each what
 a decision needs: of the case the number of values and the level, of every fit
 its effects, what it leaves on the runs that it was fitted to and on motions
 left out, how far it stretches tolerances and which effects are within theirs.
-`score` decides all of them anew, in seconds, and compares with the truth. The
-bank that comes with the source is tests/data/fit_bank.npz. It is of machines
+`pack` puts them into one file, with the truth. tools/score_criterion.py decides
+all of them anew, in seconds, and counts which verdicts are right.
+
+The bank that comes with the source, tests/data/fit_bank.npz, is of machines
 that are exactly as their scenario says: nothing is within tolerances there, no
 tolerance is stretched, and the level is that of the noise.
 """
@@ -18,7 +19,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -32,7 +32,6 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import LeastSquaresSolution
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.tolerated import is_within
 
 BANK = Path(__file__).resolve().parents[1] / "tests/data/fit_bank.npz"
@@ -158,44 +157,8 @@ def _read_fit(row: dict) -> StoredFit:
     return fit
 
 
-def is_right(truth: dict, verdict: Verdict) -> bool:
-    """Whether a verdict is what a perfect diagnosis says."""
-    if truth["kind"] == "none":
-        return not verdict.gap
-    if truth["kind"] == "outside":
-        return verdict.outside_library and not verdict.effects
-    named = sorted(verdict.effects) == sorted(truth["effects"])
-    return named and not verdict.outside_library
-
-
-def names_wrong(truth: dict, verdict: Verdict) -> bool:
-    """Whether a verdict names an effect that is not there."""
-    return not set(verdict.effects) <= set(truth["effects"])
-
-
-def score(path: Path) -> None:
-    """Prints how many verdicts on stored fits are right, by kind of case."""
-    number, right, names, wrong = Counter(), Counter(), 0, []
-    for record, criterion, fits in read_bank(path):
-        verdict, truth = decide(criterion, fits), record["truth"]
-        number[truth["kind"]] += 1
-        names += names_wrong(truth, verdict)
-        if is_right(truth, verdict):
-            right[truth["kind"]] += 1
-            continue
-        said = "+".join(verdict.effects) or "no effect"
-        said += " and outside" if verdict.outside_library else ""
-        is_so = "+".join(truth["effects"]) or truth["kind"]
-        wrong.append(f"  {record['name']}: {said}; it is {is_so}")
-    for kind in sorted(number):
-        print(f"{kind:8} {right[kind]:3d} of {number[kind]:3d} right")
-    print(f"{'all':8} {right.total():3d} of {number.total():3d} right")
-    print(f"{names} name an effect that is not there")
-    print("\n".join(wrong))
-
-
 def main() -> None:
-    """Makes, packs or scores a bank."""
+    """Makes or packs a bank."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parts = parser.add_subparsers(dest="part", required=True)
     make = parts.add_parser("make")
@@ -206,12 +169,8 @@ def main() -> None:
     packed.add_argument("folder", type=Path)
     packed.add_argument("--vault", type=Path, required=True)
     packed.add_argument("--out", type=Path, default=BANK)
-    scored = parts.add_parser("score")
-    scored.add_argument("bank", type=Path, nargs="?", default=BANK)
     args = parser.parse_args()
-    if args.part == "score":
-        score(args.bank)
-    elif args.part == "pack":
+    if args.part == "pack":
         print(f"{pack(args.folder, args.vault, args.out)} cases: {args.out}")
     else:
         cases = sorted(p for p in args.cases.iterdir() if p.is_dir())

@@ -155,20 +155,19 @@ def open_rivals(
     The winner and what is tied with it; without a winner, where the cause
     lies outside the library, the explanations that come nearest.
     """
-    best: dict[str, CandidateFit] = {}
-    seen: set[frozenset[str]] = set()
-    for fit in best_of_kinds(criterion, fits):
-        if fit.is_scattered and fit.kinds not in seen:
-            seen.add(fit.kinds)
-            best["+".join(fit.identifiers)] = fit
+    if not (verdict.ambiguous_with or verdict.outside_library):
+        return []
+    # What is within tolerances is no explanation.
+    best = {
+        "+".join(e.name for e in criterion.findings(fit)): fit
+        for fit in best_of_kinds(criterion, fits)
+        if criterion.findings(fit)
+    }
+    chosen = dict(list(best.items())[:_NEAREST])
     if verdict.winner is not None and verdict.ambiguous_with:
-        name = "+".join(verdict.winner.identifiers)
+        name = "+".join(verdict.effects)
         tied = [n for n in verdict.ambiguous_with if n in best]
         chosen = {name: verdict.winner, **{n: best[n] for n in tied}}
-    elif verdict.outside_library:
-        chosen = dict(list(best.items())[:_NEAREST])
-    else:
-        chosen = {}
     return [Rival(n, f.subject, f.uses) for n, f in chosen.items()]
 
 
@@ -195,10 +194,12 @@ def describe_next(
         found: From `choose_next_run`; without one a motion in words is told.
     """
     if verdict.winner is not None and verdict.ambiguous_with:
-        effects = verdict.winner.effects
-        names = [*(e.name for e in effects), *verdict.ambiguous_with]
+        first, *_ = verdict.effects
+        names = [*verdict.effects, *verdict.ambiguous_with]
         why = "these data do not separate " + ", ".join(names)
-        motion = effects[0].experiment
+        motion = next(
+            e.experiment for e in verdict.winner.effects if e.name == first
+        )
     elif verdict.outside_library and blocks:
         why = f"the largest unexplained rest lies in {blocks[0]}"
         motion = _MOTIONS.get(blocks[0], "repeat the runs at half speed")

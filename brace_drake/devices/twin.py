@@ -23,8 +23,6 @@ class ReplayTwin(ABC):
     Attributes:
         channels: Names of the columns of what `simulate` returns.
         has_loop: Whether readings, with their noise, feed back to the motion.
-        instruments_known: Whether noise and numbers are given by a data
-            sheet, not taken from the recording itself.
         highest_hz: Up to which its replays are compared with recordings.
         device: That the twin is of.
         numbers: What the compiled laws take.
@@ -34,7 +32,6 @@ class ReplayTwin(ABC):
 
     channels: ClassVar[tuple[str, ...]]
     has_loop: ClassVar[bool]
-    instruments_known: ClassVar[bool]
     highest_hz: ClassVar[float] = HIGHEST_HZ
     device: str
     subject: tuple[SubjectParameter, ...]

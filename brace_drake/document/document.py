@@ -76,10 +76,21 @@ def MakeDocument(d: Diagnosis) -> dict:
 
 
 def confirmed(d: Diagnosis) -> bool | None:
-    """Whether the validation runs confirm the verdict; None without any."""
-    if not d.validation_runs:
+    """Whether the validation runs confirm the verdict; None where they tell
+    nothing: without any, where the repaired twin breaks down on them, and
+    where they do not show the gap.
+    """
+    verdict, shrinkage = d.verdict, d.shrinkage
+    if verdict.contradicted:
+        return False
+    if shrinkage is None:
         return None
-    return not d.verdict.contradicted
+    if verdict.effects:
+        return True if shrinkage["closed"] is not None else None
+    most = thresholds.BEYOND_LEVEL * d.criterion.level
+    if verdict.gap and shrinkage["before"] <= np.sqrt(1.0 + most):
+        return None
+    return True
 
 
 def _unexplained(d: Diagnosis) -> dict:

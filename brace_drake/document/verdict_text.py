@@ -17,10 +17,11 @@ def verdict_sentence(
         closed: Share of the gap that all effects close on validation runs.
         moved: Numbers known to a tolerance that the data move.
     """
-    if verdict["contradicted"]:
+    why = verdict["contradicted"]
+    if why and not verdict["effects"]:
         return (
             f"There is a gap in {name}, and nothing that explains it is"
-            f" confirmed: {verdict['contradicted']}."
+            f" confirmed: {why}."
         )
     if not verdict["gap"]:
         how = "the subject's parameters"
@@ -35,6 +36,7 @@ def verdict_sentence(
         text = f"There is a gap in {name}, and no effect in the library"
         text += " explains it"
         return f"{text}; {rest}." if rest else f"{text}."
+    withdrawn = f" Withdrawn: {why}." if why else ""
     rows = verdict["supported"]
     causes = " and ".join(_cause_text(row) for row in rows)
     if verdict["outside_library"]:
@@ -45,13 +47,14 @@ def verdict_sentence(
         return (
             f"{causes[:1].upper()}{causes[1:]} {verb} there (p {sure:.2f}) and"
             f" {explains} {shares} of the gap in {name}; {rest}."
+            f"{withdrawn}"
         )
     text = f"The gap in {name} is explained by {causes}"
     if closed is not None:
         them = "it" if len(rows) == 1 else "them"
         text += f"; adding {them} closes {_share(closed)} of the gap on the"
         text += " validation runs"
-    return text + "."
+    return f"{text}.{withdrawn}"
 
 
 def _share(share: float) -> str:

@@ -100,8 +100,6 @@ class Effect:
         on_command: Whether it changes the command on its way to the drive, as
             a gain does: it acts on what the effects before it have left, and
             before those that add a force.
-        at_rest: Whether it shows in the leg lengths at rest, whatever its
-            size: where these are as they should be there is nothing of it.
         key: Name, and form where there are several.
         parameter_names, lower, upper: Names and limits in order.
         is_continuous: Parameters that a fit moves (n,).
@@ -114,9 +112,6 @@ class Effect:
         places: What a device has to have for it: the plug points of its laws,
             its other needs, and the brace's numbers where it takes or changes
             them.
-        answers_motion: Whether it shows where the motion of the brace is
-            imposed as recorded: contact, torso and reading answer to it, legs
-            and controller make it.
     """
 
     name: str
@@ -140,7 +135,6 @@ class Effect:
     run_parameters: tuple[EffectParameter, ...] = ()
     generalises: tuple[str, ...] = ()
     on_command: bool = False
-    at_rest: bool = False
     key: str = _derived()
     parameter_names: tuple[str, ...] = _derived()
     lower: np.ndarray = _derived()
@@ -151,7 +145,6 @@ class Effect:
     has_either_sign: bool = _derived()
     is_flexible: bool = _derived()
     places: frozenset[str] = _derived()
-    answers_motion: bool = _derived()
 
     def __post_init__(self):
         if self.block not in BLOCKS:
@@ -188,7 +181,6 @@ class Effect:
             "has_either_sign": either and not self.run_parameters,
             "is_flexible": bool(self.spread or self.run_parameters),
             "places": frozenset(places),
-            "answers_motion": self.block in ANSWER_MOTION and not self.at_rest,
         }
         vars(self).update(derived)
 

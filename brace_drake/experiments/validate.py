@@ -12,12 +12,12 @@ from brace_drake.devices.bench.recorded_motion import ring_poses
 from brace_drake.devices.bench.rollout import FORCE, LENGTHS, MARKER
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.experiments.scores import rms
-from brace_drake.identification.contact_start import (
+from brace_drake.identification.subject.contact_start import (
     contact_motion,
     contact_starts,
     start_values,
 )
-from brace_drake.identification.nn_regression import (
+from brace_drake.identification.subject.nn_regression import (
     NnContactEstimate,
     fit_contact_nn,
 )

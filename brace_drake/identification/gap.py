@@ -1,13 +1,14 @@
 """How far a twin is from its recordings: the gap, in two measures.
 
 In frequency, `Criterion.misfit`: the mean square of residuals that are
-whitened, less the noise's 1. All that is decided rests on it, as the noise of
-a recording is far from white and a residual of one frequency is not worth one
-of another.
+whitened, less the noise's 1. What is decided on the fit runs rests on it, as
+the noise of a recording is far from white and a residual of one frequency is
+not worth one of another.
 
 In time, `rms_gap`: the root mean square of plain residuals in units of the
 noise floor's, 1 for noise alone. It is what a user sees shrink, and what can
-be compared between runs, channels and moments. It has no part in a decision.
+be compared between runs, channels and moments. Of a decision it has the last
+word alone: what makes validation runs worse is withdrawn.
 """
 
 from __future__ import annotations

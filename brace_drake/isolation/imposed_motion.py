@@ -20,8 +20,6 @@ from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
 
-# Mean square, in floors, from which on a gap is beyond doubt.
-_LARGE = 0.5
 # Times the floor's amplitude, up to which there is no gap: the noise of a way
 # is known to a sixth.
 _THRESHOLD = 1.17

@@ -30,7 +30,7 @@ BADGES = {
 
 def kind_of(verdict: dict) -> str:
     """Which of BADGES a verdict of a document is."""
-    if verdict.get("contradicted"):
+    if verdict.get("contradicted") and not verdict["effects"]:
         return WITHDRAWN
     if not verdict["gap"]:
         return NONE
@@ -82,17 +82,30 @@ def _rest_text(verdict: dict) -> str:
 
 def _validation_text(verdict: dict, shrink: dict | None) -> str:
     """What runs that no fit has seen say of the verdict."""
-    if verdict["confirmed"] is None or shrink is None:
+    if shrink is None:
         return (
             "There is no validation run that could confirm or contradict this."
         )
+    before, after = times(shrink["before"]), times(shrink["after"])
+    if verdict["confirmed"] is None:
+        if shrink["before"] <= 1.0 or not verdict["effects"]:
+            return (
+                "The validation runs do not show the gap: they neither confirm"
+                " nor contradict this."
+            )
+        return (
+            "The repaired twin breaks down on the validation runs: they neither"
+            " confirm nor contradict this."
+        )
     if not verdict["confirmed"]:
         why = verdict["contradicted"]
+        text = f"The validation runs contradict what the fit runs said: {why}."
+        if not verdict["effects"]:
+            return f"{text} It is withdrawn."
         return (
-            f"The validation runs contradict what the fit runs said: {why}."
-            " It is withdrawn."
+            f"{text} That is withdrawn; with what is named the gap goes from"
+            f" {before} to {after} times the floor."
         )
-    before, after = times(shrink["before"]), times(shrink["after"])
     if not verdict["gap"]:
         return (
             f"The validation runs confirm it: on them the twin is {after}"
@@ -102,11 +115,6 @@ def _validation_text(verdict: dict, shrink: dict | None) -> str:
         return (
             f"The validation runs confirm that there is a gap: {before} times"
             " the floor."
-        )
-    if shrink["closed"] is None:
-        return (
-            "The repaired twin breaks down on the validation runs: they neither"
-            " confirm nor contradict this."
         )
     return (
         "The validation runs confirm it: with the effects the gap goes from"

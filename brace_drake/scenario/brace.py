@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from brace_drake.recording.columns import BENCH, BRACE
-from brace_drake.scenario.controllers import AXES, BraceControl
+from brace_drake.scenario.controllers import BraceControl
 from brace_drake.scenario.fields import items, number, vector, word
 from brace_drake.scenario.tolerances import Tolerances
 
@@ -225,11 +225,6 @@ class BraceScenario:
     def contacts(self) -> tuple[Contact, ...]:
         """Of each moving ring, bottom to top."""
         return tuple(getattr(self.contact, name) for name in self.rings)
-
-    @property
-    def push_axis(self) -> int:
-        """Of W, 0 to 2: that of the first coordinate with an impedance."""
-        return AXES.index(self.control.impedance.coordinates[0][0])
 
 
 @dataclass(slots=True)

@@ -8,8 +8,9 @@ import numpy as np
 
 from brace_drake.core.errors import suggest
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import effects_for
+from brace_drake.effects.registry import PLACES, effects_for
 from brace_drake.effects.stack import Use
+from brace_drake.effects.within_tolerances import WITHIN_TOLERANCES
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.fields import fail
@@ -92,8 +93,15 @@ def _check_value(source: str, path: str, value: float, parameter) -> None:
 
 
 def _cards(name: str, device: str) -> dict[str, Effect]:
-    """Cards of a name by form; the first also stands for no form at all."""
+    """Cards of a name by form; the first also stands for no form at all.
+
+    A machine off within its tolerances is none of the library's, and may be
+    carried all the same.
+    """
     cards = [c for c in effects_for(device).values() if c.name == name]
+    off = WITHIN_TOLERANCES
+    if name == off.name and off.places <= PLACES.get(device, frozenset()):
+        cards.append(off)
     forms = {card.form: card for card in cards}
     if cards:
         forms.setdefault("", cards[0])

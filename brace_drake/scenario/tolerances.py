@@ -52,11 +52,6 @@ class Tolerances(_Origin):
     def __post_init__(self):
         self.is_stated = True
 
-    @property
-    def are_exact(self) -> bool:
-        """Whether all numbers are exactly known."""
-        return not any(dataclasses.astuple(self))
-
 
 def split_tolerances(
     scenario, data: dict, source: str

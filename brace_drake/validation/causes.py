@@ -50,7 +50,8 @@ def rank_causes(
     for fit in fits:
         is_winner = fit is verdict.winner
         seen = next((p for p in predictions if p.fit is fit), None)
-        is_tied = "+".join(fit.identifiers) in verdict.ambiguous_with
+        named = "+".join(e.name for e in criterion.findings(fit))
+        is_tied = named in verdict.ambiguous_with
         score = criterion.score(fit) if fit.refined else None
         decision = _decision(criterion, fit, verdict, is_tied)
         order = score if score is not None else criterion.misfit(fit)

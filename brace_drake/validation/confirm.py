@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import (
     RunComparison,
     is_repaired,
@@ -13,8 +16,10 @@ from brace_drake.identification.gap import (
 )
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.decision import Verdict, contradict
+from brace_drake.selection.decision import Verdict, contradict, decide
 from brace_drake.selection.thresholds import BEYOND_LEVEL
+from brace_drake.validation.shrinkage import compare_new_runs
+from brace_drake.validation.support import Closed, closed_by_each
 
 
 def without_copies(campaign: Campaign) -> tuple[list[Run], tuple[str, ...]]:
@@ -39,36 +44,122 @@ def _are_same(first, second) -> bool:
     )
 
 
-def confirm(
-    criterion: Criterion, verdict: Verdict, compared: Sequence[RunComparison]
-) -> Verdict:
-    """The verdict, withdrawn where runs that no fit has seen contradict it.
+@dataclass(frozen=True)
+class Confirmation:
+    """What validation runs leave of a verdict.
 
-    Effects have to make those runs better, and no gap has to be none there.
+    Attributes:
+        verdict: Without what they contradict.
+        compared: Those runs, before and after its repair; none where there
+            are none.
+        closed: What each effect that is still named closes by itself.
+    """
+
+    verdict: Verdict
+    compared: list[RunComparison]
+    closed: dict[str, Closed]
+
+
+def confirm(
+    validation: Evaluator,
+    criterion: Criterion,
+    verdict: Verdict,
+    fits: Sequence[CandidateFit],
+    seed: int,
+) -> Confirmation:
+    """Holds a verdict against runs that no fit has seen.
+
+    An effect that makes them worse beside the others is withdrawn by itself,
+    the worst first. What stays has to make them better, and no gap has to be
+    none there.
 
     Args:
-        criterion: Of the campaign.
-        verdict: From the fit runs.
-        compared: Validation runs before and after the repair; none where there
-            are none.
+        validation: Over those runs.
+        criterion, verdict, fits: Of the fit runs.
+        seed: Of the intervals.
     """
+    while True:
+        compared = compare_new_runs(
+            validation, criterion.nominal, verdict.winner
+        )
+        closed = closed_by_each(
+            validation, criterion, verdict, fits, compared, seed
+        )
+        judged = _judge(criterion, verdict, fits, compared, closed)
+        if judged is verdict:
+            return Confirmation(verdict, compared, closed)
+        verdict = judged
+
+
+def _judge(criterion, verdict, fits, compared, closed) -> Verdict:
+    """The verdict less what is contradicted first; itself where nothing is."""
     if not compared:
         return verdict
+    repaired = is_repaired(compared)
     before = rms_gap(compared, "before")
-    if verdict.effects and is_repaired(compared):
-        after = rms_gap(compared, "after")
+    after = rms_gap(compared, "after") if repaired else before
+    if verdict.effects and repaired:
+        worse = [n for n, c in closed.items() if c.is_harm]
+        if worse and len(closed) > 1:
+            name = min(worse, key=lambda n: closed[n].share)
+            reason = _harm_text(verdict, name, closed[name])
+            return withdraw(criterion, verdict, fits, name, reason)
         if not after < before:
             return contradict(
                 verdict,
-                f"on the validation runs {' and '.join(verdict.effects)} would"
-                f" change the gap from {before:.3g} to {after:.3g} times the"
-                " floor",
+                _all_reasons(
+                    verdict,
+                    f"on the validation runs {' and '.join(verdict.effects)}"
+                    f" would change the gap from {before:.3g} to {after:.3g}"
+                    " times the floor",
+                ),
             )
     most = np.sqrt(1.0 + BEYOND_LEVEL * criterion.level)
-    if not verdict.gap and before > most:
+    if not verdict.gap and after > most:
         return contradict(
             verdict,
-            f"the validation runs are {before:.3g} times the floor off, the fit"
+            f"the validation runs are {after:.3g} times the floor off, the fit"
             " runs are not",
         )
     return verdict
+
+
+def withdraw(
+    criterion: Criterion,
+    verdict: Verdict,
+    fits: Sequence[CandidateFit],
+    name: str,
+    reason: str,
+) -> Verdict:
+    """The verdict without one of its effects, decided anew among explanations
+    by the others; nothing that was not named before is named.
+
+    Args:
+        criterion, verdict, fits: Of the fit runs.
+        name: Of the effect.
+        reason: In words.
+    """
+    kept = {*verdict.effects} - {name}
+    able = [f for f in fits if criterion.named(f) <= kept]
+    reason = _all_reasons(verdict, reason)
+    left = decide(criterion, able)
+    if not left.effects:
+        return contradict(verdict, reason)
+    # What was held for right before is known to be wrong.
+    sure = min(verdict.probability, 1.0 - verdict.probability)
+    sure = min(left.probability, sure)
+    return replace(left, probability=sure, contradicted=reason)
+
+
+def _harm_text(verdict: Verdict, name: str, closed: Closed) -> str:
+    block = next(e.block for e in verdict.winner.effects if e.name == name)
+    low, high = (100.0 * end for end in closed.interval)
+    return (
+        f"{name} ({block}) makes the validation runs worse: it closes"
+        f" {100.0 * closed.share:.1f} % of their gap, 95 % of {low:.1f} to"
+        f" {high:.1f} %"
+    )
+
+
+def _all_reasons(verdict: Verdict, reason: str) -> str:
+    return "; ".join(r for r in (verdict.contradicted, reason) if r)

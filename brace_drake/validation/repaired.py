@@ -13,7 +13,8 @@ FILE = "repaired.scenario.yaml"
 
 
 def MakeRepairedScenario(twin, winner: CandidateFit | None) -> Scenario:
-    """The scenario of a twin with the fitted subject and the effects found.
+    """The scenario of a twin with the fitted subject, the effects found and
+    its numbers as far off within their tolerances as the fit has them.
 
     Built again, the twin replays a run as the diagnosis did after the repair.
     Parameters that every run has of its own, such as the phase of a breath,
@@ -29,7 +30,8 @@ def MakeRepairedScenario(twin, winner: CandidateFit | None) -> Scenario:
     if winner is None:
         raise CampaignError("no effect was found, nothing to repair")
     scenario = twin.scenario_of(winner.subject)
-    found = [describe_use(effect, values) for effect, values in winner.uses]
+    uses = (*winner.uses, *winner.within)
+    found = [describe_use(effect, values) for effect, values in uses]
     scenario.effects = [*scenario.effects, *found]
     return scenario
 

@@ -32,11 +32,23 @@ def compare_new_runs(
     if winner is None or not compared:
         return compared
     try:
-        if winner.has_run_parameters:
-            winner = adapt_to_runs(validation, winner)
-        return repair_runs(validation, compared, winner)
+        return repair_new_runs(validation, compared, winner)
     except BraceError:
         return compared
+
+
+def repair_new_runs(
+    validation: Evaluator, compared: Sequence[RunComparison], fit: CandidateFit
+) -> list[RunComparison]:
+    """The same runs with a fit's replays as those after the repair; what a run
+    has of its own is estimated on it.
+
+    Raises:
+        BraceError: Its twin breaks down in one of them.
+    """
+    if fit.has_run_parameters:
+        fit = adapt_to_runs(validation, fit)
+    return repair_runs(validation, compared, fit)
 
 
 def measure_shrinkage(

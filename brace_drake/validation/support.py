@@ -12,11 +12,11 @@ from brace_drake.identification.gap import (
     RunComparison,
     interval_of_rms,
     is_repaired,
-    repair_runs,
     rms_gap,
 )
 from brace_drake.selection.criterion import Criterion, best_of_kinds
 from brace_drake.selection.decision import Verdict
+from brace_drake.validation.shrinkage import repair_new_runs
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,11 @@ class Closed:
     share: float
     interval: tuple[float, float] | None
 
+    @property
+    def is_harm(self) -> bool:
+        """Whether the effect opens the gap instead, beyond doubt."""
+        return self.interval is not None and self.interval[1] < 0.0
+
 
 def closed_by_each(
     validation: Evaluator,
@@ -41,7 +46,7 @@ def closed_by_each(
     seed: int,
 ) -> dict[str, Closed]:
     """Of each named effect, by validation runs; by the fit runs where there
-    are none, or where the twin without it breaks down.
+    are none, where the twin without it breaks down, or where there is none.
 
     Args:
         validation: Over runs that no fit has seen.
@@ -56,12 +61,12 @@ def closed_by_each(
         same = (f for f in ranked if criterion.named(f) == others)
         without = next(same, None)
         found[support.name] = Closed(support.closes, None)
-        if not is_repaired(compared):
+        if not is_repaired(compared) or (others and without is None):
             continue
         which, runs = "before", list(compared)
         if without is not None:
             try:
-                runs = repair_runs(validation, compared, without)
+                runs = repair_new_runs(validation, compared, without)
             except BraceError:
                 continue
             which = "after"

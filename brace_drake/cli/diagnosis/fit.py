@@ -74,7 +74,7 @@ def fit_with_bar(
     campaign, scenario, jobs: Workers, seed: int, solver: str = "snopt"
 ) -> dict:
     """`fit_campaign` under a bar of its evaluations."""
-    from brace_drake.identification.campaign_fit import fit_campaign
+    from brace_drake.identification.subject.campaign_fit import fit_campaign
 
     with tqdm(total=_USUAL, unit="evaluation", leave=False) as bar:
 

@@ -111,7 +111,7 @@ def _fit(campaign, scenario, args) -> dict:
 
 
 def _load_fit(path: str) -> dict:
-    from brace_drake.identification.campaign_fit import FORMAT
+    from brace_drake.identification.subject.campaign_fit import FORMAT
 
     with in_file(path, CampaignError):
         data = ReadBytes(path, 16)

@@ -43,7 +43,6 @@ class BenchTwin(ReplayTwin):
     """Replays recorded references on the compiled bench."""
 
     channels = CHANNELS
-    instruments_known = True
     has_loop = True
 
     def __init__(self, scenario: BenchScenario, time_step: float | None = None):

@@ -124,7 +124,6 @@ class LegBenchTwin(ReplayTwin):
 
     channels = CHANNELS
     device = LEG_BENCH
-    instruments_known = False
     has_loop = True
 
     def __init__(

@@ -97,7 +97,6 @@ class PadBenchTwin(ReplayTwin):
 
     channels = CHANNELS
     device = PAD_BENCH
-    instruments_known = False
     has_loop = False
 
     def __init__(

@@ -37,7 +37,6 @@ CARD = Effect(
     ),
     modify=_modify,
     spread=("anchor_m", "m"),
-    at_rest=True,
     signature="leg lengths off at rest, a pose error that stays, force"
     " directions off in proportion to the leg forces",
     impostors={"encoder_offset": "shifts lengths, leaves force directions"},

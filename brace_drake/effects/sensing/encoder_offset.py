@@ -24,7 +24,6 @@ CARD = Effect(
     ),
     laws={"sensing": _law},
     needs=("brace",),
-    at_rest=True,
     signature="the ring starts with a jump and holds a wrong pose",
     impostors={
         "anchor_error": "force directions off as well, lengths change with pose"

@@ -10,14 +10,14 @@ import numpy as np
 from brace_drake.core.errors import CampaignError
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.device import MakeDevice
-from brace_drake.identification.contact_start import (
-    contact_starts,
-    start_values,
-)
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.intervals import estimate_table
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
-from brace_drake.identification.subject_fit import fit_subject
+from brace_drake.identification.subject.contact_start import (
+    contact_starts,
+    start_values,
+)
+from brace_drake.identification.subject.subject_fit import fit_subject
 from brace_drake.recording.recording import Campaign
 
 FORMAT = "brace-fit/1"

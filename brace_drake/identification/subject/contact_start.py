@@ -14,7 +14,7 @@ from brace_drake.core.errors import BraceError, CampaignError
 from brace_drake.devices.bench.recorded_motion import ring_poses
 from brace_drake.devices.bench.rollout import LENGTHS
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.identification.nn_regression import (
+from brace_drake.identification.subject.nn_regression import (
     NnContactEstimate,
     fit_contact_nn,
 )
