@@ -55,13 +55,12 @@ def fit_friction(
 
 
 def fit_stretched(
-    lines: Linearisation, criterion: Criterion, effects: Sequence[Effect]
+    lines: Linearisation, effects: Sequence[Effect]
 ) -> list[CandidateFit]:
     """A fit with one more effect of those that tolerances suggest, refined.
 
     Args:
         lines: At the fit that is looked at.
-        criterion: Of the campaign.
         effects: Those that may be added.
     """
     found: dict[str, CandidateFit | None] = {}
