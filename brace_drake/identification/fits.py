@@ -61,6 +61,7 @@ class CandidateFit:
         stretch: The most tolerances that a number known to one is off.
         tolerances: What numbers known to one change: its residual and Jacobian
             are whitened of that.
+        is_settled: Whether that is linearised where it stands.
         within: Effects of those numbers, as far off as the fit has them.
         name: Keys of the effects joined by +, or "nominal".
         identifiers, kinds: Names of the effects, whatever their form, in order
@@ -89,6 +90,7 @@ class CandidateFit:
     held_out: float | None = None
     stretch: float = 0.0
     tolerances: LinearTolerances | None = None
+    is_settled: bool = False
     within: tuple[Use, ...] = ()
     name: str = field(init=False)
     identifiers: tuple[str, ...] = field(init=False)

@@ -30,7 +30,7 @@ def settle(
         fits: Of the search.
     """
     best = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
-    if best.effects:
+    if best.effects and not best.is_settled:
         set_out(evaluator, best)
         again = refit_within(evaluator, best, criterion.nuisances)
         fits = [again if f is best else f for f in fits]

@@ -111,7 +111,7 @@ def _beside(
     set_out(evaluator, base)
     found: list[CandidateFit] = []
     try:
-        if base.effects:
+        if base.effects and not base.is_settled:
             base = refit_within(evaluator, base, criterion.nuisances)
             found.append(base)
         lines = Linearisation(evaluator, base)
@@ -121,11 +121,10 @@ def _beside(
         found += fit_friction(lines, criterion, _beyond(effects, base))
         number = len(criterion.findings(base))
         same = [f for f in found if len(criterion.findings(f)) == number]
-        rough = min(same, key=criterion.score, default=base)
-        if criterion.score(rough) < criterion.score(base):
-            base = rough
-            set_out(evaluator, base)
-            lines = Linearisation(evaluator, base)
+        rough = _best(criterion, base, same)
+        set_out(evaluator, rough)
+        if rough is not base:
+            base, lines = rough, Linearisation(evaluator, rough)
         best = _best(criterion, base, found)
         criterion = with_level(evaluator, criterion, best)
         if not criterion.may_pay(best):
@@ -167,7 +166,7 @@ def _forward(
     for flexible in (False, True):
         more = others(effects, base, flexible)
         found += fit_stretched(lines, more)
-        if not criterion.may_pay(_best(criterion, base, [*known, *found])):
+        if not criterion.may_pay(_lead_best(lines, criterion, known, found)):
             break
         done = {f.name for f in (*known, *found)}
         fresh = [e for e in more if name + e.key not in done]
@@ -179,9 +178,29 @@ def _forward(
         fits = refine(evaluator, best_fits(candidates), base.excess)
         fits = improve_choices(lines, fits, np.inf)
         found += fits
-        if not criterion.may_pay(_best(criterion, base, [*known, *found])):
+        if not criterion.may_pay(_lead_best(lines, criterion, known, found)):
             break
     return found
+
+
+def _lead_best(
+    lines: Linearisation,
+    criterion: Criterion,
+    known: Sequence[CandidateFit],
+    found: list[CandidateFit],
+) -> CandidateFit:
+    """The best so far, with tolerances linearised where it stands: among those
+    found it takes the place of the one without.
+    """
+    best = _best(criterion, lines.base, [*known, *found])
+    place = next((i for i, f in enumerate(found) if f is best), None)
+    if best.is_settled or place is None:
+        return best
+    set_out(lines.evaluator, best)
+    again = refit_within(lines.evaluator, best, criterion.nuisances)
+    set_out(lines.evaluator, lines.base)
+    found[place] = again
+    return _best(criterion, lines.base, [*known, *found])
 
 
 def _best(

@@ -8,6 +8,7 @@ tolerances are linearised again where a fit stands, with its effects.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import linearise_tolerances
@@ -45,6 +46,7 @@ def refit_within(
         evaluator.tolerances = found
         again = try_refine(evaluator, fit)
         if again is not fit and again.excess <= fit.excess:
-            return again
+            return replace(again, is_settled=True)
         evaluator.tolerances = before
-    return fit if fit.refined else try_refine(evaluator, fit)
+    fit = fit if fit.refined else try_refine(evaluator, fit)
+    return replace(fit, is_settled=True)
