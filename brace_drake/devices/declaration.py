@@ -112,6 +112,30 @@ class Term:
     shape: np.ndarray
 
 
+class ControlLaw(ABC):
+    """What a device's controller computes of what is recorded.
+
+    It holds in every sound recording, whatever the machine does.
+
+    Attributes:
+        outputs: Channels that the controller has computed.
+        by_output: Readings that each of them answers to.
+    """
+
+    outputs: tuple[str, ...]
+    by_output: tuple[tuple[str, ...], ...]
+
+    @abstractmethod
+    def recompute(self, run: Run) -> np.ndarray:
+        """The outputs (N, n) that follow from a run's other channels."""
+
+    def rest_error(self, run: Run) -> np.ndarray:
+        """What a run begins with less what the scenario's geometry has at
+        rest, m; none where a device has no such lengths.
+        """
+        return np.zeros(0)
+
+
 class Device(ABC):
     """A nominal twin and the views on its recordings.
 
@@ -121,9 +145,11 @@ class Device(ABC):
         block_tests: In the order of the signal.
         imposed: The twin with its motion imposed as recorded, so that no loop
             hides what answers to it; None where the device has none.
+        control_law: Of its controller; None where it has none that is known.
     """
 
     imposed: Any = None
+    control_law: ControlLaw | None = None
 
     def __init__(self, twin, rate: float, block_tests: Sequence[BlockTest]):
         self.twin, self.rate = twin, rate
@@ -142,6 +168,13 @@ class Device(ABC):
         """Motions that the device may be asked for after recorded runs; None
         where none is known to be safe.
         """
+
+    def least_push(self, run: Run) -> tuple[str, float, np.ndarray] | None:
+        """Channel of the force along a run's motion, the least range that any
+        subject would give it, N, and the motion that is asked for (N,); None
+        where a run asks for none.
+        """
+        return None
 
     def small_errors(self) -> list[SmallError]:
         """Small errors of its blocks; none where they are not known."""
