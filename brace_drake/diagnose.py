@@ -26,6 +26,9 @@ from brace_drake.isolation.imposed_motion import (
 from brace_drake.isolation.locate import locate_gap
 from brace_drake.isolation.residual_shapes import describe_rest
 from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults import Finding, check_recording
+from brace_drake.recording_faults.against_twin import find_recording_faults
+from brace_drake.recording_faults.check import without_false_repeats
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.search.search import search_causes
@@ -61,6 +64,8 @@ class Diagnosis:
         rest: What the best twin leaves, by the motion that it goes with.
         blocks: In which the gap lies.
         next_run: The run that would settle what is open.
+        recording: Faults of the recording itself; where one is certain, the
+            gap is its, and no verdict on the machine counts.
     """
 
     campaign: Campaign
@@ -84,6 +89,7 @@ class Diagnosis:
     rest: list[dict]
     blocks: list[str]
     next_run: NextRun | None
+    recording: tuple[Finding, ...] = ()
 
 
 def diagnose(
@@ -113,6 +119,10 @@ def diagnose(
     device = MakeDevice(campaign, scenario)
     twin, rate = device.twin, campaign.rate_hz
     check_room(twin)
+
+    # What the files and the control law say before anything is fitted.
+    recording = check_recording(campaign, device, seed)
+    campaign = without_false_repeats(campaign, recording)
 
     say("noise floor", 0.0)
     usual = np.array([p.nominal for p in twin.subject])
@@ -157,6 +167,12 @@ def diagnose(
     predictions = predict_runs(validation, compared, winner, rivals, seed)
     causes = rank_causes(evaluator, criterion, fits, verdict, predictions, seed)
 
+    if not any(f.is_certain for f in recording):
+        best = winner or nominal
+        recording += find_recording_faults(
+            device, evaluator.prepared, validation.prepared, best, jobs
+        )
+
     say("where", 0.96)
     fit_runs = compare_runs(evaluator, nominal, winner)
     imposed = on_way() if verdict.outside_library else None
@@ -198,4 +214,5 @@ def diagnose(
         rest=rest,
         blocks=blocks,
         next_run=next_run,
+        recording=tuple(recording),
     )

@@ -18,6 +18,7 @@ from brace_drake.document.verdict_text import verdict_sentence
 from brace_drake.identification.gap import is_repaired
 from brace_drake.isolation.block_tests import describe_unchecked
 from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults.finding import recording_verdict
 
 FORMAT = "brace-diagnosis/1"
 
@@ -45,6 +46,7 @@ def MakeDocument(d: Diagnosis) -> dict:
                 "sentence": verdict_sentence(
                     d.campaign.name, effects, verdict.gap, closed, values
                 ),
+                **recording_verdict(d.recording),
             },
             "where": d.where,
             "causes": cause_rows(d),
@@ -69,6 +71,7 @@ def _warnings(d: Diagnosis) -> list[str]:
     """What a reader has to know beside the verdict, sentence by sentence."""
     winner = d.verdict.winner
     found = [str(p) for p in d.campaign.warnings]
+    found += [str(p) for f in d.recording for p in f.problems()]
     tests = d.device.block_tests
     found += describe_unchecked(d.evaluator, tests, d.block_tests)
     for channel, ratio in d.floor_ratios.items():

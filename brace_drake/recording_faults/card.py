@@ -43,6 +43,8 @@ class RecordingFault:
             them apart.
         parameters: In the order in which they are reported.
         undo: Takes the fault back; None where nothing can.
+        is_of_run: Whether its parameters tell of one run, as when a sensor got
+            stuck, and not of the recorder, as a scale does.
     """
 
     name: str
@@ -53,6 +55,7 @@ class RecordingFault:
     impostors: Mapping[str, str] = field(default_factory=dict)
     parameters: tuple[FaultParameter, ...] = ()
     undo: Undo | None = None
+    is_of_run: bool = False
 
 
 def with_columns(

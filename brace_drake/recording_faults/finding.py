@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -44,6 +45,11 @@ class Finding:
     after: float | None = None
 
     @property
+    def is_certain(self) -> bool:
+        """Whether no verdict on the machine counts beside it."""
+        return self.severity == "error"
+
+    @property
     def place(self) -> str:
         """The runs in words: "all runs", or their files."""
         if self.of_all and len(self.runs) > 1:
@@ -51,7 +57,7 @@ class Finding:
         return ", ".join(self.runs)
 
     def what(self) -> str:
-        """Channels and what befell them: "leg 2 and leg 3 lengths exchanged"."""
+        """Channels and what befell them: "leg2_length_m stuck at one value"."""
         name = channel_words(self.channels)
         return f"{name} {self.fault.title}".strip()
 
@@ -82,23 +88,54 @@ class Finding:
         message = f"{self.what()}{seen}; {self.fault.remedy}"
         column = self.channels[0] if len(self.channels) == 1 else None
         first = self.runs[:1] if self.of_all else self.runs
+        row = self.row if len(self.runs) == 1 else None
         if self.of_all and len(self.runs) > 1:
             message = f"in all runs: {message}"
         return [
-            Problem(self.severity, run, message, self.row, column)
-            for run in first
+            Problem(self.severity, run, message, row, column) for run in first
         ]
 
 
+def recording_verdict(findings: Sequence[Finding]) -> dict:
+    """Keys of a diagnosis' verdict that recording faults decide; `recording`
+    alone where none is certain.
+    """
+    rows = [f.row_of_verdict() for f in findings]
+    certain = [f for f in findings if f.is_certain]
+    if not certain:
+        return {"recording": rows}
+    return {
+        "recording": rows,
+        "gap": True,
+        "effects": [],
+        "blocks": [],
+        "outside_library": False,
+        "ambiguous_with": [],
+        "probability": max(f.probability for f in certain),
+        "sentence": " ".join(f.sentence() for f in certain[:3]),
+    }
+
+
+_LEG = re.compile(r"leg(\d+)_(length|force_command)_")
+
+
 def channel_words(channels: Sequence[str]) -> str:
-    """Names of channels as a reader has them."""
+    """Names of channels as a reader has them: "leg 2 and leg 3 lengths"."""
+    parts = [_LEG.match(n) for n in channels]
+    if channels and all(parts):
+        legs = list(dict.fromkeys(f"leg {m[1]}" for m in parts if m))
+        kinds = {m[2].split("_")[-1] for m in parts if m}
+        kind = kinds.pop() if len(kinds) == 1 else "length and command"
+        if len(legs) > 3:
+            return f"{kind}s of {len(legs)} legs"
+        return f"{' and '.join(legs)} {kind}{'s' if len(legs) > 1 else ''}"
     if len(channels) <= 3:
         return " and ".join(channels)
     return f"{channels[0]} and {len(channels) - 1} more channels"
 
 
 def merge(findings: Sequence[Finding], num_runs: int) -> list[Finding]:
-    """Equal faults of several runs as one finding.
+    """Equal faults of several runs as one, then of channels of the same runs.
 
     Args:
         findings: In the order of the runs.
@@ -108,19 +145,31 @@ def merge(findings: Sequence[Finding], num_runs: int) -> list[Finding]:
     for f in findings:
         # A number is the same to a hundredth of itself.
         rounded = tuple((k, float(f"{v:.1e}")) for k, v in f.parameters.items())
-        by_run = f.row if f.fault.undo is None else None
-        key = (f.fault.name, f.channels, rounded, by_run, f.severity)
+        numbers = () if f.fault.is_of_run else rounded
+        key = (f.fault.name, f.channels, numbers, f.severity)
         groups.setdefault(key, []).append(f)
-    merged = []
+    by_runs: dict[tuple, list[Finding]] = {}
     for group in groups.values():
-        files = tuple(dict.fromkeys(run for f in group for run in f.runs))
-        surest = min(group, key=lambda f: -f.probability)
-        merged.append(
-            replace(
-                surest,
-                runs=files,
-                of_all=len(files) == num_runs and num_runs > 1,
-                row=group[0].row if len(files) == 1 else None,
-            )
-        )
-    return merged
+        one = _over_runs(group, num_runs)
+        key = (one.fault.name, one.runs, one.severity)
+        if not one.fault.is_of_run:
+            key = (*key, one.channels, tuple(one.parameters.items()))
+        by_runs.setdefault(key, []).append(one)
+    return [_over_channels(group) for group in by_runs.values()]
+
+
+def _over_runs(group: Sequence[Finding], num_runs: int) -> Finding:
+    """One fault of several runs; what is told is of the first."""
+    files = tuple(dict.fromkeys(run for f in group for run in f.runs))
+    return replace(
+        group[0],
+        runs=files,
+        of_all=len(files) == num_runs and num_runs > 1,
+        probability=max(f.probability for f in group),
+    )
+
+
+def _over_channels(group: Sequence[Finding]) -> Finding:
+    """One fault of several channels of the same runs."""
+    channels = tuple(dict.fromkeys(c for f in group for c in f.channels))
+    return replace(group[0], channels=channels)

@@ -9,7 +9,7 @@ from scipy.stats import chi2, norm
 FALSE_ALARM = 1e-4
 # Root mean square that the floor of a replayed law may be off by itself:
 # replicates are few, and readings between samples unknown.
-_FLOOR_ERROR = 1.15
+_FLOOR_ERROR = 1.5
 # Of a normal sample: its deviation over the median of its absolute values.
 _MAD = 1.4826
 

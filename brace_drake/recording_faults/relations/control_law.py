@@ -25,13 +25,13 @@ _LEFT = 0.02
 _HALF_WAY = 0.3
 # How the probability falls with the mismatch that is left: no floor is exact.
 _SHARP, _ALIKE = 8.0, 0.1
+# Runs without an explanation after which no other is searched.
+_MOST_SEARCHES = 3
 # More than encoders are off, m, and legs of which that is told.
 _REST_M, _REST_LEGS = 0.010, 3
 
 
-def find_law_faults(
-    checker: LawChecker, runs: Sequence[Run]
-) -> list[Finding]:
+def find_law_faults(checker: LawChecker, runs: Sequence[Run]) -> list[Finding]:
     """Faults of the runs that contradict the control law.
 
     Args:
@@ -48,7 +48,15 @@ def find_law_faults(
     for run, before in bad:
         k = _known_chain(checker, run, before, chains)
         if k is None:
-            chain, probability = explain(checker, run, before)
+            # What several runs have not told, one more does not either; and a
+            # machine has the geometry of one run in all.
+            is_moved = _has_moved(found) and _is_moved(checker, run)
+            if len(found) < _MOST_SEARCHES and not is_moved:
+                chain, probability = explain(checker, run, before)
+                if _is_elsewhere(checker, run, chain):
+                    chain = ()
+            else:
+                chain, probability = (), 0.0
             if not chain:
                 found.append(_unexplained(checker, run, before))
                 continue
@@ -186,15 +194,34 @@ def _hides(checker, chain, run: Run) -> bool:
     return found is not None and found.is_sound
 
 
+def _has_moved(findings: Sequence[Finding]) -> bool:
+    """Whether a run of another geometry is among findings."""
+    return any(f.fault is other_geometry.CARD for f in findings)
+
+
+def _is_moved(checker: LawChecker, run: Run) -> bool:
+    """Whether legs begin where no error of an encoder puts them."""
+    gross = np.abs(checker.law.rest_error(run)) > _REST_M
+    return np.count_nonzero(gross) >= _REST_LEGS
+
+
+def _is_elsewhere(checker: LawChecker, run: Run, chain) -> bool:
+    """Whether lengths at rest are another geometry's, and no fault of the
+    channels brings the law to its floor.
+    """
+    if not _is_moved(checker, run):
+        return False
+    found = checker.judge(_undo_all(chain, run))
+    return found is None or not found.is_sound
+
+
 def _unexplained(checker: LawChecker, run: Run, before: Mismatch) -> Finding:
     """Another geometry where the lengths at rest say so, else no name."""
-    off = checker.law.rest_error(run)
-    gross = np.abs(off) > _REST_M
     size = np.sqrt(before.squares)
     worst = int(np.nanargmax(size))
     name = checker.law.outputs[worst]
-    if np.count_nonzero(gross) >= _REST_LEGS:
-        largest = float(np.abs(off).max())
+    if _is_moved(checker, run):
+        largest = float(np.abs(checker.law.rest_error(run)).max())
         return Finding(
             other_geometry.CARD,
             (run.file,),
@@ -215,4 +242,3 @@ def _unexplained(checker: LawChecker, run: Run, before: Mismatch) -> Finding:
         severity="warning",
         before=before.total,
     )
-

@@ -33,7 +33,9 @@ class Hypothesis:
 
 def legs_of(run: Run) -> list[str]:
     """Names of the legs of which lengths and commands were recorded."""
-    names = [n.removesuffix(_LENGTH) for n in run.channels if n.endswith(_LENGTH)]
+    names = [
+        n.removesuffix(_LENGTH) for n in run.channels if n.endswith(_LENGTH)
+    ]
     return [n for n in names if n.startswith("leg")]
 
 
@@ -56,13 +58,20 @@ def exchanges(run: Run, outputs: Sequence[str]) -> Iterator[Hypothesis]:
     commands = groups_of(run, _COMMAND)
     if commands:
         for a, b in itertools.combinations(legs_of(run), 2):
-            first, second = (a + _LENGTH, a + _COMMAND), (b + _LENGTH, b + _COMMAND)
+            first, second = (
+                (a + _LENGTH, a + _COMMAND),
+                (b + _LENGTH, b + _COMMAND),
+            )
             yield Hypothesis(card, (*first, *second), {})
-    forces = [n for n in run.channels if n.startswith("ring") and "_force_" in n]
+    forces = [
+        n for n in run.channels if n.startswith("ring") and "_force_" in n
+    ]
     for pair in itertools.combinations(forces, 2):
         if any("_force_y_" in n for n in pair):
             yield Hypothesis(card, pair, {})
-    rings = [n for n in run.channels if n.startswith("ring") and n.endswith("_m")]
+    rings = [
+        n for n in run.channels if n.startswith("ring") and n.endswith("_m")
+    ]
     for pair in itertools.combinations(rings, 2):
         yield Hypothesis(card, pair, {})
     for leg_length, leg_command in zip(

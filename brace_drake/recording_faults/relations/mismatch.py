@@ -28,7 +28,7 @@ from brace_drake.recording_faults.statistics import (
 
 # Part of an output's own scatter that the law may be off: readings between
 # samples are not known, and where pads lose touch a spline is not exact.
-_LAW_ERROR = 1e-3
+_LAW_ERROR = 2e-3
 # Noisy replays of a run, and runs that are replayed of each kind.
 _REPLICATES, _MODELS = 3, 2
 

@@ -10,8 +10,8 @@ the columns comes on top, so a factor or a jump is seen at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +32,8 @@ from brace_drake.recording_faults.statistics import quantum_of
 _WINDOW_S, _LEAST = 0.25, 20
 # Crystals of recorders agree to 1e-4; what rounding makes comes on top.
 _CLOCK = 5e-4
+# Corners of y'' between samples: less of it is not told.
+_GROSS = 0.1
 # Slower than this part of the greatest speed nothing is told.
 _SLOW = 0.2
 # Jumps in units of what rounding and corners can make.
@@ -54,8 +56,9 @@ class Ratio:
     error: float
     scatter: float
 
-    def is_one(self) -> bool:
-        return abs(self.value - 1.0) <= max(_CLOCK, 5.0 * self.error)
+    def is_one(self, least: float = _CLOCK) -> bool:
+        """Whether nothing but rounding, or less than `least`, is off."""
+        return abs(self.value - 1.0) <= max(least, 5.0 * self.error)
 
 
 def ring_references(run: Run) -> Iterator[tuple[str, str, str]]:
@@ -81,6 +84,8 @@ def increment_ratio(
         return None
     middle = 0.5 * h * (slopes[1:] + slopes[:-1])
     integral = np.concatenate([[0.0], np.cumsum(middle)])
+    # The trapezoid's error telescopes: what the slopes' own slope changes.
+    integral = integral - h * h / 12.0 * np.gradient(slopes, h)
     asked = integral[lag:] - integral[:-lag]
     found = values[lag:] - values[:-lag]
     noise = quantum_of(values) + h * np.sqrt(lag) * quantum_of(slopes)
@@ -104,31 +109,75 @@ def find_reference_faults(run: Run) -> list[Finding]:
         y, v, a = (run.channels[n] for n in names)
         first, second = increment_ratio(y, v, h), increment_ratio(v, a, h)
         faults = _of_ratios(run, names, first, second, h)
-        found += faults
-        clock = first.value if faults and first else 1.0
-        if not faults:
-            found += _jumps(run, y, v, a, h)
-        elif faults[0].fault is wrong_clock.CARD:
-            found += _jumps(run, y, v, a, h * clock)
+        found += faults or _jumps(run, y, v, a, h)
     return found
+
+
+def spread_clock(
+    findings: Sequence[Finding], runs: Sequence[Run]
+) -> list[Finding]:
+    """Clocks that are off alike, as of all runs whose references allow it.
+
+    A recorder has one clock; runs whose reference is at rest, or whose y' is
+    not its slope, cannot tell.
+    """
+    clocks = [f for f in findings if f.fault is wrong_clock.CARD]
+    if len(clocks) < 2:
+        return list(findings)
+    ratios = np.array([f.parameters["rate_ratio"] for f in clocks])
+    ratio = float(np.median(ratios))
+    same = np.abs(ratios - ratio) < 0.3 * abs(ratio - 1.0)
+    others = {f.runs[0] for f, s in zip(clocks, same, strict=True) if not s}
+    allowed = [r for r in runs if r.file not in others and _allows(r, ratio)]
+    first = clocks[int(np.argmax(same))]
+    rate = first.parameters["true_rate_hz"]
+    rate *= first.parameters["rate_ratio"] / ratio
+    values = {"rate_ratio": ratio, "true_rate_hz": rate}
+    files = {r.file for r in allowed}
+    kept = [f for f in findings if not (f in clocks and f.runs[0] in files)]
+    # What else was seen in the same references is the clock's.
+    kept = [
+        f
+        for f in kept
+        if f.fault is not lost_samples.CARD or f.runs[0] not in files
+    ]
+    return kept + [
+        replace(first, runs=(r.file,), parameters=values) for r in allowed
+    ]
+
+
+def _allows(run: Run, ratio: float) -> bool:
+    """Whether a run's references are silent of a clock, or agree with it."""
+    h = float(np.median(np.diff(run.time_s)))
+    for names in ring_references(run):
+        y, v, _ = (run.channels[n] for n in names)
+        found = increment_ratio(y, v, h)
+        if found is None or found.scatter > 0.2 * abs(ratio - 1.0):
+            continue
+        if abs(found.value - ratio) > 0.5 * abs(ratio - 1.0):
+            return False
+    return True
 
 
 def _of_ratios(run, names, first, second, h) -> list[Finding]:
     """What two ratios of increments say: clock, a scale, a contradiction."""
-    if first is None or (first.is_one() and (second is None or second.is_one())):
+    if first is None:
+        return []
+    if first.is_one() and (second is None or second.is_one(_GROSS)):
         return []
     if first.scatter > _SCATTER or (second and second.scatter > 3 * _SCATTER):
         detail = f"{names[1]} is not the derivative of {names[0]}"
         return [_finding(contradiction.CARD, run, names, {}, detail, 0.9)]
     r, s = first.value, second.value if second else first.value
     seen = f"{names[0]} moves {r:.5g} times as fast as {names[1]} says"
-    near = max(2e-3, 5.0 * first.error, 5.0 * (second.error if second else 0))
-    if r > 0.0 and abs(s / r - 1.0) < near:
-        values = {"rate_ratio": 1.0 / r if r else 1.0, "true_rate_hz": r / h}
-        # Recorded steps h are in truth h r^-1 long where y seems r times as
-        # fast: the rate is r / h.
+    near = 5.0 * max(_CLOCK, first.error, second.error if second else 0.0)
+    # Steps of h are in truth h r long where y seems r times as fast. Corners
+    # of y'' blur what y' says of it: then a small factor is the clock's.
+    blurred = abs(r - 1.0) < _GROSS and near > abs(r - 1.0)
+    if r > 0.0 and (abs(s / r - 1.0) < near or blurred):
         values = {"rate_ratio": r, "true_rate_hz": 1.0 / (h * r)}
         return [_finding(wrong_clock.CARD, run, (), values, seen, 0.98)]
+    near = max(near, 0.02)
     if abs(s - 1.0) < near:
         return [_scaled(run, names[0], r, seen)]
     if abs(s * r - 1.0) < near * max(1.0, abs(r * s)):

@@ -65,7 +65,9 @@ class FaultSearch:
         # A fault of an output shows in itself. One of a reading shows in what
         # answers to it: in the virtual position, where that answers to one
         # reading alone, but of six commands some may be well by chance.
-        self._acquitted = {n for n, w in zip(law.outputs, well, strict=True) if w}
+        self._acquitted = {
+            n for n, w in zip(law.outputs, well, strict=True) if w
+        }
         for is_well, names in zip(well, law.by_output, strict=True):
             if is_well and len(names) == 1:
                 self._acquitted |= set(names)
@@ -153,7 +155,7 @@ class FaultSearch:
 
     def _named(self, channels, middle, size, best) -> list[Tried]:
         """The faults that a gain and a zero stand for, simplest first."""
-        (gain, zero), mismatch = best
+        gain, zero = best[0]
         offset = middle - gain * middle + zero * size
         # True = gain * recorded + offset.
         options = []
@@ -199,4 +201,3 @@ class FaultSearch:
             else:
                 width *= 0.5
         return [found]
-

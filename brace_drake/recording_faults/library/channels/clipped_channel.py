@@ -29,6 +29,7 @@ CARD = RecordingFault(
         FaultParameter("level", "of the channel", "where it is cut off"),
         FaultParameter("share", "1", "of the samples at the level"),
     ),
+    is_of_run=True,
 )
 _LEAST = 20
 # Samples at the level over those within this many deviations below.

@@ -51,6 +51,7 @@ CARD = RecordingFault(
     " in the table is filled",
     parameters=(FaultParameter("share", "1", "of the samples"),),
     undo=_undo,
+    is_of_run=True,
 )
 
 

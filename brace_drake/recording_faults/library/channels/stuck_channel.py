@@ -31,6 +31,7 @@ CARD = RecordingFault(
         FaultParameter("share", "1", "of the run in which it is stuck"),
         FaultParameter("start_s", "s", "t_0, from the first sample"),
     ),
+    is_of_run=True,
 )
 # Likeliest that readings of one place are written alike: noise of half a step
 # and more, around the middle of a step.
@@ -61,7 +62,7 @@ def _finding(run: Run, name: str, begin: int, end: int) -> Finding:
     time = run.time_s
     share = (end - begin) / len(time)
     start = float(time[begin] - time[0])
-    value = run.channels[name][begin]
+    value = run.channels[name][begin] + 0.0
     detail = f"{value:g} for {end - begin} samples from {start:.4g} s on"
     return Finding(
         CARD,

@@ -4,7 +4,7 @@ from brace_drake.recording_faults.card import RecordingFault
 
 CARD = RecordingFault(
     name="contradiction",
-    title="in contradiction to each other",
+    title="in contradiction to the rest",
     law="none",
     signature="recorded channels do not follow from each other by a law that"
     " holds whatever the machine does",

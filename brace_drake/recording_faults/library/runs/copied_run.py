@@ -21,6 +21,7 @@ CARD = RecordingFault(
     parameters=(
         FaultParameter("share", "1", "of the rows that are the other's"),
     ),
+    is_of_run=True,
 )
 _SHARE = 0.2
 # Digits that noise has are many: two channels and more tell rows apart.

@@ -25,6 +25,7 @@ CARD = RecordingFault(
     parameters=(
         FaultParameter("difference", "1", "of the references, of their range"),
     ),
+    is_of_run=True,
 )
 # Share of the range by which two references may be off, and rows that the end
 # of a recording may come early by, of all.
@@ -40,7 +41,9 @@ def same_inputs(a: Run, b: Run, names: Sequence[str]) -> float:
             continue
         rows = min(len(x), len(y))
         extent = max(np.ptp(x), np.ptp(y), 10.0 * quantum_of(x), 1e-9)
-        largest = max(largest, float(np.abs(x[:rows] - y[:rows]).max() / extent))
+        largest = max(
+            largest, float(np.abs(x[:rows] - y[:rows]).max() / extent)
+        )
     return largest
 
 
@@ -66,7 +69,9 @@ def find_false_repeats(
             and names
             and same_inputs(run, r, names) <= _GROSS
         ]
-        seen = f"its reference is up to {100 * difference:.3g} % of the range off"
+        seen = (
+            f"its reference is up to {100 * difference:.3g} % of the range off"
+        )
         if run.contact != original.contact:
             seen = "one has the torso, the other not"
         if true:

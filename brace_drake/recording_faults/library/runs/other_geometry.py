@@ -4,7 +4,7 @@ from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 
 CARD = RecordingFault(
     name="other_geometry",
-    title="of another geometry than the scenario's",
+    title="another geometry than the scenario's",
     law="none",
     signature="leg lengths at rest are off those of the scenario by more than"
     " an error of encoders or anchors could be, and commands do not follow from"
@@ -17,4 +17,5 @@ CARD = RecordingFault(
     parameters=(
         FaultParameter("largest_m", "m", "difference of a leg at rest"),
     ),
+    is_of_run=True,
 )

@@ -22,6 +22,7 @@ CARD = RecordingFault(
     parameters=(
         FaultParameter("force_N", "N", "range of the force along the push"),
     ),
+    is_of_run=True,
 )
 # Part of the least push of any subject below which there is no torso: effects
 # such as a clearance take some of it.

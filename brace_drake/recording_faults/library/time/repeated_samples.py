@@ -15,7 +15,7 @@ from brace_drake.recording_faults.statistics import stretches
 
 CARD = RecordingFault(
     name="repeated_samples",
-    title="with a block of samples twice",
+    title="a block of samples twice",
     law="rec(n + m) = rec(n) for a block of n",
     signature="rows that are alike to the last digit of every noisy channel",
     remedy="check how the recorder hands over its buffers; record again",
@@ -23,6 +23,7 @@ CARD = RecordingFault(
         FaultParameter("start_s", "s", "where the second copy begins"),
         FaultParameter("samples", "1", "rows that were there before"),
     ),
+    is_of_run=True,
 )
 # Noisy channels that tell two rows apart, and rows in a block.
 _CHANNELS, _LEAST = 4, 2
@@ -39,10 +40,12 @@ def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     found = [(a, b) for a, b in stretches(marks) if b - a >= _LEAST]
     if not found:
         return []
-    begin, end = max(found, key=lambda s: s[1] - s[0])
+    begin, _ = max(found, key=lambda s: s[1] - s[0])
     samples = sum(b - a for a, b in found)
     start = float(run.time_s[begin] - run.time_s[0])
-    detail = f"{samples} rows were there before, the longest block at {start:.4g} s"
+    detail = (
+        f"{samples} rows were there before, the longest block at {start:.4g} s"
+    )
     return [
         Finding(
             CARD,

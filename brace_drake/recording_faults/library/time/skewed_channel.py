@@ -18,7 +18,9 @@ def shifted(values: np.ndarray, samples: float) -> np.ndarray:
 def _undo(columns, channels, values):
     period = float(np.median(np.diff(columns["time_s"])))
     late = values["delay_s"] / period
-    return with_columns(columns, {c: shifted(columns[c], late) for c in channels})
+    return with_columns(
+        columns, {c: shifted(columns[c], late) for c in channels}
+    )
 
 
 CARD = RecordingFault(

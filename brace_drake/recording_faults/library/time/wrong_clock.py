@@ -15,7 +15,7 @@ def _undo(columns, channels, values):
 
 CARD = RecordingFault(
     name="wrong_clock",
-    title="with sample times of a wrong clock",
+    title="sample times of a wrong clock",
     law="t_rec = t / rate_ratio",
     signature="slopes of the reference are off its recorded velocity, and those"
     " of the velocity off the acceleration, by the same factor",
