@@ -232,9 +232,8 @@ def skew(s):
     ]
     names, late = groups[s.rng.integers(5)], int(s.rng.integers(3, 20))
     for t in s.tables.values():
-        for name in names:
-            x = t[name]
-            t[name] = np.concatenate([np.full(late, x[0]), x[:-late]])
+        for name in t:
+            t[name] = t[name][:-late] if name in names else t[name][late:]
 
 
 def exchange_files(s, a="push.csv", b="multisine.csv"):

@@ -136,6 +136,23 @@ class ControlLaw(ABC):
         return np.zeros(0)
 
 
+@dataclass(frozen=True)
+class TorsoLaw:
+    """Along a push F = m y'' + c y' + k y, with k of some subject.
+
+    Attributes:
+        force, marker: Channels of F and y.
+        others: The marker's other axes.
+        lower, upper: Limits of k, N/m.
+    """
+
+    force: str
+    marker: str
+    others: tuple[str, ...]
+    lower: float
+    upper: float
+
+
 class Device(ABC):
     """A nominal twin and the views on its recordings.
 
@@ -146,10 +163,12 @@ class Device(ABC):
         imposed: The twin with its motion imposed as recorded, so that no loop
             hides what answers to it; None where the device has none.
         control_law: Of its controller; None where it has none that is known.
+        torso_law: Of the torso that it pushes; None where there is none.
     """
 
     imposed: Any = None
     control_law: ControlLaw | None = None
+    torso_law: TorsoLaw | None = None
 
     def __init__(self, twin, rate: float, block_tests: Sequence[BlockTest]):
         self.twin, self.rate = twin, rate

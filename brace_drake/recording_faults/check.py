@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from brace_drake.devices.declaration import Device
+from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording_faults.channels import declared
 from brace_drake.recording_faults.finding import Finding, merge
@@ -34,7 +35,10 @@ from brace_drake.recording_faults.relations.reference import (
     find_reference_faults,
     spread_clock,
 )
+from brace_drake.recording_faults.relations.torso import find_torso_faults
 
+# Faults after which rows of two runs do not stand for the same times.
+_OF_TIME = ("wrong_clock", "lost_samples", "repeated_samples")
 # A run of fewer samples tells nothing.
 _LEAST_ROWS = 50
 
@@ -55,24 +59,28 @@ def check_recording(
     runs = [r for r in campaign.runs if len(r.time_s) >= _LEAST_ROWS]
     samples = _of_samples(campaign, runs)
     found = merge(samples, len(runs))
-    broken = {f.runs[0] for f in samples if f.fault.is_of_run and f.channels}
-    manifest = _of_manifest(campaign, device, runs, broken)
-    found += merge(manifest, len(runs))
-    if device is None or device.control_law is None:
+    # A run with lost samples repeats no other, and a clock spoils every law.
+    timed = _files(f for f in samples if f.fault.name in _OF_TIME)
+    found += merge(
+        _of_manifest(campaign, [r for r in runs if r.file not in timed]),
+        len(runs),
+    )
+    if device is None:
         return found
-    spoilt = {
-        file
-        for f in found
-        if f.severity == "error" and not f.fault.name.endswith("_repeat")
-        for file in f.runs
-    }
-    told = ("copied_run", "exchanged_runs")
-    spoilt -= {
-        file for f in found if f.fault.name in told for file in f.runs
-    } - {file for f in found if f.fault.name not in told for file in f.runs}
+    spoilt = timed | _files(f for f in samples if f.is_certain)
     left = [r for r in runs if r.file not in spoilt]
-    checker = LawChecker(device, runs, seed)
-    return found + merge(find_law_faults(checker, left), len(runs))
+    law: list[Finding] = []
+    if device.control_law is not None:
+        law = find_law_faults(LawChecker(device, runs, seed), left)
+        found += merge(law, len(runs))
+    shown = {*_files(law)}
+    touching = sum(r.contact for r in runs)
+    return found + merge(_of_contact(device, left, shown), touching)
+
+
+def _files(findings: Iterable[Finding]) -> set[str]:
+    """Files that findings are in."""
+    return {file for f in findings for file in f.runs}
 
 
 def _of_samples(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
@@ -82,9 +90,11 @@ def _of_samples(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
     for run in runs:
         if not all(np.isfinite(v).all() for v in run.channels.values()):
             continue
-        broken = find_stuck(run, known) + find_clipped(run, known)
-        channels = {c for f in broken for c in f.channels}
-        whole = {n: c for n, c in known.items() if n not in channels}
+        # What is cut off is stuck too, what is stuck has no outliers.
+        clipped = find_clipped(run, known)
+        whole = _without(known, clipped)
+        stuck = find_stuck(run, whole)
+        whole, broken = _without(whole, stuck), clipped + stuck
         found += broken
         found += find_outliers(run, whole, number)
         found += find_repeated(run, whole)
@@ -92,18 +102,29 @@ def _of_samples(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
     return spread_clock(found, runs)
 
 
-def _of_manifest(
-    campaign: Campaign,
-    device: Device | None,
-    runs: Sequence[Run],
-    broken: set[str],
+def _without(
+    known: dict[str, Channel], findings: Sequence[Finding]
+) -> dict[str, Channel]:
+    """Channels that no finding is about."""
+    told = {c for f in findings for c in f.channels}
+    return {n: c for n, c in known.items() if n not in told}
+
+
+def _of_contact(
+    device: Device, runs: Sequence[Run], named: set[str]
 ) -> list[Finding]:
+    """What forces say of contact and markers, in runs where they are sound."""
+    whole = [r for r in runs if r.file not in named]
+    found = find_wrong_contact(device, whole)
+    wrong = _files(found)
+    return found + find_torso_faults(
+        device, [r for r in whole if r.file not in wrong]
+    )
+
+
+def _of_manifest(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
     known = declared(campaign)
-    found = find_copies(runs, known) + find_false_repeats(runs, known)
-    if device is not None:
-        whole = [r for r in runs if r.file not in broken]
-        found += find_wrong_contact(device, whole)
-    return found
+    return find_copies(runs, known) + find_false_repeats(runs, known)
 
 
 def without_false_repeats(

@@ -12,10 +12,15 @@ from brace_drake.devices.bench.errors import bench_errors
 from brace_drake.devices.bench.force_balance import balance_of_run
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.devices.bench.recorded_motion import ring_poses
-from brace_drake.devices.bench.rollout import FORCE, LENGTHS
+from brace_drake.devices.bench.rollout import FORCE, LENGTHS, MARKER
 from brace_drake.devices.bench.tolerances import bench_tolerances
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.devices.declaration import Device, MotionSignals, Nuisance
+from brace_drake.devices.declaration import (
+    Device,
+    MotionSignals,
+    Nuisance,
+    TorsoLaw,
+)
 from brace_drake.devices.motions.library import (
     MOTIONS,
     RATE_HZ,
@@ -36,6 +41,7 @@ class Bench(Device):
         rate = campaign.rate_hz
         super().__init__(twin, rate, bench_tests(twin, rate))
         self.control_law = BenchControlLaw(twin, rate)
+        self.torso_law = _torso_law(twin)
         self.imposed = GuidedBenchTwin(twin.scenario, twin.time_step)
 
     def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:
@@ -92,3 +98,14 @@ class Bench(Device):
     def force_balance(self, prepared):
         """The balance of the leg forces along the recorded way."""
         return balance_of_run(self.twin, prepared, self.rate)
+
+
+def _torso_law(twin: BenchTwin) -> TorsoLaw:
+    """Posture of any subject, between force and marker along the push."""
+    (posture,) = (
+        p for p in twin.subject if p.name == "posture_stiffness_y_N_m"
+    )
+    marker = twin.channels[MARKER_Y]
+    others = tuple(n for n in twin.channels[MARKER] if n != marker)
+    force = twin.channels[FORCE_Y]
+    return TorsoLaw(force, marker, others, posture.lower, posture.upper)

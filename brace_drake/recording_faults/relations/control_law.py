@@ -63,6 +63,7 @@ def find_law_faults(checker: LawChecker, runs: Sequence[Run]) -> list[Finding]:
             chains.append((chain, probability))
             k = len(chains) - 1
         of_chain.setdefault(k, []).append((run, before))
+    _unify(checker, chains, of_chain)
     sound = [r for r, m in judged if m is not None and m.is_sound]
     for k, members in of_chain.items():
         found += _findings(checker, *chains[k], members, sound, len(runs))
@@ -76,6 +77,30 @@ def _is_restored(before: Mismatch, after: Mismatch | None) -> bool:
     return after.is_sound or left < _LEFT * (before.total - 1.0)
 
 
+def _unify(checker, chains, of_chain) -> None:
+    """Gives runs of the same fault the numbers that leave least in all."""
+    kinds: dict[tuple, list[int]] = {}
+    for k in of_chain:
+        chain = chains[k][0]
+        kind = tuple((h.fault.name, h.channels) for h in chain)
+        kinds.setdefault(kind, []).append(k)
+    for same in kinds.values():
+        members = [m for k in same for m in of_chain[k]]
+        left = {}
+        for k in same if len(same) > 1 else ():
+            judged = [
+                (b, checker.judge(_undo_all(chains[k][0], r)))
+                for r, b in members
+            ]
+            if all(_is_restored(b, m) for b, m in judged):
+                left[k] = sum(m.total for _, m in judged)
+        if left:
+            best = min(left, key=left.get)
+            for k in same:
+                of_chain.pop(k)
+            of_chain[best] = members
+
+
 def _known_chain(checker, run, before, chains) -> int | None:
     """A chain of faults of another run that explains this one too."""
     for k, (chain, _) in enumerate(chains):
@@ -85,7 +110,8 @@ def _known_chain(checker, run, before, chains) -> int | None:
                 break
             undone = h.undone(undone)
         else:
-            if _is_restored(before, checker.judge(undone)):
+            after = checker.judge(undone)
+            if after is not None and after.is_sound:
                 return k
     return None
 
@@ -119,7 +145,7 @@ def explain(
 def _simplest(tried: Sequence[Tried]) -> Tried:
     """Of those that leave as little as the best, the one of fewest numbers."""
     least = tried[0].mismatch.total
-    alike = [t for t in tried if t.mismatch.total <= 1.02 * least + 0.02]
+    alike = [t for t in tried if t.mismatch.total <= 1.01 * least + 0.01]
     return min(
         alike,
         key=lambda t: (

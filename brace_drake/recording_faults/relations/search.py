@@ -31,9 +31,14 @@ from brace_drake.recording_faults.relations.mismatch import (
 )
 
 # Delays that are tried, samples, before the best is refined.
-_DELAYS = (0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 13.0, 21.0, 34.0, 55.0)
+_DELAYS = (1.0, 3.0, 8.0, 20.0, 50.0)
+_HALVINGS = 8
 # Gauss-Newton steps over gain and zero, and the nudges of its differences.
 _STEPS, _NUDGE = 4, 1e-4
+_UNMOVED = np.array([1.0, 0.0])
+# Part of the squares that a channel may leave by its slopes to be looked at,
+# and how many channels are.
+_PROMISING, _MOST = 0.7, 3
 # A gain this near to -1 is a sign; so near to 1, none.
 _SIGN, _NONE = 0.05, 0.003
 # A search ends early once so much of the mismatch is gone.
@@ -93,9 +98,8 @@ class FaultSearch:
         for look, groups in searches:
             if any(t.mismatch.is_sound for t in tried):
                 break
-            for channels in groups(self._run, outputs):
-                if self._is_possible(channels):
-                    tried += look(channels)
+            names = groups(self._run, outputs)
+            tried += look([n for n in names if self._is_possible(n)])
         return sorted(tried, key=lambda t: t.mismatch.total)
 
     def _discrete(self) -> Iterator[Hypothesis]:
@@ -109,95 +113,166 @@ class FaultSearch:
         found = self._checker.judge(hypothesis.undone(self._run))
         return None if found is None else Tried(hypothesis, found)
 
-    def _affine(self, channels: tuple[str, ...]) -> list[Tried]:
-        """Gain and zero of channels, from either sign, by least squares."""
-        columns = [self._run.channels[n] for n in channels]
-        middle = float(np.mean([c.mean() for c in columns]))
-        size = float(np.mean([c.std() for c in columns]))
-        if size <= 0.0:
-            return []
+    def _affine(self, groups: Sequence[tuple[str, ...]]) -> list[Tried]:
+        """Gain and zero of the channels that could take most of it away.
+
+        The law is linear in commands and force, and nearly so in lengths: one
+        difference for each number says what its best value would leave.
+        """
+        now, promising = self._before, []
+        for channels in groups:
+            columns = [self._run.channels[n] for n in channels]
+            middle = float(np.mean([c.mean() for c in columns]))
+            size = float(np.mean([c.std() for c in columns]))
+            slopes = self._slopes(channels, middle, size, _UNMOVED, now)
+            if size <= 0.0 or slopes is None:
+                continue
+            step = np.linalg.lstsq(slopes, -now.weighted, rcond=None)[0]
+            rest = now.weighted + slopes @ step
+            left = float(rest @ rest) / float(now.weighted @ now.weighted)
+            if left < _PROMISING:
+                promising.append((left, channels, middle, size))
         found = []
-        for sign in (1.0, -1.0):
-            best = self._solve(channels, middle, size, np.array([sign, 0.0]))
-            if best is not None:
-                found += self._named(channels, middle, size, best)
+        for _, channels, middle, size in sorted(promising)[:_MOST]:
+            z = self._solve(channels, middle, size)
+            found += self._named(channels, middle, size, z)
         return found
 
-    def _solve(self, channels, middle, size, z):
-        """True = middle + z_0 (recorded - middle) + z_1 size."""
+    def _replay(self, channels, middle, size, z) -> Mismatch | None:
+        """The mismatch with true = middle + z_0 (recorded - middle) + z_1
+        size.
+        """
+        columns = dict(self._run.channels)
+        for n in channels:
+            turned = z[0] * (columns[n] - middle) + z[1] * size
+            columns[n] = middle + turned
+        return self._checker.judge(replace(self._run, channels=columns))
 
-        def replay(z):
-            columns = dict(self._run.channels)
-            for n in channels:
-                turned = z[0] * (columns[n] - middle) + z[1] * size
-                columns[n] = middle + turned
-            return self._checker.judge(replace(self._run, channels=columns))
-
-        now = replay(z)
-        if now is None:
+    def _slopes(self, channels, middle, size, z, now) -> np.ndarray | None:
+        """Changes of the weighted residual by z (rows, 2)."""
+        nudged = [
+            self._replay(channels, middle, size, z + _NUDGE * e)
+            for e in np.eye(2)
+        ]
+        if any(n is None for n in nudged):
             return None
+        return np.column_stack(
+            [(n.weighted - now.weighted) / _NUDGE for n in nudged]
+        )
+
+    def _solve(self, channels, middle, size) -> np.ndarray:
+        """Gauss-Newton over gain and zero."""
+        z, now = _UNMOVED, self._before
         for _ in range(_STEPS):
-            nudged = [replay(z + _NUDGE * e) for e in np.eye(2)]
-            if any(n is None for n in nudged):
+            slopes = self._slopes(channels, middle, size, z, now)
+            if slopes is None:
                 break
-            jacobian = np.column_stack(
-                [(n.weighted - now.weighted) / _NUDGE for n in nudged]
-            )
-            step = np.linalg.lstsq(jacobian, -now.weighted, rcond=None)[0]
-            then = replay(z + step)
+            step = np.linalg.lstsq(slopes, -now.weighted, rcond=None)[0]
+            then = self._replay(channels, middle, size, z + step)
             if then is None or then.total >= now.total:
                 break
-            gained, z = now.total - then.total, z + step
-            now = then
+            gained, z, now = now.total - then.total, z + step, then
             if now.total < _GONE or gained < 1e-3 * now.total:
                 break
-        return z, now
+        return z
 
-    def _named(self, channels, middle, size, best) -> list[Tried]:
-        """The faults that a gain and a zero stand for, simplest first."""
-        gain, zero = best[0]
+    def _named(self, channels, middle, size, z) -> list[Tried]:
+        """The faults that a gain and a zero stand for.
+
+        True = gain * recorded + offset; with one number less each is fitted
+        anew.
+        """
+        gain, zero = (float(v) for v in z)
         offset = middle - gain * middle + zero * size
-        # True = gain * recorded + offset.
-        options = []
+        tried = []
         if abs(gain + 1.0) < _SIGN:
-            options.append((reversed_sign.CARD, {"zero": 0.0}))
-            options.append((reversed_sign.CARD, {"zero": offset / 2.0}))
-        elif abs(gain - 1.0) < 10.0 * _NONE:
-            options.append((moved_zero.CARD, {"offset": -offset}))
+            card = reversed_sign.CARD
+            values = [{"zero": 0.0}, {"zero": offset / 2.0}]
+            tried += [
+                self.try_one(Hypothesis(card, channels, v)) for v in values
+            ]
+        if abs(gain - 1.0) < _SIGN:
+            start = -offset - (gain - 1.0) * middle
+            card = moved_zero.CARD
+            tried.append(self._refined(card, channels, "offset", start, size))
         if abs(gain) > 1e-6 and abs(gain - 1.0) > _NONE:
-            scale = 1.0 / gain
-            options.append((wrong_scale.CARD, {"scale": scale, "zero": 0.0}))
-            fixed = offset / (1.0 - gain)
-            values = {"scale": scale, "zero": fixed}
-            options.append((wrong_scale.CARD, values))
-        tried = [self.try_one(Hypothesis(c, channels, v)) for c, v in options]
+            scale, card = 1.0 / gain, wrong_scale.CARD
+            fixed = {"scale": scale, "zero": offset / (1.0 - gain)}
+            tried.append(self.try_one(Hypothesis(card, channels, fixed)))
+            start = middle / (gain * middle + offset) if offset else scale
+            for at in {scale, start}:
+                found = self._refined(card, channels, "scale", at, abs(at))
+                tried.append(found)
         return [t for t in tried if t is not None]
 
-    def _late(self, channels: tuple[str, ...]) -> list[Tried]:
-        """Delays of channels: a grid, then a parabola through the best."""
-        h = float(np.median(np.diff(self._run.time_s)))
-        card = skewed_channel.CARD
+    def _refined(self, card, channels, name, value, unit) -> Tried | None:
+        """A fault of one number, that number by Gauss-Newton."""
 
-        def at(samples):
-            return self.try_one(
-                Hypothesis(card, channels, {"delay_s": samples * h})
+        def at(value):
+            values = (
+                {"zero": 0.0, name: value} if name == "scale" else {name: value}
             )
+            return self.try_one(Hypothesis(card, channels, values))
 
+        now = at(value) if value else None
+        for _ in range(_STEPS):
+            if now is None or now.mismatch.total < _GONE:
+                break
+            nudge = _NUDGE * unit
+            near = at(value + nudge)
+            if near is None:
+                break
+            residual = now.mismatch.weighted
+            slope = (near.mismatch.weighted - residual) / nudge
+            power = float(slope @ slope)
+            value -= float(slope @ residual) / power if power > 0.0 else 0.0
+            then = at(value)
+            if then is None or then.mismatch.total >= now.mismatch.total:
+                break
+            now = then
+        return now
+
+    def _late(self, groups: Sequence[tuple[str, ...]]) -> list[Tried]:
+        """Delays of channels: a grid, then a search around the best of all."""
         grid = [s * d for d in _DELAYS for s in (1.0, -1.0)]
-        tried = [(d, at(d)) for d in grid]
-        known = [(d, t) for d, t in tried if t is not None]
-        if not known:
-            return []
-        best, found = min(known, key=lambda p: p[1].mismatch.total)
-        if found.mismatch.total > 0.7 * self._before.total:
-            return []
+        tried = [
+            (d, t)
+            for channels in groups
+            for d in grid
+            for t in [self._delayed(channels, d)]
+            if t is not None
+        ]
+        tried.sort(key=lambda p: p[1].mismatch.total)
+        refined, seen = [], set()
+        for d, t in tried:
+            channels = t.hypothesis.channels
+            gone = t.mismatch.total < 0.8 * self._before.total
+            if channels in seen or len(seen) == _MOST or not gone:
+                continue
+            seen.add(channels)
+            refined.append(self._refined_delay(channels, d, t))
+        return refined + [t for _, t in tried]
+
+    def _delayed(self, channels: tuple[str, ...], samples: float):
+        h = float(np.median(np.diff(self._run.time_s)))
+        values = {"delay_s": samples * h}
+        return self.try_one(Hypothesis(skewed_channel.CARD, channels, values))
+
+    def _refined_delay(self, channels, best: float, found: Tried) -> Tried:
+        """Steps to both sides, halved where neither is better."""
         width = 0.5 * abs(best)
-        for _ in range(6):
-            near = [(best + s * width, at(best + s * width)) for s in (-1, 1)]
-            near = [(d, t) for d, t in near if t is not None]
-            d, t = min(near, key=lambda p: p[1].mismatch.total)
+        for _ in range(_HALVINGS):
+            near = [
+                (d, t)
+                for d in (best - width, best + width)
+                for t in [self._delayed(channels, d)]
+                if t is not None
+            ]
+            d, t = min(
+                near, key=lambda p: p[1].mismatch.total, default=(best, found)
+            )
             if t.mismatch.total < found.mismatch.total:
                 best, found = d, t
             else:
                 width *= 0.5
-        return [found]
+        return found

@@ -36,6 +36,10 @@ CARD = RecordingFault(
 # Likeliest that readings of one place are written alike: noise of half a step
 # and more, around the middle of a step.
 _ALIKE = 0.7
+# Readings that repeat more rarely have noise of many steps everywhere.
+_FINE = 0.05
+# Shorter holds are lost samples, which can be filled.
+_LEAST = 40
 # Steps that others move by while a stuck one should have moved too.
 _MOVED = 8.0
 
@@ -89,20 +93,22 @@ def _is_chanceless(run, known, name, place, total) -> bool:
     values = run.channels[name]
     outside = np.concatenate([values[:begin], values[end:]])
     alike = float(np.mean(np.diff(outside) == 0.0)) if len(outside) > 50 else 1
-    allowed = np.log(FALSE_ALARM / total)
-    if alike < 0.05 and (end - begin) * np.log(max(alike, 1e-3)) < allowed:
-        return end - begin >= 6 and not _is_limit(known[name], values[begin])
-    if (end - begin) * np.log(_ALIKE) > allowed:
+    if (end - begin) * np.log(_likeliest(alike)) > np.log(FALSE_ALARM / total):
         return False
-    return _is_limit(known[name], values[begin]) is False and _others_move(
-        run, known, name, begin, end
-    )
+    if end - begin < _LEAST or _is_limit(known[name], values[begin]):
+        return False
+    return alike < _FINE or _others_move(run, known, name, begin, end)
+
+
+def _likeliest(alike: float) -> float:
+    """Chance that a reading repeats, where it does so most often."""
+    return max(alike, 1e-3) if alike < _FINE else _ALIKE
 
 
 def _is_limit(channel: Channel, value: float) -> bool:
     """Whether a value is told as saturation by the check of limits."""
     limit = {"command": 120.0, "reading": 49.9}.get(channel.saturates or "")
-    return limit is not None and abs(value) >= limit - 1e-3
+    return limit is not None and bool(abs(value) >= limit - 1e-3)
 
 
 def _others_move(run, known, name, begin, end) -> bool:

@@ -66,12 +66,14 @@ def shared_rows(run: Run, other: Run, known: Mapping[str, Channel]) -> float:
         and np.ptp(run.channels[n]) > 0.0
         and np.ptp(other.channels[n]) > 0.0
     ]
-    # A fault of one channel leaves the others: any few will do.
+    # A fault of one channel leaves the others. Lengths alone are too coarse: at
+    # rest they are alike by chance.
     commands = [n for n in names if "command" in n] or names
-    lengths = [n for n in names if n not in commands] or names
+    forces = [n for n in names if n not in commands and n.endswith("_N")]
+    rest = [n for n in names if n not in commands] if forces else []
     shares = [
         _share(run.stack(some), other.stack(some))
-        for some in (commands, lengths)
+        for some in (commands, rest)
         if len(some) >= _CHANNELS
     ]
     return max(shares, default=0.0)

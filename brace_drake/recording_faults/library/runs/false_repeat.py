@@ -61,25 +61,19 @@ def find_false_repeats(
         difference = same_inputs(run, original, names)
         if difference <= _GROSS and run.contact == original.contact:
             continue
-        true = [
-            r
-            for r in runs
-            if r not in (run, original)
-            and r.contact == run.contact
-            and names
-            and same_inputs(run, r, names) <= _GROSS
-        ]
+        exchanged = _exchanged(run, original, runs, names)
         seen = (
             f"its reference is up to {100 * difference:.3g} % of the range off"
         )
         if run.contact != original.contact:
             seen = "one has the torso, the other not"
-        if true:
-            seen += f", and that of {true[0].file} is the same"
+        if exchanged is not None:
+            moved, place = exchanged
+            seen += f", and that of {place.file} is what it should be"
             found.append(
                 Finding(
                     exchanged_runs.CARD,
-                    (original.file, true[0].file),
+                    (moved.file, place.file),
                     detail=f"{run.file} repeats {original.file}, but {seen}",
                     probability=0.95,
                 )
@@ -94,3 +88,22 @@ def find_false_repeats(
             )
         )
     return found
+
+
+def _exchanged(
+    run: Run, original: Run, runs: Sequence[Run], names: Sequence[str]
+) -> tuple[Run, Run] | None:
+    """Which of a false pair stands in another's place, and in whose.
+
+    Where a third run has the inputs of one of the two, that third is what the
+    other should be.
+    """
+    for stays, moved in ((run, original), (original, run)):
+        for third in runs:
+            if not names or third in (run, original):
+                continue
+            if third.contact != stays.contact or third.repeat_of:
+                continue
+            if same_inputs(stays, third, names) <= _GROSS:
+                return moved, third
+    return None
