@@ -63,7 +63,7 @@ def find_law_faults(checker: LawChecker, runs: Sequence[Run]) -> list[Finding]:
             chains.append((chain, probability))
             k = len(chains) - 1
         of_chain.setdefault(k, []).append((run, before))
-    _unify(checker, chains, of_chain)
+    _sharpen(checker, chains, of_chain)
     sound = [r for r, m in judged if m is not None and m.is_sound]
     for k, members in of_chain.items():
         found += _findings(checker, *chains[k], members, sound, len(runs))
@@ -77,28 +77,34 @@ def _is_restored(before: Mismatch, after: Mismatch | None) -> bool:
     return after.is_sound or left < _LEFT * (before.total - 1.0)
 
 
-def _unify(checker, chains, of_chain) -> None:
-    """Gives runs of the same fault the numbers that leave least in all."""
-    kinds: dict[tuple, list[int]] = {}
-    for k in of_chain:
-        chain = chains[k][0]
-        kind = tuple((h.fault.name, h.channels) for h in chain)
-        kinds.setdefault(kind, []).append(k)
-    for same in kinds.values():
-        members = [m for k in same for m in of_chain[k]]
-        left = {}
-        for k in same if len(same) > 1 else ():
-            judged = [
-                (b, checker.judge(_undo_all(chains[k][0], r)))
-                for r, b in members
-            ]
-            if all(_is_restored(b, m) for b, m in judged):
-                left[k] = sum(m.total for _, m in judged)
-        if left:
-            best = min(left, key=left.get)
-            for k in same:
-                of_chain.pop(k)
-            of_chain[best] = members
+def _sharpen(checker, chains, of_chain) -> None:
+    """Numbers of a fault anew from the run that they fit worst, where that
+    leaves less over all runs: a run at rest tells no scale.
+    """
+    for k, members in of_chain.items():
+        chain, _ = chains[k]
+        if len(members) < 2 or not any(h.parameters for h in chain):
+            continue
+        left = _totals(checker, chain, members)
+        worst = int(np.argmax(left))
+        run, before = members[worst]
+        if checker.judge(_undo_all(chain, run)).is_sound:
+            continue
+        again, probability = explain(checker, run, before)
+        if _kind(again) != _kind(chain):
+            continue
+        if sum(_totals(checker, again, members)) < sum(left):
+            chains[k] = (again, probability)
+
+
+def _kind(chain) -> tuple:
+    return tuple((h.fault.name, h.channels) for h in chain)
+
+
+def _totals(checker, chain, members) -> list[float]:
+    """What a chain leaves of each of its runs."""
+    judged = [checker.judge(_undo_all(chain, r)) for r, _ in members]
+    return [np.inf if m is None else m.total for m in judged]
 
 
 def _known_chain(checker, run, before, chains) -> int | None:
@@ -110,8 +116,7 @@ def _known_chain(checker, run, before, chains) -> int | None:
                 break
             undone = h.undone(undone)
         else:
-            after = checker.judge(undone)
-            if after is not None and after.is_sound:
+            if _is_restored(before, checker.judge(undone)):
                 return k
     return None
 
