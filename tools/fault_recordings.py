@@ -6,8 +6,10 @@
 `make` writes one folder for each named fault, or so many drawn by a seed over
 kinds, sources and sizes, with what was done in `fault.yaml` beside them.
 `score` answers each once: `refused` where the check has errors, `named` where
-a fault of the recording is found against the twin, else what the nominal fit
-says, `no gap` or `outside`. Nothing here knows how faults are found.
+a fault is found against the twin with the effects of the source's label (none
+without one), else `no gap` or `gap` by what that twin leaves. Runs of another
+subject are put among those of the same machine: into campaigns without effects
+(`--clean`). Nothing here knows how faults are found.
 """
 
 from __future__ import annotations
@@ -382,19 +384,38 @@ def make(args) -> None:
         jobs, table = list(NAMED), NAMED
     for i, kind in enumerate(jobs):
         source = sources[rng.integers(len(sources)) if args.blind else 0]
-        donors = [p for p in sources if p != source] or [Path(args.donor)]
-        donor = donors[rng.integers(len(donors))]
-        spoiled = Spoiled(source, Path(args.donor or donor), args.seed + i)
+        donor = Path(args.donor or source)
+        if kind.startswith("other") and len(args.clean) > 1:
+            source, donor = map(Path, rng.permutation(args.clean)[:2])
+        spoiled = Spoiled(source, donor, args.seed + i)
         table[kind](spoiled)
         out = Path(args.out) / f"fault{i:02d}"
         shutil.rmtree(out, ignore_errors=True)
         spoiled.write(out)
         note = {"kind": str(kind), "source": source.name, "seed": args.seed + i}
+        note["path"] = str(source.resolve())
         note |= {"changed": spoiled.changed()}
         (out / "fault.yaml").write_text(yaml.safe_dump(note))
 
 
-def answer(path: Path, twin: bool) -> tuple[str, list[str]]:
+def known_effects(path: Path, about: dict) -> list:
+    """Effects that the label of a spoiled campaign's source names: what the
+    diagnosis would have found on the sound one, none without a label.
+    """
+    from brace_drake.core.errors import EffectError
+    from brace_drake.effects.registry import find_effect
+
+    label = Path(about.get("path", "")) / "label.yaml"
+    if not label.is_file():
+        return []
+    try:
+        names = yaml.safe_load(label.read_text())["effects"]
+        return [find_effect(name) for name in names]
+    except EffectError:
+        return []
+
+
+def answer(path: Path, twin: bool, about: dict) -> tuple[str, list[str]]:
     """What is said of a campaign, and the faults that are named."""
     from brace_drake.core.errors import BraceError
     from brace_drake.devices.device import MakeDevice
@@ -412,7 +433,8 @@ def answer(path: Path, twin: bool) -> tuple[str, list[str]]:
         refused = any(f.severity == "error" for f in found)
         word = "refused" if refused else "warned" if found else "passed"
         return word, [f.sentence() for f in found]
-    judged, misfit = judge_campaign(campaign, device)
+    effects = known_effects(path, about)
+    judged, misfit = judge_campaign(campaign, device, effects)
     if judged:
         return "named", [f.sentence() for f in judged]
     return "no gap" if misfit < 0.05 else "gap", [f"misfit {misfit:.3g}"]
@@ -422,13 +444,13 @@ def score(args) -> None:
     counts: dict[str, int] = {}
     for folder in sorted(p for p in Path(args.folder).iterdir() if p.is_dir()):
         begun = time.perf_counter()
-        word, said = answer(folder, args.twin)
-        counts[word] = counts.get(word, 0) + 1
         note = folder / "fault.yaml"
-        kind = "sound"
+        about, kind = {}, "sound"
         if note.is_file():
             about = yaml.safe_load(note.read_text())
             kind = f"{about['kind']} ({about['source']})"
+        word, said = answer(folder, args.twin, about)
+        counts[word] = counts.get(word, 0) + 1
         took = time.perf_counter() - begun
         print(f"{folder.name} {kind}: {word} [{took:.0f} s]", flush=True)
         for line in said[:4]:
@@ -442,6 +464,7 @@ def main() -> int:
     one = commands.add_parser("make")
     one.add_argument("sources", nargs="+")
     one.add_argument("--donor", help="another subject's campaign")
+    one.add_argument("--clean", nargs="*", default=[], help="without effects")
     one.add_argument("--out", required=True)
     one.add_argument("--blind", type=int, default=0)
     one.add_argument("--seed", type=int, default=0)

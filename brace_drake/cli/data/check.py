@@ -13,7 +13,7 @@ from brace_drake.cli.options import (
     PrintJson,
     load_scenario_option,
 )
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import BraceError
 from brace_drake.recording import CheckCampaign, LoadCampaign
 from brace_drake.recording.findings import Problem, counted
 
@@ -77,7 +77,7 @@ def _WithRecordingFaults(
     campaign = LoadCampaign(path)
     try:
         device = MakeDevice(campaign, scenario)
-    except CampaignError:
+    except BraceError:
         # No twin of it, or no numbers for one: its files can still be asked.
         if scenario is not None:
             raise

@@ -7,8 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.devices.declaration import Device
+from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
-from brace_drake.identification.fits import CandidateFit, fit_nominal
+from brace_drake.identification.fits import (
+    CandidateFit,
+    fit_effects,
+    fit_nominal,
+)
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.against_twin.misfit import (
@@ -49,8 +54,9 @@ def find_recording_faults(
         jobs: As of `Evaluator`.
     """
     subject, uses = fit.subject, fit.uses
-    if fit.has_run_parameters:
-        # What each run has of its own would have to be estimated anew.
+    # What each run has of its own would have to be estimated anew; and without
+    # a torso there is no subject.
+    if fit.has_run_parameters or device.torso_law is None:
         return []
     evaluator = make_evaluator(device, fit_runs, subject, uses, jobs)
     own = fit_subject_to(evaluator, subject, uses)
@@ -67,13 +73,18 @@ def find_recording_faults(
 
 
 def judge_campaign(
-    campaign: Campaign, device: Device, jobs=1, seed: int = 0
+    campaign: Campaign,
+    device: Device,
+    effects: Sequence[Effect] = (),
+    jobs=1,
+    seed: int = 0,
 ) -> tuple[list[Finding], float]:
-    """Faults beside the nominal twin alone, and the misfit that it leaves.
+    """Faults beside given effects alone, and the misfit that these leave.
 
     Args:
         campaign: That the check has passed.
         device: Of it.
+        effects: That the machine is known to have, fitted with the subject.
         jobs: As of `Evaluator`.
         seed: Of the noise floor.
     """
@@ -84,6 +95,9 @@ def judge_campaign(
     new = campaign.split("validation")
     held_out = prepare_runs(twin, new, floors, rate, seed + 1000)
     evaluator = Evaluator(twin, runs, jobs)
-    nominal = fit_nominal(evaluator)
-    found = find_recording_faults(device, runs, held_out, nominal, jobs)
-    return found, nominal.excess / evaluator.count
+    fit = fit_nominal(evaluator)
+    if effects:
+        starts = [e.starts()[0].astype(float) for e in effects]
+        fit = fit_effects(evaluator, effects, starts)
+    found = find_recording_faults(device, runs, held_out, fit, jobs)
+    return found, fit.excess / evaluator.count

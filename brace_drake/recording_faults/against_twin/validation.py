@@ -46,23 +46,19 @@ def find_validation_faults(
         subject, uses: Of the fit, on the fit runs.
         jobs: As of `Evaluator`.
     """
-    level = max(
-        (_misfit(device, [p], subject, uses, jobs) for p in fit_runs),
-        default=0.0,
-    )
-    least = max(_MISFIT, _TIMES * level)
-    bad = []
-    for prepared in validation:
-        misfit = _misfit(device, [prepared], subject, uses, jobs)
-        if misfit > least:
-            bad.append((prepared, misfit))
+    found = [(p, _misfit(device, [p], subject, uses, jobs)) for p in validation]
+    bad = [(p, m) for p, m in found if m > _MISFIT]
+    if not bad:
+        return []
+    level = max(_misfit(device, [p], subject, uses, jobs) for p in fit_runs)
+    bad = [(p, m) for p, m in bad if m > _TIMES * level]
     if not bad:
         return []
     runs = [p for p, _ in bad]
     worst = max(m for _, m in bad)
-    found = find_sensor_faults(device, runs, subject, uses, jobs)
-    if found:
-        return found
+    sensors = find_sensor_faults(device, runs, subject, uses, jobs)
+    if sensors:
+        return sensors
     return _other_subject(device, runs, worst, subject, uses, jobs)
 
 
