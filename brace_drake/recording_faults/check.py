@@ -68,14 +68,27 @@ def check_recording(
     if device is None:
         return found
     spoilt = timed | _files(f for f in samples if f.is_certain)
-    left = [r for r in runs if r.file not in spoilt]
     law: list[Finding] = []
     if device.control_law is not None:
-        law = find_law_faults(LawChecker(device, runs, seed), left)
+        whole = [r for r in runs if r.file not in spoilt]
+        law = find_law_faults(LawChecker(device, runs, seed), whole)
         found += merge(law, len(runs))
-    shown = {*_files(law)}
-    touching = sum(r.contact for r in runs)
-    return found + merge(_of_contact(device, left, shown), touching)
+    # Of a torso that is not there a marker may read nothing at all.
+    pressed = timed | _files(
+        f for f in samples if f.is_certain and not _is_of_torso(f)
+    )
+    contact = _of_contact(
+        device, [r for r in runs if r.file not in pressed | _files(law)]
+    )
+    absent = _files(f for f in contact if f.fault.name == "wrong_contact")
+    kept = [f for f in found if not (_is_of_torso(f) and {*f.runs} <= absent)]
+    return kept + merge(contact, sum(r.contact for r in runs))
+
+
+def _is_of_torso(finding: Finding) -> bool:
+    """Whether a finding is about markers alone."""
+    names = finding.channels
+    return bool(names) and all(n.startswith("torso_") for n in names)
 
 
 def _files(findings: Iterable[Finding]) -> set[str]:
@@ -110,15 +123,12 @@ def _without(
     return {n: c for n, c in known.items() if n not in told}
 
 
-def _of_contact(
-    device: Device, runs: Sequence[Run], named: set[str]
-) -> list[Finding]:
+def _of_contact(device: Device, runs: Sequence[Run]) -> list[Finding]:
     """What forces say of contact and markers, in runs where they are sound."""
-    whole = [r for r in runs if r.file not in named]
-    found = find_wrong_contact(device, whole)
+    found = find_wrong_contact(device, runs)
     wrong = _files(found)
     return found + find_torso_faults(
-        device, [r for r in whole if r.file not in wrong]
+        device, [r for r in runs if r.file not in wrong]
     )
 
 

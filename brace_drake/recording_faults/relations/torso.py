@@ -45,7 +45,7 @@ def find_torso_faults(device: Device, runs: Sequence[Run]) -> list[Finding]:
         (run, answer)
         for run in runs
         if run.contact and law.marker in run.channels
-        for answer in [answer_of(run, law.force, law.marker, device.rate)]
+        for answer in [answer_of(run, law, law.marker, device.rate)]
         if answer is not None and not _is_torso(answer, law)
     ]
     exchanged = [_other_axis(run, law, device.rate) for run, _ in shown]
@@ -72,13 +72,20 @@ def find_torso_faults(device: Device, runs: Sequence[Run]) -> list[Finding]:
     return [_scaled(run, law, scale, answer) for run, answer in known]
 
 
-def answer_of(run: Run, force: str, marker: str, rate: float) -> Answer | None:
-    """What a marker answers to the force; None where it hardly moves."""
-    y, F = run.channels[marker], run.channels[force]
+def answer_of(
+    run: Run, law: TorsoLaw, marker: str, rate: float
+) -> Answer | None:
+    """What a marker answers to the force; None where the force would hardly
+    move it, and endless stiffness where it does not move.
+    """
+    y, F = run.channels[marker], run.channels[law.force]
     noise = float(np.std(np.diff(y))) / np.sqrt(2.0)
     slow, push = smoothed(y, rate), smoothed(F, rate)
-    if np.std(slow) < _CLEAR * noise / np.sqrt(0.1 * rate) or not np.std(push):
+    least = _CLEAR * noise / np.sqrt(0.1 * rate)
+    if np.std(push) < law.upper * least:
         return None
+    if np.std(slow) < least:
+        return Answer(np.inf, 0.0)
     speed = np.gradient(slow) * rate
     terms = np.column_stack(
         [slow, speed, np.gradient(speed) * rate, np.ones(len(slow))]
@@ -100,7 +107,7 @@ def _other_axis(run: Run, law: TorsoLaw, rate: float) -> str | None:
     """The marker's channel that answers as the one along the push should."""
     for name in law.others:
         if name in run.channels:
-            found = answer_of(run, law.force, name, rate)
+            found = answer_of(run, law, name, rate)
             if (
                 found is not None
                 and found.explained > _EXPLAINED
