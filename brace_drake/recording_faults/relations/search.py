@@ -32,7 +32,7 @@ from brace_drake.recording_faults.relations.mismatch import (
 
 # Delays that are tried, samples, before the best is refined.
 _DELAYS = (1.0, 3.0, 8.0, 20.0, 50.0)
-_HALVINGS = 8
+_HALVINGS, _LATEST = 8, 200
 # Gauss-Newton steps over gain and zero, and the nudges of its differences.
 _STEPS, _NUDGE = 4, 1e-4
 _UNMOVED = np.array([1.0, 0.0])
@@ -105,6 +105,8 @@ class FaultSearch:
     def _discrete(self) -> Iterator[Hypothesis]:
         yield from exchanges(self._run, self._checker.law.outputs)
         yield from permutations(self._run)
+        for channels in singles(self._run, self._checker.law.outputs):
+            yield Hypothesis(reversed_sign.CARD, channels, {"zero": 0.0})
 
     def try_one(self, hypothesis: Hypothesis) -> Tried | None:
         """A hypothesis undone; None where the law breaks down on it."""
@@ -234,7 +236,8 @@ class FaultSearch:
 
     def _late(self, groups: Sequence[tuple[str, ...]]) -> list[Tried]:
         """Delays of channels: a grid, then a search around the best of all."""
-        grid = [s * d for d in _DELAYS for s in (1.0, -1.0)]
+        sizes = sorted({*_DELAYS, *self._lag()})
+        grid = [s * d for d in sizes for s in (1.0, -1.0)]
         tried = [
             (d, t)
             for channels in groups
@@ -252,6 +255,25 @@ class FaultSearch:
             seen.add(channels)
             refined.append(self._refined_delay(channels, d, t))
         return refined + [t for _, t in tried]
+
+    def _lag(self) -> list[float]:
+        """Samples by which recomputed outputs resemble the recorded best.
+
+        The noise of the readings goes into the commands: it matches at one lag
+        alone, which a grid would miss.
+        """
+        recorded = self._run.stack(self._checker.law.outputs)
+        recomputed = recorded - self._checker.residual(self._run)
+        total = np.zeros(2 * len(recorded))
+        for a, b in zip(recorded.T, recomputed.T, strict=True):
+            a, b = np.diff(a, 2), np.diff(b, 2)
+            size = float(np.std(a) * np.std(b))
+            if size > 0.0:
+                first, second = (np.fft.rfft(v, len(total)) for v in (a, b))
+                total += np.fft.irfft(first * second.conj(), len(total)) / size
+        lag = int(np.argmax(total))
+        lag = min(lag, len(total) - lag)
+        return [float(lag)] if 0 < lag <= _LATEST else []
 
     def _delayed(self, channels: tuple[str, ...], samples: float):
         h = float(np.median(np.diff(self._run.time_s)))

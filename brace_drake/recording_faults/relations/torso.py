@@ -25,6 +25,8 @@ from brace_drake.recording_faults.library.channels import (
 # Share of the force that the law explains where it is believed, and room that
 # effects of torso and force reading take beside the limits of subjects.
 _EXPLAINED, _ROOM = 0.9, 1.4
+# How a push follows the motion that is asked for, as a correlation.
+_FOLLOWS = 0.8
 # A marker that moves less is not told from its noise, in deviations.
 _CLEAR = 10.0
 
@@ -44,7 +46,7 @@ def find_torso_faults(device: Device, runs: Sequence[Run]) -> list[Finding]:
     shown = [
         (run, answer)
         for run in runs
-        if run.contact and law.marker in run.channels
+        if run.contact and law.marker in run.channels and _pushes(device, run)
         for answer in [answer_of(run, law, law.marker, device.rate)]
         if answer is not None and not _is_torso(answer, law)
     ]
@@ -70,6 +72,21 @@ def find_torso_faults(device: Device, runs: Sequence[Run]) -> list[Finding]:
     middle = float(np.sqrt(law.lower * law.upper))
     scale = float(np.median([middle / a.stiffness for _, a in known]))
     return [_scaled(run, law, scale, answer) for run, answer in known]
+
+
+def _pushes(device: Device, run: Run) -> bool:
+    """Whether the motion that is asked for makes the force: a torso that moves
+    by itself, as in breath, is not the one that answers.
+    """
+    expected = device.least_push(run)
+    if expected is None:
+        return False
+    name, _, asked = expected
+    push = smoothed(run.channels[name], device.rate)
+    asked = smoothed(asked, device.rate)
+    if not (np.std(push) and np.std(asked)):
+        return False
+    return abs(float(np.corrcoef(push, asked)[0, 1])) > _FOLLOWS
 
 
 def answer_of(
