@@ -24,6 +24,9 @@ from brace_drake.isolation.imposed_motion import fit_imposed_motion
 from brace_drake.isolation.locate import locate_gap
 from brace_drake.isolation.residual_shapes import describe_rest
 from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults import Finding, check_recording
+from brace_drake.recording_faults.against_twin import find_recording_faults
+from brace_drake.recording_faults.check import without_false_repeats
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.level import make_criterion
@@ -61,6 +64,8 @@ class Diagnosis:
         rest: What the best twin leaves, by the motion that it goes with.
         blocks: In which the gap lies.
         next_run: The run that would settle what is open.
+        recording: Faults of the recording itself; where one is certain, the
+            gap is its, and no verdict on the machine counts.
     """
 
     campaign: Campaign
@@ -85,6 +90,7 @@ class Diagnosis:
     rest: list[dict]
     blocks: list[str]
     next_run: NextRun | None
+    recording: tuple[Finding, ...] = ()
 
 
 def diagnose(
@@ -114,6 +120,10 @@ def diagnose(
     device = MakeDevice(campaign, scenario)
     twin, rate = device.twin, campaign.rate_hz
     check_room(twin)
+
+    # What the files and the control law say before anything is fitted.
+    recording = check_recording(campaign, device, seed)
+    campaign = without_false_repeats(campaign, recording)
 
     say("noise floor", 0.0)
     usual = np.array([p.nominal for p in twin.subject])
@@ -151,6 +161,15 @@ def diagnose(
     predictions = predict_runs(validation, compared, winner, rivals, seed)
     causes = rank_causes(criterion, fits, verdict, predictions)
     estimates = estimate_table(evaluator, winner or nominal, seed)
+
+    if not any(f.is_certain for f in recording):
+        recording += find_recording_faults(
+            device,
+            evaluator.prepared,
+            validation.prepared,
+            winner or nominal,
+            jobs,
+        )
 
     say("where", 0.95)
     fit_runs = compare_runs(evaluator, nominal, winner)
@@ -191,6 +210,7 @@ def diagnose(
         rest=rest,
         blocks=blocks,
         next_run=next_run,
+        recording=tuple(recording),
     )
 
 

@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import io
+import shutil
 import time
 import unittest
 from dataclasses import replace
@@ -32,6 +33,7 @@ from tests.test_campaign_read import (
 )
 
 SHARED = Path(__file__).parents[2] / "shared"
+EXAMPLE = Path(__file__).parent / "data" / "example"
 
 
 class CheckTest(CampaignFolderTest):
@@ -657,16 +659,36 @@ class TestCommand(CheckTest):
             status = args.run(args)
         return status, out.getvalue().splitlines()
 
+    def record(self):
+        """A recording of the bench: what it says of itself is asked too."""
+        for file in self.path.iterdir():
+            file.unlink()
+        for file in EXAMPLE.iterdir():
+            shutil.copy(file, self.path)
+
     def test_a_sound_campaign_ends_with_status_0(self):
+        self.record()
         status, lines = self.run_command()
         self.assertEqual(status, 0)
         self.assertIn("usable, 0 errors, 0 warnings", lines[-1])
 
     def test_warnings_alone_end_with_status_0(self):
-        self.edit_run(3, split="fit")
+        self.record()
+        self.edit_run(4, split="fit")
         status, lines = self.run_command()
         self.assertEqual((status, len(lines)), (0, 2))
         self.assertIn("1 warning", lines[-1])
+
+    def test_commands_that_do_not_follow_from_readings_are_an_error(self):
+        self.record()
+        lines = self.lines("push.csv")
+        names = lines[0].split(",")
+        a, b = (names.index(f"leg{k}_length_m") for k in (2, 3))
+        names[a], names[b] = names[b], names[a]
+        self.put_lines([",".join(names), *lines[1:]], "push.csv")
+        status, lines = self.run_command()
+        self.assertEqual((status, len(lines)), (2, 2))
+        self.assertIn("leg 2 and leg 3 lengths exchanged", lines[0])
 
     def test_errors_are_printed_line_by_line_and_end_with_status_2(self):
         self.edit_cell(3, "torso_x_m", "inf")

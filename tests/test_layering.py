@@ -18,6 +18,7 @@ LAYERS = (
     ("devices",),
     ("model", "torso"),
     ("identification",),
+    ("recording_faults",),
     ("selection",),
     ("isolation",),
     ("validation",),

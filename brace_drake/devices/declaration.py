@@ -118,6 +118,47 @@ class Term:
     shape: np.ndarray
 
 
+class ControlLaw(ABC):
+    """What a device's controller computes of what is recorded.
+
+    It holds in every sound recording, whatever the machine does.
+
+    Attributes:
+        outputs: Channels that the controller has computed.
+        by_output: Readings that each of them answers to.
+    """
+
+    outputs: tuple[str, ...]
+    by_output: tuple[tuple[str, ...], ...]
+
+    @abstractmethod
+    def recompute(self, run: Run) -> np.ndarray:
+        """The outputs (N, n) that follow from a run's other channels."""
+
+    def rest_error(self, run: Run) -> np.ndarray:
+        """What a run begins with less what the scenario's geometry has at
+        rest, m; none where a device has no such lengths.
+        """
+        return np.zeros(0)
+
+
+@dataclass(frozen=True)
+class TorsoLaw:
+    """Along a push F = m y'' + c y' + k y, with k of some subject.
+
+    Attributes:
+        force, marker: Channels of F and y.
+        others: The marker's other axes.
+        lower, upper: Limits of k, N/m.
+    """
+
+    force: str
+    marker: str
+    others: tuple[str, ...]
+    lower: float
+    upper: float
+
+
 class Device(ABC):
     """A nominal twin and the views on its recordings.
 
@@ -127,9 +168,13 @@ class Device(ABC):
         block_tests: In the order of the signal.
         imposed: The twin with its motion imposed as recorded, so that no loop
             hides what answers to it; None where the device has none.
+        control_law: Of its controller; None where it has none that is known.
+        torso_law: Of the torso that it pushes; None where there is none.
     """
 
     imposed: Any = None
+    control_law: ControlLaw | None = None
+    torso_law: TorsoLaw | None = None
 
     def __init__(self, twin, rate: float, block_tests: Sequence[BlockTest]):
         self.twin, self.rate = twin, rate
@@ -158,6 +203,13 @@ class Device(ABC):
     def draw_uses(self, seed: int) -> tuple[Use, ...]:
         """Effects of a machine that is drawn within its tolerances."""
         return ()
+
+    def least_push(self, run: Run) -> tuple[str, float, np.ndarray] | None:
+        """Channel of the force along a run's motion, the least range that any
+        subject would give it, N, and the motion that is asked for (N,); None
+        where a run asks for none.
+        """
+        return None
 
     def small_errors(self) -> list[SmallError]:
         """Small errors of its blocks; none where they are not known."""

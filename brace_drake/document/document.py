@@ -20,6 +20,7 @@ from brace_drake.document.verdict_text import verdict_sentence
 from brace_drake.identification.gap import is_repaired
 from brace_drake.isolation.block_tests import describe_unchecked
 from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults.finding import recording_verdict
 from brace_drake.selection import thresholds
 
 FORMAT = "brace-diagnosis/2"
@@ -40,7 +41,6 @@ def MakeDocument(d: Diagnosis) -> dict:
         "blocks": d.blocks,
         "unexplained": _unexplained(d),
         "outside_library": verdict.outside_library,
-        "recording": [],
         "ambiguous_with": list(verdict.ambiguous_with),
         "probability": verdict.probability,
         "confirmed": confirmed(d),
@@ -48,6 +48,7 @@ def MakeDocument(d: Diagnosis) -> dict:
     }
     name = d.campaign.name
     told["sentence"] = verdict_sentence(name, told, closed, len(moved))
+    told |= recording_verdict(d.recording)
     return _plain(
         {
             "format": FORMAT,
@@ -112,6 +113,7 @@ def _warnings(d: Diagnosis) -> list[str]:
     """What a reader has to know beside the verdict, sentence by sentence."""
     winner = d.verdict.winner
     found = [str(p) for p in d.campaign.warnings]
+    found += [str(p) for f in d.recording for p in f.problems()]
     tests = d.device.block_tests
     found += describe_unchecked(d.evaluator, tests, d.block_tests)
     for channel, ratio in d.floor_ratios.items():

@@ -5,15 +5,25 @@ from __future__ import annotations
 import argparse
 from dataclasses import asdict
 
-from brace_drake.cli.options import AddCampaign, AddCommand, AddJson, PrintJson
-from brace_drake.recording import CheckCampaign
-from brace_drake.recording.findings import counted
+from brace_drake.cli.options import (
+    AddCampaign,
+    AddCommand,
+    AddJson,
+    AddScenario,
+    PrintJson,
+    load_scenario_option,
+)
+from brace_drake.core.errors import BraceError
+from brace_drake.recording import CheckCampaign, LoadCampaign
+from brace_drake.recording.findings import Problem, counted
 
 _EPILOG = """\
 example:
   brace-drake check campaigns/monday
 
-Prints one line per problem. Ends with status 0 when there is no error
+Prints one line per problem: of the files, and of what recorded channels say
+of each other by the device's own laws, such as commands that do not follow
+from the readings. Ends with status 0 when there is no error
 (warnings are allowed) and with 2 when there is one.
 """
 
@@ -29,12 +39,16 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         epilog=_EPILOG,
     )
     AddCampaign(parser)
+    AddScenario(parser)
     AddJson(parser)
 
 
 def Run(args: argparse.Namespace) -> int:
     """Prints the problems and a summary; 2 when there are errors, else 0."""
+    scenario = load_scenario_option(args.scenario)
     problems = CheckCampaign(args.campaign)
+    if not any(problem.severity == "error" for problem in problems):
+        problems = _WithRecordingFaults(problems, args.campaign, scenario)
     errors = sum(problem.severity == "error" for problem in problems)
     warnings = len(problems) - errors
     if args.json:
@@ -50,3 +64,30 @@ def Run(args: argparse.Namespace) -> int:
         f"{counted(warnings, 'warning')}"
     )
     return 2 if errors else 0
+
+
+def _WithRecordingFaults(
+    problems: list[Problem], path: str, scenario
+) -> list[Problem]:
+    """Problems with the faults of the recording behind them."""
+    # Numba and Drake are slow to import: only once the files are good.
+    from brace_drake.devices.device import MakeDevice
+    from brace_drake.recording_faults import check_recording
+
+    campaign = LoadCampaign(path)
+    try:
+        device = MakeDevice(campaign, scenario)
+    except BraceError:
+        # No twin of it, or no numbers for one: its files can still be asked.
+        if scenario is not None:
+            raise
+        device = None
+    found = [
+        problem
+        for finding in check_recording(campaign, device)
+        for problem in finding.problems()
+    ]
+    # A fault with a name stands for what was suspected of the same column.
+    told = {(p.file, p.column) for p in found if p.column is not None}
+    kept = [p for p in problems if (p.file, p.column) not in told]
+    return kept + found

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete, lfilter
 
+from brace_drake.devices.bench.control_law import replay_controller
 from brace_drake.devices.bench.force_balance import (
     CUTOFF_HZ,
     MARGIN_S,
@@ -27,8 +27,6 @@ from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.declaration import BlockTest
 from brace_drake.devices.subject import with_subject
 from brace_drake.kinematics import BraceGeometry
-from brace_drake.laws.control.brace_control import PIC, start_held
-from brace_drake.laws.loop import replay
 
 # Channels along the push.
 FORCE_Y = CHANNELS.index("ring2_force_y_N")
@@ -97,27 +95,8 @@ def residual_of_controller(
     twin: BenchTwin, rate: float, prepared, x: np.ndarray
 ):
     """Logged commands and virtual position minus the controller's."""
-    numbers, motion = twin.numbers, prepared.motion
-    times = np.arange(len(x)) / rate
-    every, settled = motion.ticks_per_sample, motion.settled_ticks
-    ticks = np.arange(len(motion.desired)) - settled
-    # While it settles it reads what the recording begins with.
-    at = np.clip(ticks / twin.scenario.control.rate, 0.0, times[-1])
-    read = np.hstack([x[:, LENGTHS], x[:, FORCE]])
-    readings = np.zeros((len(ticks), 12))
-    readings[:, 0:9] = CubicSpline(times, read)(at)
-    out = np.zeros((len(x) + settled // every, 7))
-    held = start_held(numbers.start, numbers.rest, np.zeros((1, 6)))
-    plan = motion.plan(readings, out)
-    replay.run_controller(
-        readings,
-        plan.desired,
-        plan.columns,
-        (PIC, numbers.control, held),
-        every,
-        out,
-    )
-    out, scale = out[settled // every :], prepared.floor.rms
+    out = replay_controller(twin, prepared.motion, rate, x)
+    scale = prepared.floor.rms
     commands = low_pass(x[:, COMMANDS] - out[:, 0:6], CUTOFF_HZ, rate)
     virtual = (x[:, VIRTUAL] - out[:, 6]) / scale[VIRTUAL]
     residual = np.concatenate([(commands / scale[0]).ravel(), virtual])

@@ -7,15 +7,21 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from brace_drake.devices.bench.block_tests import FORCE_Y, MARKER_Y, bench_tests
+from brace_drake.devices.bench.control_law import BenchControlLaw
 from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.bench.errors import bench_errors
 from brace_drake.devices.bench.force_balance import balance_of_run
 from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.devices.bench.recorded_motion import ring_poses
-from brace_drake.devices.bench.rollout import FORCE, LENGTHS
+from brace_drake.devices.bench.rollout import FORCE, LENGTHS, MARKER
 from brace_drake.devices.bench.tolerances import bench_tolerances
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.devices.declaration import Device, MotionSignals, Nuisance
+from brace_drake.devices.declaration import (
+    Device,
+    MotionSignals,
+    Nuisance,
+    TorsoLaw,
+)
 from brace_drake.devices.motions.library import (
     MOTIONS,
     RATE_HZ,
@@ -25,6 +31,7 @@ from brace_drake.devices.motions.library import (
 from brace_drake.devices.motions.limits import exceeded_limit
 from brace_drake.effects.stack import Use
 from brace_drake.effects.within_tolerances import ANCHORS, NUMBERS
+from brace_drake.laws.control.brace_control import K_D
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.brace import BenchScenario
 
@@ -36,6 +43,8 @@ class Bench(Device):
         twin = BenchTwin(scenario or BenchScenario())
         rate = campaign.rate_hz
         super().__init__(twin, rate, bench_tests(twin, rate))
+        self.control_law = BenchControlLaw(twin, rate)
+        self.torso_law = _torso_law(twin)
         self.imposed = GuidedBenchTwin(twin.scenario, twin.time_step)
 
     def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:
@@ -61,6 +70,18 @@ class Bench(Device):
             touching = np.column_stack([force > -alone, force < alone])
         desired = prepared.run.channels["ring2_y_desired_m"]
         return MotionSignals(desired, FORCE_Y, touching, travel, name)
+
+    def least_push(self, run: Run) -> tuple[str, float, np.ndarray] | None:
+        """Impedance, pads and posture in series, the softest of any subject."""
+        asked = run.channels["ring2_y_desired_m"]
+        least = {p.name: p.lower for p in self.twin.subject}
+        pads = 2.0 * least["contact_stiffness_N_m"]
+        posture = least["posture_stiffness_y_N_m"]
+        impedance = self.twin.numbers.control[K_D, 1]
+        soft = 1.0 / (1.0 / pads + 1.0 / posture + 1.0 / impedance)
+        travel = float(np.ptp(asked))
+        name = self.twin.channels[FORCE_Y]
+        return (name, soft * travel, asked) if travel > 0.0 else None
 
     def motions(self, runs: Sequence[Run]) -> MotionSet:
         """The library's with and without the torso, as far as recorded."""
@@ -94,3 +115,14 @@ class Bench(Device):
     def force_balance(self, prepared):
         """The balance of the leg forces along the recorded way."""
         return balance_of_run(self.twin, prepared, self.rate)
+
+
+def _torso_law(twin: BenchTwin) -> TorsoLaw:
+    """Posture of any subject, between force and marker along the push."""
+    (posture,) = (
+        p for p in twin.subject if p.name == "posture_stiffness_y_N_m"
+    )
+    marker = twin.channels[MARKER_Y]
+    others = tuple(n for n in twin.channels[MARKER] if n != marker)
+    force = twin.channels[FORCE_Y]
+    return TorsoLaw(force, marker, others, posture.lower, posture.upper)

@@ -1,0 +1,8 @@
+"""Faults that only the fitted twin shows, beside the effects that compete."""
+
+from brace_drake.recording_faults.against_twin.judge import (
+    find_recording_faults,
+    judge_campaign,
+)
+
+__all__ = ["find_recording_faults", "judge_campaign"]

@@ -1,0 +1,103 @@
+"""Recording faults beside effects: which of the two explains a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.devices.declaration import Device
+from brace_drake.effects.card import Effect
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
+from brace_drake.identification.fits import (
+    CandidateFit,
+    fit_effects,
+    fit_nominal,
+)
+from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults.against_twin.misfit import (
+    fit_subject_to,
+    make_evaluator,
+)
+from brace_drake.recording_faults.against_twin.sensors import (
+    find_sensor_faults,
+)
+from brace_drake.recording_faults.against_twin.subjects import (
+    find_other_subjects,
+)
+from brace_drake.recording_faults.against_twin.validation import (
+    find_validation_faults,
+)
+from brace_drake.recording_faults.finding import Finding
+
+# Misfit below which the fit runs show nothing that a fault could explain.
+_NOTHING = 0.5
+
+
+def find_recording_faults(
+    device: Device,
+    fit_runs: Sequence[PreparedRun],
+    validation: Sequence[PreparedRun],
+    fit: CandidateFit,
+    jobs=1,
+) -> list[Finding]:
+    """Faults that the twin shows and no effect explains.
+
+    The fit is the best that the effects have come to, the nominal one where
+    none was found. What it explains down to its noise is the machine's.
+
+    Args:
+        device: Of the campaign.
+        fit_runs, validation: As prepared for fit and comparison.
+        fit: The best explanation by subject and effects.
+        jobs: As of `Evaluator`.
+    """
+    subject, uses = fit.subject, fit.uses
+    # What each run has of its own would have to be estimated anew; and without
+    # a torso there is no subject.
+    if fit.has_run_parameters or device.torso_law is None:
+        return []
+    evaluator = make_evaluator(device, fit_runs, subject, uses, jobs)
+    own = fit_subject_to(evaluator, subject, uses)
+    if own is None:
+        return []
+    if own.misfit > _NOTHING:
+        found = find_sensor_faults(device, fit_runs, subject, uses, jobs)
+        return found or find_other_subjects(
+            device, fit_runs, subject, uses, jobs
+        )
+    return find_validation_faults(
+        device, fit_runs, validation, own.subject, uses, jobs
+    )
+
+
+def judge_campaign(
+    campaign: Campaign,
+    device: Device,
+    effects: Sequence[Effect] = (),
+    jobs=1,
+    seed: int = 0,
+) -> tuple[list[Finding], float]:
+    """Faults beside given effects alone, and the misfit that these leave.
+
+    Args:
+        campaign: That the check has passed.
+        device: Of it.
+        effects: That the machine is known to have, fitted with the subject.
+        jobs: As of `Evaluator`.
+        seed: Of the noise floor.
+    """
+    twin, rate = device.twin, campaign.rate_hz
+    usual = np.array([p.nominal for p in twin.subject])
+    floors, _ = estimate_floors(twin, campaign, usual, seed)
+    runs = prepare_runs(twin, campaign.split("fit"), floors, rate, seed)
+    new = campaign.split("validation")
+    held_out = prepare_runs(twin, new, floors, rate, seed + 1000)
+    evaluator = Evaluator(twin, runs, jobs)
+    fit = fit_nominal(evaluator)
+    if effects:
+        starts = [e.starts()[0].astype(float) for e in effects]
+        fit = fit_effects(evaluator, effects, starts)
+    found = find_recording_faults(device, runs, held_out, fit, jobs)
+    return found, fit.excess / evaluator.count

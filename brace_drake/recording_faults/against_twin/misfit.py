@@ -1,0 +1,124 @@
+"""What the twin leaves of runs, tolerances apart, and subjects of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.devices.declaration import Device
+from brace_drake.devices.tolerances import linearise_tolerances
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
+from brace_drake.identification.least_squares import (
+    LeastSquaresSolution,
+    solve_gauss_newton,
+)
+from brace_drake.identification.problem import CandidateProblem
+
+_STEPS, _END = 12, 1e-3
+
+
+@dataclass(frozen=True)
+class SubjectFit:
+    """A subject fitted to some runs, with effects held as they are.
+
+    Attributes:
+        runs: Fitted.
+        evaluator: Over them, with tolerances.
+        subject: Values.
+        scaled: The same in their units.
+        solution: The search's end.
+        misfit: Mean square above the floor's.
+    """
+
+    runs: tuple[PreparedRun, ...]
+    evaluator: Evaluator
+    subject: np.ndarray
+    scaled: np.ndarray
+    solution: LeastSquaresSolution
+
+    @property
+    def misfit(self) -> float:
+        residual = self.solution.residual
+        return float(residual @ residual) / self.evaluator.count - 1.0
+
+
+def make_evaluator(
+    device: Device,
+    runs: Sequence[PreparedRun],
+    subject: np.ndarray,
+    uses: Sequence[Use],
+    jobs,
+) -> Evaluator:
+    """Over runs, with the tolerances of the device's numbers, if it has any."""
+    evaluator = Evaluator(device.twin, runs, jobs)
+    evaluator.tolerances = linearise_tolerances(
+        evaluator, device.tolerances(), subject, uses
+    )
+    return evaluator
+
+
+def misfit_of(
+    evaluator: Evaluator, subject: np.ndarray, uses: Sequence[Use] = ()
+) -> float | None:
+    """Mean square above the floor's at a subject; None where it breaks down."""
+    parts = [
+        evaluator.weighted_residual(p, subject, uses, "coarse")
+        for p in evaluator.prepared
+    ]
+    if any(p is None for p in parts):
+        return None
+    residual = evaluator.whitened(np.concatenate(parts))
+    level = evaluator.noise_level(uses, True)
+    return float(residual @ residual) / evaluator.count - level
+
+
+class _Held(CandidateProblem):
+    """Residuals of the subject alone, beside effects that stay as they are."""
+
+    def __init__(self, evaluator: Evaluator, uses: Sequence[Use]):
+        super().__init__(evaluator, ())
+        self._uses = tuple(uses)
+
+    def split(self, z):
+        return z * self.scales, self._uses
+
+
+def fit_subject_to(
+    evaluator: Evaluator, subject: np.ndarray, uses: Sequence[Use] = ()
+) -> SubjectFit | None:
+    """The subject that fits an evaluator's runs best, from a start; None where
+    the twin breaks down there.
+
+    At the coarse plant step: misfits are compared, parameters not reported.
+    """
+    problem = _Held(evaluator, uses)
+    z = np.clip(subject / problem.scales, problem.lower, problem.upper)
+
+    def batch(points):
+        return problem.batch(points, coarse=True)
+
+    (first,) = batch([z])
+    if first is None:
+        return None
+    solution = solve_gauss_newton(
+        batch,
+        z,
+        problem.lower,
+        problem.upper,
+        problem.steps,
+        problem.radius,
+        known=(first, None),
+        differentiate=lambda z, r: problem.columns(z, base=r),
+        max_iterations=_STEPS,
+        tolerance=_END,
+    )
+    return SubjectFit(
+        tuple(evaluator.prepared),
+        evaluator,
+        solution.z * problem.scales,
+        solution.z,
+        solution,
+    )

@@ -1,0 +1,226 @@
+"""Readings that no controller sees, against the twin that the others fit.
+
+Markers, and forces across the push, enter no command. The subject is fitted
+without them; where the twin then follows all else down to its floor, it says
+what they should have read.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from brace_drake.devices.declaration import Device
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import PreparedRun
+from brace_drake.recording_faults.against_twin.misfit import (
+    fit_subject_to,
+    make_evaluator,
+)
+from brace_drake.recording_faults.finding import MOST_PROBABLE, Finding
+from brace_drake.recording_faults.library.channels import (
+    exchanged_channels,
+    moved_zero,
+    reversed_sign,
+    wrong_scale,
+)
+from brace_drake.recording_faults.library.time import skewed_channel
+from brace_drake.recording_faults.relations.hypotheses import Hypothesis
+
+# Misfit of the channels left in that counts as followed.
+NEAR = 0.5
+# A channel is looked at from this mean square on, in floors, and restored at
+# this one, or where so little of it is left.
+_GROSS, _RESTORED, _LEFT = 10.0, 3.0, 0.02
+# Gains nearer to 1 may be the machine's.
+_GAIN = 0.2
+_DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
+# How the probability falls with the mean square that is left.
+_SHARP = 4.0
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Channels of one run beside the twin's.
+
+    Attributes:
+        prepared: The run.
+        expected: Of the twin (N, C).
+        names: Of its channels.
+    """
+
+    prepared: PreparedRun
+    expected: np.ndarray
+    names: tuple[str, ...]
+
+    def squares(self, columns: dict[str, np.ndarray]) -> dict[str, float]:
+        """Mean square of each column's difference from the twin, in floors."""
+        found = {}
+        for name, values in columns.items():
+            c = self.names.index(name)
+            if not self.prepared.used[c]:
+                continue
+            difference = np.fft.rfft(values - self.expected[:, c])
+            weights = self.prepared.weights[:, c]
+            weighted = difference[: len(weights)] * weights
+            power = float(np.sum(np.abs(weighted) ** 2))
+            found[name] = power / (2 * len(weights) - 1)
+        return found
+
+
+def unread_channels(device: Device) -> tuple[str, ...]:
+    """Channels of a device that its controller does not read or compute."""
+    law = device.control_law
+    if law is None:
+        return ()
+    known = {*law.outputs, *(n for names in law.by_output for n in names)}
+    return tuple(n for n in device.twin.channels if n not in known)
+
+
+def without(runs: Sequence[PreparedRun], columns: np.ndarray):
+    """Runs in which some channels carry no information (C,)."""
+    return [replace(p, weights=p.weights * ~columns) for p in runs]
+
+
+def find_sensor_faults(
+    device: Device,
+    runs: Sequence[PreparedRun],
+    subject: np.ndarray,
+    uses: Sequence[Use],
+    jobs,
+) -> list[Finding]:
+    """Faults of readings that only the twin can tell.
+
+    Args:
+        device: With a control law.
+        runs: To be judged, their weights as in the fit.
+        subject: To start from.
+        uses: Effects that are there, held.
+        jobs: As of `Evaluator`.
+    """
+    names = unread_channels(device)
+    if not names:
+        return []
+    twin = device.twin
+    mine = np.array([c in names for c in twin.channels])
+    rest = without(runs, mine)
+    evaluator = make_evaluator(device, rest, subject, uses, jobs)
+    fit = fit_subject_to(evaluator, subject, uses)
+    if fit is None or fit.misfit > NEAR:
+        return []
+    readings = [
+        Reading(p, evaluator.simulate(p, fit.subject, uses), twin.channels)
+        for p in runs
+        if p.run.contact
+    ]
+    return list(_named(readings, names))
+
+
+def _named(
+    readings: Sequence[Reading], names: Sequence[str]
+) -> Iterator[Finding]:
+    """What explains the runs whose readings are grossly off, together."""
+    bad: list[tuple[Reading, dict[str, float]]] = []
+    for reading in readings:
+        there = [n for n in names if n in reading.prepared.run.channels]
+        run = reading.prepared.run
+        found = reading.squares({n: run.channels[n] for n in there})
+        if any(v > _GROSS for v in found.values()):
+            bad.append((reading, found))
+    if not bad:
+        return
+    accused = {n for _, f in bad for n, v in f.items() if v > _GROSS}
+    tried = []
+    for h in _hypotheses([r for r, _ in bad], sorted(accused)):
+        left = _left(h, bad, accused)
+        if left is not None:
+            tried.append((left, h))
+    if not tried:
+        return
+    tried.sort(key=lambda t: t[0])
+    after, best = tried[0]
+    before = float(np.mean([v for _, f in bad for v in f.values()]))
+    if after > max(_RESTORED, _LEFT * before):
+        return
+    rivals = sum(
+        (after / left) ** _SHARP
+        for left, h in tried[1:]
+        if set(h.channels) != set(best.channels)
+    )
+    yield Finding(
+        best.fault,
+        tuple(r.prepared.run.file for r, _ in bad),
+        best.channels,
+        dict(best.parameters),
+        MOST_PROBABLE / (1.0 + rivals),
+        f"{np.sqrt(before):.3g} noise floors off the twin that all other"
+        f" channels fit, {np.sqrt(after):.3g} with it undone",
+        of_all=len(bad) == len(readings) and len(readings) > 1,
+        before=before,
+        after=after,
+    )
+
+
+def _left(h: Hypothesis, bad, accused) -> float | None:
+    """Mean square over runs of the accused channels with a fault undone."""
+    found = []
+    for reading, _ in bad:
+        run = reading.prepared.run
+        if not set(h.channels) <= set(run.channels):
+            return None
+        columns = h.undone(run).channels
+        some = {*accused, *h.channels} & set(columns)
+        squares = reading.squares({n: columns[n] for n in some})
+        found += list(squares.values())
+    return float(np.mean(found)) if found else None
+
+
+def _hypotheses(
+    readings: Sequence[Reading], names: Sequence[str]
+) -> Iterator[Hypothesis]:
+    """Faults of unread channels; gains and zeros as the twin asks for."""
+    kinds = {n: n.rsplit("_", 2)[0].split("_")[0] for n in names}
+    for pair in itertools.combinations(names, 2):
+        if kinds[pair[0]] == kinds[pair[1]]:
+            yield Hypothesis(exchanged_channels.CARD, pair, {})
+    h = float(np.median(np.diff(readings[0].prepared.run.time_s)))
+    groups = [(n,) for n in names]
+    for kind in sorted(set(kinds.values())):
+        group = tuple(n for n in names if kinds[n] == kind)
+        if len(group) > 1:
+            groups.append(group)
+    for group in groups:
+        yield from _scaled(readings, group)
+        for d in _DELAYS:
+            for sign in (1.0, -1.0):
+                values = {"delay_s": sign * d * h}
+                yield Hypothesis(skewed_channel.CARD, group, values)
+
+
+def _scaled(
+    readings: Sequence[Reading], group: tuple[str, ...]
+) -> Iterator[Hypothesis]:
+    """Sign, scale and zero of a group, by least squares on the twin."""
+    recorded, expected = [], []
+    for reading in readings:
+        for n in group:
+            c = reading.names.index(n)
+            rms = max(reading.prepared.floor.rms[c], 1e-12)
+            recorded.append(reading.prepared.run.channels[n] / rms)
+            expected.append(reading.expected[:, c] / rms)
+    x, y = np.concatenate(recorded), np.concatenate(expected)
+    if x @ x <= 0.0:
+        return
+    gain = float(x @ y / (x @ x))
+    yield Hypothesis(reversed_sign.CARD, group, {"zero": 0.0})
+    if gain > 0.0 and abs(gain - 1.0) > _GAIN:
+        values = {"scale": 1.0 / gain, "zero": 0.0}
+        yield Hypothesis(wrong_scale.CARD, group, values)
+    if len(group) == 1:
+        c = readings[0].names.index(group[0])
+        rms = max(readings[0].prepared.floor.rms[c], 1e-12)
+        offset = float(np.mean(x - y)) * rms
+        yield Hypothesis(moved_zero.CARD, group, {"offset": offset})

@@ -1,0 +1,1 @@
+"""Cards of recording faults, a file each: its law and its test."""

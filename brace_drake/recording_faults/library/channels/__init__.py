@@ -1,0 +1,1 @@
+"""Faults of single channels, and of pairs of them."""

@@ -1,0 +1,84 @@
+"""A reading that is cut off at a level."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from brace_drake.recording.columns import Channel
+from brace_drake.recording.recording import Run
+from brace_drake.recording_faults.card import FaultParameter, RecordingFault
+from brace_drake.recording_faults.channels import noisy_channels
+from brace_drake.recording_faults.finding import Finding
+from brace_drake.recording_faults.statistics import (
+    local_error,
+    quantum_of,
+    robust_deviation,
+)
+
+CARD = RecordingFault(
+    name="clipped_channel",
+    title="cut off at a level",
+    law="x_rec = min(x, upper), or max(x, lower)",
+    signature="many samples exactly at the greatest or least value, few just"
+    " below: noise would have spread them",
+    remedy="check the range of the recorder; record the run again",
+    impostors={"saturation": "cuts off what a drive does, not what is written"},
+    parameters=(
+        FaultParameter("level", "of the channel", "where it is cut off"),
+        FaultParameter("share", "1", "of the samples at the level"),
+    ),
+    is_of_run=True,
+)
+_LEAST = 20
+# Samples at the level over those within this many deviations below.
+_PILED, _BAND = 3.0, 3.0
+
+
+def find_clipped(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
+    """Readings of a run that are cut off at either end."""
+    found = []
+    for name in noisy_channels(run, known):
+        values = run.channels[name]
+        if known[name].saturates == "command":
+            # A controller cuts off its own commands.
+            continue
+        if np.ptp(values) == 0.0:
+            continue
+        for sign in (1.0, -1.0):
+            share = _share_at_top(sign * values)
+            if share is None:
+                continue
+            level = float(sign * np.max(sign * values))
+            row = int(np.argmax(values == level)) + 1
+            detail = f"{share * 100:.3g} % of its samples are exactly {level:g}"
+            found.append(
+                Finding(
+                    CARD,
+                    (run.file,),
+                    (name,),
+                    {"level": level, "share": share},
+                    detail=detail,
+                    row=row,
+                )
+            )
+    return found
+
+
+def _share_at_top(values: np.ndarray) -> float | None:
+    """Share of samples at the greatest value, None where noise made it.
+
+    A noisy reading that comes to rest scatters around its last value, so that
+    its greatest is rare among the samples just below.
+    """
+    top = values.max()
+    at_top = int(np.count_nonzero(values == top))
+    if at_top < _LEAST:
+        return None
+    step = quantum_of(values)
+    noise = max(robust_deviation(local_error(values)), step)
+    below = values[(values < top) & (values > top - _BAND * noise - step)]
+    if at_top <= _PILED * len(below):
+        return None
+    return at_top / len(values)

@@ -1,0 +1,102 @@
+"""Single samples that are far from their neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from brace_drake.recording.columns import Channel
+from brace_drake.recording.recording import Run
+from brace_drake.recording_faults.card import (
+    FaultParameter,
+    RecordingFault,
+    with_columns,
+)
+from brace_drake.recording_faults.channels import noisy_channels
+from brace_drake.recording_faults.finding import Finding
+from brace_drake.recording_faults.statistics import (
+    largest_normal,
+    local_error,
+    quantum_of,
+    robust_deviation,
+)
+
+# What is not normal in the noise of a sound reading, in deviations more.
+_TAILS = 1.5
+# Of a spike its neighbours know nothing: they differ by less than this part.
+_ALONE = 0.5
+# A few samples do not spoil a campaign.
+_FEW = 3
+
+
+def _undo(columns, channels, values):
+    """Straight lines in place of the outliers."""
+    changed, at = {}, None
+    for name in channels:
+        x = columns[name]
+        at = np.arange(len(x)) if at is None else at
+        good = ~outliers_of(x)
+        changed[name] = np.interp(at, at[good], x[good])
+    return with_columns(columns, changed)
+
+
+CARD = RecordingFault(
+    name="outliers",
+    title="with outliers",
+    law="x_rec = x + spikes in single samples",
+    signature="samples many deviations from a cubic through their neighbours,"
+    " which know nothing of it",
+    remedy="find what disturbs the line; a few may be removed, an empty field"
+    " in the table is filled",
+    parameters=(FaultParameter("share", "1", "of the samples"),),
+    undo=_undo,
+    is_of_run=True,
+)
+
+
+def outliers_of(values: np.ndarray, number: int = 500_000) -> np.ndarray:
+    """Marks of samples that are outliers (N,), bool.
+
+    Args:
+        values: Of one channel (N,).
+        number: Samples of the campaign, for the rate of false alarms.
+    """
+    error = local_error(values)
+    noise = max(robust_deviation(error), 0.5 * quantum_of(values))
+    far = np.abs(error) > _TAILS * largest_normal(number) * noise
+    marks = np.zeros(len(values), dtype=bool)
+    for i in np.flatnonzero(far):
+        near = values[max(0, i - 1)], values[min(len(values) - 1, i + 1)]
+        # What a spike leaves of its own in the errors beside it is less.
+        beside = np.abs(error[max(0, i - 1) : i + 2]).max()
+        away = min(abs(values[i] - n) for n in near)
+        alone = abs(near[1] - near[0]) < _ALONE * away
+        marks[i] = alone and abs(error[i]) >= beside
+    return marks
+
+
+def find_outliers(
+    run: Run, known: Mapping[str, Channel], number: int
+) -> list[Finding]:
+    """Channels of a run with outliers."""
+    found = []
+    for name in noisy_channels(run, known):
+        marks = outliers_of(run.channels[name], number)
+        count = int(marks.sum())
+        if not count:
+            continue
+        row = int(np.argmax(marks)) + 1
+        detail = f"{count} of its samples stand out from their neighbours"
+        found.append(
+            Finding(
+                CARD,
+                (run.file,),
+                (name,),
+                {"share": count / len(marks)},
+                detail=detail,
+                row=row,
+                severity="error" if count > _FEW else "warning",
+            )
+        )
+    return found

@@ -1,0 +1,1 @@
+"""Faults of whole runs, and of what the manifest says of them."""

@@ -1,0 +1,1 @@
+"""Faults of samples and clocks."""

@@ -1,0 +1,1 @@
+"""What recorded channels say of each other by a declared law."""

@@ -1,0 +1,60 @@
+"""Rates of false alarms, and what a channel's own noise is."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import chi2, norm
+
+# False alarms of one kind of test that a sound campaign may give.
+FALSE_ALARM = 1e-4
+# Root mean square that the floor of a replayed law may be off by itself:
+# replicates are few, and readings between samples unknown.
+_FLOOR_ERROR = 1.5
+# Of a normal sample: its deviation over the median of its absolute values.
+_MAD = 1.4826
+
+
+def largest_normal(number: int) -> float:
+    """Deviations that not one of so many normal values exceeds, but for the
+    rate of false alarms.
+    """
+    return float(norm.isf(0.5 * FALSE_ALARM / max(1, number)))
+
+
+def largest_mean_square(count: int, number: int) -> float:
+    """Mean of `count` squares of noise that none of `number` exceeds."""
+    rate = FALSE_ALARM / max(1, number)
+    return float(chi2.isf(rate, count) / count) * _FLOOR_ERROR**2
+
+
+def local_error(values: np.ndarray) -> np.ndarray:
+    """Each sample less the cubic through two neighbours on each side (N,).
+
+    0 at the ends, and in any cubic; a spike shows whole.
+    """
+    out = np.zeros(len(values))
+    if len(values) < 5:
+        return out
+    around = 4.0 * (values[1:-3] + values[3:-1]) - values[:-4] - values[4:]
+    out[2:-2] = values[2:-2] - around / 6.0
+    return out
+
+
+def robust_deviation(values: np.ndarray) -> float:
+    """Standard deviation of the bulk of values around 0."""
+    return float(_MAD * np.median(np.abs(values)))
+
+
+def quantum_of(values: np.ndarray) -> float:
+    """Least step between different values; 0 of a constant."""
+    steps = np.diff(np.unique(values))
+    # What floating point makes of equal values is no step.
+    steps = steps[steps > 1e-9 * max(1e-9, float(np.abs(values).max()))]
+    return float(steps.min()) if len(steps) else 0.0
+
+
+def stretches(marks: np.ndarray) -> list[tuple[int, int]]:
+    """Begin and end of each stretch of marked samples."""
+    edges = np.diff(marks.astype(int), prepend=0, append=0)
+    begins, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return [(int(a), int(b)) for a, b in zip(begins, ends, strict=True)]

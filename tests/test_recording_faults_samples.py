@@ -1,0 +1,174 @@
+"""Faults of samples, clocks and of what a manifest says, without a twin."""
+
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording_faults import check_recording
+from brace_drake.recording_faults.check import without_false_repeats
+from brace_drake.recording_faults.library.channels.outliers import outliers_of
+
+RATE, SAMPLES = 200.0, 1200
+
+
+def make_run(name, depth=0.008, seed=0, **about):
+    """A push by a smooth reference, with readings that follow and shake."""
+    noise = np.random.default_rng(seed)
+    t = np.arange(SAMPLES) / RATE
+    w = 2.0 * np.pi / t[-1]
+    columns = {"time_s": t}
+    y = -0.5 * depth * (1.0 - np.cos(w * t))
+    columns["ring2_y_desired_m"] = y
+    columns["ring2_vy_desired_m_s"] = -0.5 * depth * w * np.sin(w * t)
+    columns["ring2_ay_desired_m_s2"] = -0.5 * depth * w * w * np.cos(w * t)
+    columns["ring2_y_virtual_m"] = 0.8 * y
+    for k in range(1, 7):
+        shake = noise.standard_normal((2, SAMPLES))
+        columns[f"leg{k}_force_command_N"] = 2.0 + 100 * k * y + 0.04 * shake[0]
+        columns[f"leg{k}_length_m"] = np.round(0.14 + y + 5e-6 * shake[1], 5)
+    for axis, size in zip("xyz", (10.0, 900.0, 20.0), strict=True):
+        shake = noise.standard_normal((2, SAMPLES))
+        columns[f"ring2_force_{axis}_N"] = size * y + 0.03 * shake[0]
+        columns[f"torso_{axis}_m"] = 5e-4 * size * y + 5e-5 * shake[1]
+    about = {"contact": True, "repeat_of": None, "split": "fit", **about}
+    return Run(f"{name}.csv", motion=name, channels=columns, **about)
+
+
+def campaign_of(*runs):
+    return Campaign(Path("made"), "bench stage 2", RATE, "made", tuple(runs))
+
+
+def changed(run, **columns):
+    return replace(run, channels={**run.channels, **columns})
+
+
+class TestSamples(unittest.TestCase):
+    def setUp(self):
+        self.push = make_run("push")
+        self.other = make_run("other", depth=0.005, seed=1)
+
+    def assert_named(self, campaign, *names):
+        found = check_recording(campaign)
+        told = [f.sentence() for f in found]
+        self.assertEqual(
+            sorted(f.fault.name for f in found), sorted(names), told
+        )
+        return found
+
+    def test_sound_runs_have_no_fault(self):
+        self.assert_named(campaign_of(self.push, self.other))
+
+    def test_a_length_that_gets_stuck_is_named_with_its_time(self):
+        x = self.push.channels["leg2_length_m"].copy()
+        x[600:] = x[600]
+        run = changed(self.push, leg2_length_m=x)
+        (found,) = self.assert_named(campaign_of(run), "stuck_channel")
+        self.assertAlmostEqual(found.parameters["start_s"], 3.0, delta=0.05)
+
+    def test_a_force_that_is_cut_off_is_named_with_its_level(self):
+        x = np.maximum(self.push.channels["ring2_force_y_N"], -4.0)
+        run = changed(self.push, ring2_force_y_N=x)
+        (found,) = self.assert_named(campaign_of(run), "clipped_channel")
+        self.assertEqual(found.parameters["level"], -4.0)
+
+    def test_outliers_are_found_and_taken_out(self):
+        x = self.push.channels["torso_y_m"].copy()
+        at = np.arange(50, 1150, 100)
+        x[at] += 0.004
+        run = changed(self.push, torso_y_m=x)
+        self.assert_named(campaign_of(run), "outliers")
+        np.testing.assert_array_equal(np.flatnonzero(outliers_of(x)), at)
+
+    def test_a_step_is_no_outlier(self):
+        x = np.random.default_rng(0).standard_normal(500)
+        x[250:] += 100.0
+        self.assertFalse(outliers_of(x).any())
+
+    def test_lost_samples_show_in_the_reference(self):
+        keep = np.ones(SAMPLES, bool)
+        keep[400:420] = False
+        columns = {n: v[keep] for n, v in self.push.channels.items()}
+        columns["time_s"] = np.arange(keep.sum()) / RATE
+        run = replace(self.push, channels=columns)
+        (found,) = self.assert_named(campaign_of(run), "lost_samples")
+        self.assertAlmostEqual(found.parameters["start_s"], 2.0, delta=0.006)
+        self.assertAlmostEqual(found.parameters["lost_s"], 0.1, delta=0.01)
+
+    def test_a_block_that_is_there_twice_is_named(self):
+        order = np.r_[0:500, 480 : SAMPLES - 20]
+        columns = {n: v[order] for n, v in self.push.channels.items()}
+        columns["time_s"] = self.push.time_s
+        names = {
+            f.fault.name
+            for f in check_recording(
+                campaign_of(replace(self.push, channels=columns))
+            )
+        }
+        self.assertIn("repeated_samples", names)
+
+    def test_a_clock_that_is_off_is_named_with_the_true_rate(self):
+        for rate in (190.0, 200.6):
+            runs = [
+                changed(r, time_s=r.time_s) for r in (self.push, self.other)
+            ]
+            # Sampled at another rate than the times say.
+            runs = [self._sampled(r, rate) for r in runs]
+            with self.subTest(rate=rate):
+                (found,) = self.assert_named(campaign_of(*runs), "wrong_clock")
+                true = found.parameters["true_rate_hz"]
+                self.assertAlmostEqual(true, rate, delta=0.05)
+                self.assertTrue(found.of_all)
+
+    def _sampled(self, run, rate):
+        ratio = RATE / rate
+        v = run.channels["ring2_vy_desired_m_s"] / ratio
+        a = run.channels["ring2_ay_desired_m_s2"] / ratio**2
+        return changed(run, ring2_vy_desired_m_s=v, ring2_ay_desired_m_s2=a)
+
+    def test_a_scaled_reference_velocity_is_named(self):
+        v = 1e1 * self.push.channels["ring2_vy_desired_m_s"]
+        run = changed(self.push, ring2_vy_desired_m_s=v)
+        (found,) = self.assert_named(campaign_of(run), "wrong_scale")
+        self.assertEqual(found.channels, ("ring2_vy_desired_m_s",))
+        self.assertAlmostEqual(found.parameters["scale"], 10.0, delta=0.1)
+
+
+class TestManifest(unittest.TestCase):
+    def setUp(self):
+        self.push = make_run("push")
+        self.again = make_run("again", seed=5, repeat_of="push.csv")
+        self.other = make_run("other", depth=0.005, seed=1)
+
+    def test_a_repeat_has_the_same_inputs(self):
+        campaign = campaign_of(self.push, self.again, self.other)
+        self.assertEqual(check_recording(campaign), [])
+
+    def test_a_false_repeat_sets_no_noise_floor(self):
+        run = replace(self.other, repeat_of="push.csv")
+        campaign = campaign_of(self.push, run)
+        (found,) = check_recording(campaign)
+        self.assertEqual(found.fault.name, "false_repeat")
+        self.assertEqual(found.severity, "error")
+        cleaned = without_false_repeats(campaign, [found])
+        self.assertFalse(any(r.repeat_of for r in cleaned.runs))
+
+    def test_exchanged_files_are_named_by_the_repeat(self):
+        push = replace(self.push, channels=self.other.channels)
+        other = replace(self.other, channels=self.push.channels)
+        found = check_recording(campaign_of(push, self.again, other))
+        names = {f.fault.name: f.runs for f in found}
+        self.assertEqual(names["exchanged_runs"], ("push.csv", "other.csv"))
+
+    def test_a_copied_validation_run_validates_nothing(self):
+        copy = replace(self.push, file="check.csv", split="validation")
+        (found,) = check_recording(campaign_of(self.push, copy))
+        self.assertEqual(found.fault.name, "copied_run")
+        self.assertEqual(found.runs, ("check.csv",))
+        self.assertIn("does not count as validation", found.detail)
+
+
+if __name__ == "__main__":
+    unittest.main()
