@@ -126,14 +126,13 @@ def _beside(
             base = rough
             set_out(evaluator, base)
             lines = Linearisation(evaluator, base)
-        best = min([base, *found], key=criterion.score)
+        best = _best(criterion, base, found)
         criterion = with_level(evaluator, criterion, best)
         if not criterion.may_pay(best):
             return found
         criterion = with_level(evaluator, criterion, base)
         if len(base.effects) == room or not criterion.may_pay(base):
             return found
-        found += fit_stretched(lines, criterion, _beyond(effects, base))
         found += _forward(lines, criterion, effects, found, say)
     except BraceError:
         # The twin breaks down where the search would set out.
@@ -163,11 +162,14 @@ def _forward(
         say: Progress.
     """
     evaluator, base = lines.evaluator, lines.base
-    done = {f.name for f in known}
     name = f"{base.name}+" if base.effects else ""
     found: list[CandidateFit] = []
     for flexible in (False, True):
         more = others(effects, base, flexible)
+        found += fit_stretched(lines, more)
+        if not criterion.may_pay(_best(criterion, base, [*known, *found])):
+            break
+        done = {f.name for f in (*known, *found)}
         fresh = [e for e in more if name + e.key not in done]
         candidates = screen(lines, fresh, say)
         places = thresholds.PLACES if not flexible else len(more)
@@ -177,11 +179,15 @@ def _forward(
         fits = refine(evaluator, best_fits(candidates), base.excess)
         fits = improve_choices(lines, fits, np.inf)
         found += fits
-        ends = refined([*known, *found])
-        best = min(ends, key=criterion.score, default=base)
-        if not criterion.may_pay(best):
+        if not criterion.may_pay(_best(criterion, base, [*known, *found])):
             break
     return found
+
+
+def _best(
+    criterion: Criterion, base: CandidateFit, fits: Sequence[CandidateFit]
+) -> CandidateFit:
+    return min([base, *refined(fits)], key=criterion.score)
 
 
 def _backward(

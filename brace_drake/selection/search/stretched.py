@@ -47,21 +47,20 @@ def fit_friction(
             if form.name == card.name:
                 more = _search_one(lines, form, _start(card, values, t))
                 found += [more] if more is not None else []
-    if not found:
+    best = min(found, key=lambda f: f.excess, default=lines.base)
+    if best.excess > thresholds.GAINED * lines.remaining:
         return []
     # What it does bends what tolerances do.
-    best = min(found, key=lambda f: f.excess)
     return [refit_within(lines.evaluator, best, criterion.nuisances)]
 
 
 def fit_stretched(
-    lines: Linearisation, criterion: Criterion, effects: Sequence[Effect]
+    lines: Linearisation, effects: Sequence[Effect]
 ) -> list[CandidateFit]:
     """A fit with one more effect of those that tolerances suggest, refined.
 
     Args:
         lines: At the fit that is looked at.
-        criterion: Of the campaign.
         effects: Those that may be added.
     """
     found: dict[str, CandidateFit | None] = {}
