@@ -32,7 +32,7 @@ from brace_drake.selection.decision import Verdict, decide
 from brace_drake.selection.level import make_criterion
 from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.settle import set_within, settle
-from brace_drake.validation.causes import Cause, rank_causes
+from brace_drake.validation.causes import Cause, one_of_each, rank_causes
 from brace_drake.validation.confirm import confirm, without_copies
 from brace_drake.validation.prediction import predict_runs
 from brace_drake.validation.shrinkage import measure_shrinkage
@@ -157,6 +157,7 @@ def diagnose(
     verdict, winner = confirmation.verdict, confirmation.verdict.winner
     compared, closed = confirmation.compared, confirmation.closed
     shrinkage = measure_shrinkage(device, compared, nominal.subject, seed)
+    fits = one_of_each(criterion, fits, winner)
     rivals = fits if verdict.gap else []
     predictions = predict_runs(validation, compared, winner, rivals, seed)
     causes = rank_causes(criterion, fits, verdict, predictions)

@@ -10,6 +10,7 @@ from brace_drake.core.errors import BraceError
 from brace_drake.document.document import confirmed
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import decide
+from brace_drake.validation.causes import one_of_each
 from brace_drake.validation.confirm import confirm
 from tests.known_fits import COUNT, fit_of
 
@@ -42,6 +43,19 @@ class Runs:
 def off(keys, misfit, there):
     """A fit that leaves `misfit`, and is so many floors off on new runs."""
     return replace(fit_of(keys, misfit), subject=np.array([there]))
+
+
+class TestCauses(unittest.TestCase):
+    def test_of_the_same_effects_the_one_led_furthest_is_a_cause(self):
+        early = fit_of("relaxation+force_bias", 0.1, refined=False)
+        late = fit_of("force_bias+relaxation", 0.2)
+        best = fit_of("relaxation+force_bias", 0.15)
+        other = fit_of("relaxation", 3.0)
+        criterion = Criterion(fit_of("", 9.0), COUNT)
+        found = one_of_each(criterion, [early, late, other, best], None)
+        self.assertEqual(found, [best, other])
+        found = one_of_each(criterion, [early, late, other, best], late)
+        self.assertEqual(found, [late, other])
 
 
 class TestConfirm(unittest.TestCase):

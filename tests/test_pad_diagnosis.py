@@ -64,6 +64,7 @@ class TestDiagnosis(unittest.TestCase):
             document = self.diagnose(relaxing)
         self.assertEqual(document["verdict"]["effects"], ["relaxation"])
         self.assertIsNone(document["shrink"]["closed"])
+        self.assertIsNone(document["verdict"]["confirmed"])
         warnings = " ".join(document["warnings"])
         self.assertIn("breaks down on the validation runs", warnings)
 

@@ -47,6 +47,7 @@ def cause(error, excess=0.0, searched=True, of_runs=()):
         excess=excess,
         effects=(SimpleNamespace(run_parameters=of_runs),),
         is_searched=searched,
+        refined=searched,
         has_run_parameters=bool(of_runs),
     )
 

@@ -33,6 +33,25 @@ class Cause:
     decision: str
 
 
+def one_of_each(
+    criterion: Criterion,
+    fits: Sequence[CandidateFit],
+    winner: CandidateFit | None,
+) -> list[CandidateFit]:
+    """Of fits of the same effects, in whatever order, the one that was led
+    furthest, and of those the best; the winner in any case.
+    """
+
+    def rank(fit):
+        order = criterion.score(fit) if fit.refined else fit.excess
+        return fit is not winner, not fit.refined, not fit.is_searched, order
+
+    best: dict[frozenset[str], CandidateFit] = {}
+    for fit in sorted(fits, key=rank):
+        best.setdefault(frozenset(e.key for e in fit.effects), fit)
+    return list(best.values())
+
+
 def rank_causes(
     criterion: Criterion,
     fits: Sequence[CandidateFit],

@@ -48,7 +48,8 @@ def predict_runs(
     fits: Sequence[CandidateFit],
     seed: int,
 ) -> list[Prediction]:
-    """Predictions by the winner and by causes that leave least on the fit runs.
+    """Predictions by the winner and by causes that leave least on the fit runs,
+    those that were led to their end first.
 
     Args:
         validation: Over runs that no fit has seen.
@@ -63,7 +64,7 @@ def predict_runs(
         return []
     able = [
         f
-        for f in sorted(fits, key=lambda f: f.excess)
+        for f in sorted(fits, key=lambda f: (not f.refined, f.excess))
         if f.is_searched and not f.has_run_parameters
     ]
     rivals = [f for f in able[:_MOST] if f is not winner]
