@@ -149,7 +149,7 @@ def fit_effects(
     z = problem.join(subject, values)
     if not problem.has_spread:
         solution = search(problem, z)
-        return correct_step(problem, finish_fit(problem, solution))
+        return _end(problem, finish_fit(problem, solution))
     if spread is not None:
         problem.spread = spread / problem.spread_scale
     # Over dozens of parameters a Jacobian costs much; screening left one.
@@ -167,7 +167,22 @@ def fit_effects(
         solution = replace(solution, residual=known[0], jacobian=known[1])
         if abs(change) < _SAME_SPREAD:
             break
-    return correct_step(problem, finish_fit(problem, solution))
+    return _end(problem, finish_fit(problem, solution))
+
+
+def _end(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
+    if problem.is_rough:
+        # While explanations are compared the step changes less than chance.
+        return replace(fit, refined=True)
+    return correct_step(problem, fit)
+
+
+def correct_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
+    """A fit of drives that stick as `correct_step` leaves it."""
+    problem = CandidateProblem(evaluator, fit.effects, fit.values)
+    if fit.spread is not None and problem.has_spread:
+        problem.spread = fit.spread / problem.spread_scale
+    return correct_step(problem, fit) if problem.is_rough else fit
 
 
 def search(
@@ -234,9 +249,6 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     errors, at a small part of the cost of a fit at that step.
     """
     solution = fit.solution
-    if problem.is_rough:
-        # The step changes less than chance does.
-        return replace(fit, refined=True)
     (residual,) = problem.batch([solution.z], fine=True)
     if residual is None:
         return replace(fit, refined=True)

@@ -13,7 +13,7 @@ that only imitates another does not share (Vehtari, Gelman, Gabry, Practical
 Bayesian model evaluation using leave-one-out cross-validation, Statistics and
 Computing 27, 2017); the third is that of the tolerances themselves. The level
 is what no twin is exact to: below it less says nothing. Numbers within their
-tolerances are no part of the misfit, see `identification.tolerances`.
+tolerances are no part of the misfit, see `devices.tolerances`.
 """
 
 from __future__ import annotations

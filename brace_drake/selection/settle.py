@@ -9,8 +9,8 @@ from dataclasses import replace
 
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.held_out import estimate_off
+from brace_drake.identification.fits import CandidateFit, correct_fit
+from brace_drake.identification.held_out import check_fit, estimate_off
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection.criterion import Criterion, best_of_kinds
 from brace_drake.selection.level import with_level
@@ -30,12 +30,15 @@ def settle(
         fits: Of the search.
     """
     best = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
-    if best.effects and not best.is_settled:
-        set_out(evaluator, best)
+    if not best.effects:
+        return with_level(evaluator, criterion, best), list(fits)
+    set_out(evaluator, best)
+    again = best
+    if not best.is_settled:
         again = refit_within(evaluator, best, criterion.nuisances)
-        fits = [again if f is best else f for f in fits]
-        best = again
-    return with_level(evaluator, criterion, best), list(fits)
+    again = check_fit(evaluator, correct_fit(evaluator, again))
+    fits = [again if f is best else f for f in fits]
+    return with_level(evaluator, criterion, again), fits
 
 
 def set_within(

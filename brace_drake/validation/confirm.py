@@ -114,7 +114,9 @@ def _judge(criterion, verdict, fits, compared, closed) -> Verdict:
                     " times the floor",
                 ),
             )
-    most = np.sqrt(1.0 + BEYOND_LEVEL * criterion.level)
+    # More than what is left on the fit runs, as a gap is more than the level.
+    left = criterion.left(verdict.winner or criterion.nominal)
+    most = np.sqrt(1.0 + BEYOND_LEVEL * left)
     if not verdict.gap and after > most:
         return contradict(
             verdict,

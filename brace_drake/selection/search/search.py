@@ -62,7 +62,7 @@ def search_causes(
     for number in range(1, thresholds.MOST_EFFECTS + 1):
         part = _part(say, number)
         for base in beam:
-            known += _beside(evaluator, criterion, base, effects, part)
+            known += _beside(evaluator, criterion, base, effects, known, part)
         if number > 1:
             known += _backward(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
@@ -100,6 +100,7 @@ def _beside(
     criterion: Criterion,
     base: CandidateFit,
     effects: Sequence[Effect],
+    known: Sequence[CandidateFit],
     say: Say,
 ) -> list[CandidateFit]:
     """Sets with one more effect, beside tolerances as they act there.
@@ -132,7 +133,8 @@ def _beside(
         criterion = with_level(evaluator, criterion, base)
         if len(base.effects) == room or not criterion.may_pay(base):
             return found
-        found += _forward(lines, criterion, effects, found, say)
+        done = [*known, *found]
+        found += _forward(lines, criterion, effects, done, say)
     except BraceError:
         # The twin breaks down where the search would set out.
         pass
@@ -157,19 +159,19 @@ def _forward(
         lines: Where the search sets out from.
         criterion: Of the campaign.
         effects: All that there are.
-        known: Fits that were led to their end from there before.
+        known: Fits before; sets that were led to their end are not made
+            again.
         say: Progress.
     """
     evaluator, base = lines.evaluator, lines.base
-    name = f"{base.name}+" if base.effects else ""
     found: list[CandidateFit] = []
     for flexible in (False, True):
         more = others(effects, base, flexible)
         found += fit_stretched(lines, more)
         if not criterion.may_pay(_lead_best(lines, criterion, known, found)):
             break
-        done = {f.name for f in (*known, *found)}
-        fresh = [e for e in more if name + e.key not in done]
+        done = {_keys(f.effects) for f in (*known, *found) if f.refined}
+        fresh = [e for e in more if _keys((*base.effects, e)) not in done]
         candidates = screen(lines, fresh, say)
         places = thresholds.PLACES if not flexible else len(more)
         search_best(lines, candidates, say, places=places)
@@ -181,6 +183,10 @@ def _forward(
         if not criterion.may_pay(_lead_best(lines, criterion, known, found)):
             break
     return found
+
+
+def _keys(effects: Sequence[Effect]) -> frozenset[str]:
+    return frozenset(e.key for e in effects)
 
 
 def _lead_best(
@@ -226,7 +232,10 @@ def _backward(
         return []
     done, found = {f.kinds for f in known if f.refined}, []
     set_out(evaluator, best)
-    lines = Linearisation(evaluator, criterion.nominal)
+    try:
+        lines = Linearisation(evaluator, criterion.nominal)
+    except BraceError:
+        return []
     for out in best.effects:
         kept = [u for u in best.uses if u[0] is not out]
         if {e.name for e, _ in kept} in done or not kept:
