@@ -68,7 +68,6 @@ class CandidateFit:
             and in no order.
         uses: The effects with their fitted parameters.
         num_free: Parameters beyond the subject's that were moved.
-        freedom: Those, and those that were chosen.
         is_flexible: Whether one of the effects has dozens of parameters.
         has_run_parameters: Whether single runs have parameters of their own.
         is_searched: Whether a search has moved it, beyond what screening
@@ -97,7 +96,6 @@ class CandidateFit:
     kinds: frozenset[str] = field(init=False)
     uses: tuple[Use, ...] = field(init=False)
     num_free: int = field(init=False)
-    freedom: int = field(init=False)
     is_flexible: bool = field(init=False)
     has_run_parameters: bool = field(init=False)
     is_searched: bool = field(init=False)
@@ -105,16 +103,12 @@ class CandidateFit:
     def __post_init__(self):
         names = tuple(e.name for e in self.effects)
         free = len(self.scales) - len(self.subject)
-        chosen = sum(
-            len(p.choices) > 1 for e in self.effects for p in e.parameters
-        )
         derived = {
             "name": "+".join(e.key for e in self.effects) or "nominal",
             "identifiers": names,
             "kinds": frozenset(names),
             "uses": tuple(zip(self.effects, self.values, strict=True)),
             "num_free": free,
-            "freedom": free + chosen,
             "is_flexible": any(e.is_flexible for e in self.effects),
             "has_run_parameters": any(e.run_parameters for e in self.effects),
             "is_searched": self.solution.jacobian is not None,

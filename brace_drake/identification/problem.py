@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -136,40 +135,6 @@ class CandidateProblem:
                 return np.arange(first, first + own)
             at += len(moved)
         raise ValueError(f"{effect.key} is not part of this candidate")
-
-    def best_run_starts(
-        self, z: np.ndarray, effect: Effect
-    ) -> tuple[np.ndarray, np.ndarray | None]:
-        """z with every run at the best of an effect's own starts, and the
-        residual there; None where the twin breaks down.
-        """
-        runs, points = range(len(self.evaluator.prepared)), []
-        starts = (p.starts for p in effect.run_parameters)
-        for start in itertools.product(*starts):
-            point = z.copy()
-            for run in runs:
-                mine = self.places_in_run(effect, run)
-                point[mine] = np.array(start) / self.scales[mine]
-            points.append(point)
-        found = self.batch(points, coarse=True)
-        if len(points) == 1:
-            return z, found[0]
-        kept = [
-            (p, r) for p, r in zip(points, found, strict=True) if r is not None
-        ]
-        if not kept:
-            return z, None
-        # Whitening mixes the runs: they are compared before it.
-        kept = [(p, self.coloured(r)) for p, r in kept]
-        out, residual = z.copy(), kept[0][1].copy()
-        ends = self.evaluator.ends
-        for run, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
-            costs = [r[begin:end] @ r[begin:end] for _, r in kept]
-            point, chosen = kept[int(np.argmin(costs))]
-            residual[begin:end] = chosen[begin:end]
-            mine = self.places_in_run(effect, run)
-            out[mine] = point[mine]
-        return out, self.whitened(residual)
 
     @property
     def spread_scale(self) -> float:

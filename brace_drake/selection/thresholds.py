@@ -52,8 +52,8 @@ COARSE, COARSE_OF_MANY, COARSE_PREDICTION = 0.01, 0.5, 0.03
 # Screening: steps of a round; rounds, as long as one leaves less than this
 # share of what the one before has left.
 STEPS, ROUNDS, WORTH_A_ROUND = 5, 4, 0.7
-# What a round leaves where it goes well, and the first one at the very best.
-GOOD_ROUND, BEST_ROUND = 0.5, 0.1
+# What the first round leaves at the very best.
+BEST_ROUND = 0.1
 # A round that leaves what was predicted, so near, has come to its end; a
 # prediction of less than this share of what is left has failed.
 AS_PREDICTED, FAILED = 0.02, 0.5
@@ -67,10 +67,9 @@ HOPELESS, HOPELESS_PLACES = 0.98, 2
 # A start is tried at another strength, this often, where it is more than that
 # many times too strong or too weak.
 RESCALED, ENOUGH, WEAKEST = 2, 0.4, 0.05
-# A straight way predicts half of what a search takes, or less; of more
-# parameters than these it says nothing; it is followed this many times as far
-# as the start.
-BENDS, STRAIGHT_PARAMETERS, REACH = 2.0, 4, 30.0
+# Of more parameters than these a straight way says nothing; it is followed
+# this many times as far as the start.
+STRAIGHT_PARAMETERS, REACH = 4, 30.0
 # Beyond this many parameters a Jacobian is differenced once in a round.
 FEW = 8
 # Relative decrease that ends a round: less is chance where drives stick, and

@@ -15,6 +15,7 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import solve_gauss_newton
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.run_starts import best_run_starts
 
 _STEPS = 6
 
@@ -34,7 +35,7 @@ def adapt_to_runs(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
         for run in range(len(evaluator.prepared)):
             is_own[problem.places_in_run(effect, run)] = True
     for effect in fit.effects:
-        z, _ = problem.best_run_starts(z, effect)
+        z, _ = best_run_starts(problem, z, effect)
     first = int(np.argmax(is_own))
 
     def differentiate(z, residual):

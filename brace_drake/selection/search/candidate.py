@@ -21,6 +21,7 @@ from brace_drake.identification.least_squares import (
     solve_gauss_newton,
 )
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.run_starts import best_run_starts
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.linearisation import Linearisation
 
@@ -157,7 +158,7 @@ def make_candidate(
         problem.spread = spread / problem.spread_scale
     z = problem.join(subject, values)
     if fresh is not None:
-        z, residual = problem.best_run_starts(z, fresh)
+        z, residual = best_run_starts(problem, z, fresh)
     else:
         (residual,) = problem.batch([z], coarse=True)
     return None if residual is None else Candidate(problem, z, residual)

@@ -28,9 +28,6 @@ class Linearisation:
     Args:
         evaluator: Over the fit runs.
         base: The nominal fit, or one whose effects stay in.
-        with_prior: Whether what the fit's parameters cost counts too. Where
-            dozens of them cover what another effect does, that is where it
-            shows.
 
     Attributes:
         residual: Of the fit at the coarse plant step (rows,).
@@ -41,16 +38,9 @@ class Linearisation:
         BraceError: The twin breaks down there at the coarse plant step.
     """
 
-    def __init__(
-        self,
-        evaluator: Evaluator,
-        base: CandidateFit,
-        with_prior: bool = False,
-    ):
+    def __init__(self, evaluator: Evaluator, base: CandidateFit):
         self.evaluator, self.base = evaluator, base
-        self.rows, self._with_prior = evaluator.ends[-1], with_prior
-        if with_prior:
-            self.rows += base.num_prior
+        self.rows = evaluator.ends[-1]
         problem = CandidateProblem(evaluator, base.effects, base.values)
         self.tolerances = problem.tolerances
         if base.spread is not None:
@@ -119,7 +109,7 @@ class Linearisation:
     def is_exact(self) -> bool:
         """Whether the fit leaves nothing for another effect to explain."""
         misfit = self.base.excess / self.evaluator.count
-        return not self._with_prior and misfit <= thresholds.TWIN_ERROR
+        return misfit <= thresholds.TWIN_ERROR
 
     def predict_excess(
         self,

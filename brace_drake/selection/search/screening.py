@@ -63,26 +63,19 @@ def others(
     ]
 
 
-def _best_starts(
-    candidates: Sequence[Candidate], bar: float
-) -> list[Candidate]:
-    """The best start of each set of effects below the bar, with the best one
-    from another start: from one time constant, or one width of a loop, no way
-    may lead to another.
+def _best_starts(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The best start of each set of effects, with the best one from another
+    start: from one time constant, or one width of a loop, no way may lead to
+    another.
     """
     best: dict[str, list[Candidate]] = {}
     for candidate in sorted(candidates, key=lambda c: c.predicted):
         best.setdefault(candidate.name, []).append(candidate)
-    good = []
     for first, *more in best.values():
-        bends = 1.0 if first.added.spread is not None else thresholds.BENDS
-        if first.predicted > bends * bar:
-            continue
         if not first.added.is_flexible:
             others = (c for c in more if c.start != first.start)
             first.others = tuple(itertools.islice(others, 1))
-        good.append(first)
-    return good
+    return [first for first, *_ in best.values()]
 
 
 def search_best(
@@ -90,10 +83,6 @@ def search_best(
     candidates: Sequence[Candidate],
     say: Say = silent,
     places: int = thresholds.PLACES,
-    bar: float = np.inf,
-    enough: float = np.inf,
-    must_explain: bool = False,
-    least: float = np.inf,
 ) -> None:
     """Searches the candidates that are predicted to leave least, best first.
 
@@ -104,19 +93,10 @@ def search_best(
         candidates: With what they are predicted to leave.
         say: Progress.
         places: So many are searched whatever is predicted.
-        bar: Excess; of effects of dozens of parameters that are drawn alike
-            those predicted to leave more are not searched, of others those
-            predicted to leave by far more.
-        enough: Excess of an explanation. A candidate predicted to leave more,
-            whose search has gone behind the base, is given up.
-        must_explain: Whether one that leaves more than `enough` is of no use:
-            it is given up, and what is predicted to gain next to nothing is
-            not searched.
-        least: Excess that another one has left before.
     """
     if base.is_exact:
         return
-    candidates = _best_starts(candidates, bar)
+    candidates, least = _best_starts(candidates), np.inf
     trust = thresholds.COARSE * base.evaluator.count
     remaining = base.remaining
     for place, candidate in enumerate(candidates):
@@ -128,27 +108,19 @@ def search_best(
             places = min(places, thresholds.PLACES_AT_FLOOR)
         if place >= places and (far_behind or no_gain):
             break
-        if no_gain and must_explain:
-            break
         hopeless = fit.excess > thresholds.HOPELESS * remaining
         if place >= thresholds.HOPELESS_PLACES and hopeless:
             break
         say(f"cause {fit.name}", 0.6 + 0.4 * place / len(candidates))
         for start in (candidate, *candidate.others):
-            if _search(base, start, least, enough, must_explain):
+            if _search(base, start, least):
                 least = max(0.0, min(least, start.fit().excess))
             # Where one has come to the floor no other way need be tried.
             if least <= trust:
                 break
 
 
-def _search(
-    base: Linearisation,
-    candidate: Candidate,
-    least: float,
-    enough: float,
-    must_explain: bool,
-) -> bool:
+def _search(base: Linearisation, candidate: Candidate, least: float) -> bool:
     """Rounds of steps while they bring much; False if its twin breaks down.
 
     One that would not come near the best at the rate of the last round is
@@ -165,32 +137,24 @@ def _search(
             return False
         left = candidate.fit().excess
         rate = left / before
-        is_lost = predicted > enough and left > base.remaining
-        if left < end or rate > thresholds.WORTH_A_ROUND or is_lost:
+        if left < end or rate > thresholds.WORTH_A_ROUND:
             break
         is_first, rounds = done == 1, thresholds.ROUNDS - done
         near = thresholds.AS_PREDICTED
         if is_first and np.isclose(left, predicted, rtol=near):
             break
-        rate = thresholds.GOOD_ROUND if is_first else rate
-        if must_explain and left * rate**rounds > enough:
-            break
-        if is_first:
-            rate = thresholds.BEST_ROUND
+        rate = thresholds.BEST_ROUND if is_first else rate
         if left * rate**rounds > near_best:
             break
         before = left
     has_failed = end < left and predicted < thresholds.FAILED * left
-    is_behind = must_explain and left > base.remaining
-    if predicted < near_best and has_failed and not (is_lost or is_behind):
+    if predicted < near_best and has_failed:
         # Far from the base its sensitivities may lead nowhere.
         return candidate.step(base, thresholds.STEPS, own=True)
     return True
 
 
-def predict(
-    base: Linearisation, effect: Effect, least: float | None = None
-) -> list[Candidate]:
+def predict(base: Linearisation, effect: Effect) -> list[Candidate]:
     """An effect beside the base's, at each of its starts, with predictions.
 
     A start that is far too strong or too weak, or of the wrong sign, is
@@ -199,14 +163,9 @@ def predict(
     Args:
         base: Where to set out from.
         effect: The one more.
-        least: What a start is predicted to take for that; as a rule some of
-            what there is, and nothing is tried twice beside a base that leaves
-            nothing.
     """
     found: list[Candidate] = []
     most = thresholds.HOPELESS * base.remaining
-    if least is not None:
-        most = base.excess - least
     for values in effect.starts():
         start = tuple(values[effect.has_several_starts])
         for _ in range(thresholds.RESCALED + 1):
@@ -232,7 +191,7 @@ def predict(
             is_strong_enough = thresholds.ENOUGH < far < 1.0 / thresholds.ENOUGH
             if effect.run_parameters or is_strong_enough:
                 break
-            if least is None and base.is_exact:
+            if base.is_exact:
                 return found
             if candidate.predicted > most:
                 break

@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from brace_drake.core.errors import BraceError
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
@@ -103,11 +101,7 @@ def _beside(
     known: Sequence[CandidateFit],
     say: Say,
 ) -> list[CandidateFit]:
-    """Sets with one more effect, beside tolerances as they act there.
-
-    Friction within its tolerance is no effect: where it is there, the search
-    sets out from it.
-    """
+    """Sets with one more effect, beside tolerances as they act there."""
     room = MAX_EFFECTS - len(evaluator.twin.carried)
     set_out(evaluator, base)
     found: list[CandidateFit] = []
@@ -115,26 +109,18 @@ def _beside(
         if base.effects and not base.is_settled:
             base = refit_within(evaluator, base, criterion.nuisances)
             found.append(base)
-        lines = Linearisation(evaluator, base)
         if not criterion.may_pay(base):
             return found
+        lines = Linearisation(evaluator, base)
         say("friction", 0.0)
         found += fit_friction(lines, criterion, _beyond(effects, base))
-        number = len(criterion.findings(base))
-        same = [f for f in found if len(criterion.findings(f)) == number]
-        rough = _best(criterion, base, same)
-        set_out(evaluator, rough)
-        if rough is not base:
-            base, lines = rough, Linearisation(evaluator, rough)
+        set_out(evaluator, base)
         best = _best(criterion, base, found)
-        criterion = with_level(evaluator, criterion, best)
-        if not criterion.may_pay(best):
+        if not with_level(evaluator, criterion, best).may_pay(best):
             return found
-        criterion = with_level(evaluator, criterion, base)
-        if len(base.effects) == room or not criterion.may_pay(base):
-            return found
-        done = [*known, *found]
-        found += _forward(lines, criterion, effects, done, say)
+        if len(base.effects) < room:
+            done = [*known, *found]
+            found += _forward(lines, criterion, effects, done, say)
     except BraceError:
         # The twin breaks down where the search would set out.
         pass
@@ -168,45 +154,58 @@ def _forward(
     for flexible in (False, True):
         more = others(effects, base, flexible)
         found += fit_stretched(lines, more)
-        if not criterion.may_pay(_lead_best(lines, criterion, known, found)):
+        if _is_told(lines, criterion, effects, known, found):
             break
         done = {_keys(f.effects) for f in (*known, *found) if f.refined}
         fresh = [e for e in more if _keys((*base.effects, e)) not in done]
         candidates = screen(lines, fresh, say)
         places = thresholds.PLACES if not flexible else len(more)
         search_best(lines, candidates, say, places=places)
-        fits = [*best_fits(candidates), *(f for f in known if f.refined)]
+        fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
+        fits += best_fits(candidates)
         candidates += search_richer(lines, fits, more)
         fits = refine(evaluator, best_fits(candidates), base.excess)
-        fits = improve_choices(lines, fits, np.inf)
-        found += fits
-        if not criterion.may_pay(_lead_best(lines, criterion, known, found)):
+        found += improve_choices(lines, fits)
+        if _is_told(lines, criterion, effects, known, found):
             break
     return found
+
+
+def _has(fit: CandidateFit, base: CandidateFit) -> bool:
+    """Whether a fit has just one effect more than a base."""
+    is_larger = len(fit.effects) == len(base.effects) + 1
+    return is_larger and _keys(base.effects) <= _keys(fit.effects)
 
 
 def _keys(effects: Sequence[Effect]) -> frozenset[str]:
     return frozenset(e.key for e in effects)
 
 
-def _lead_best(
+def _is_told(
     lines: Linearisation,
     criterion: Criterion,
+    effects: Sequence[Effect],
     known: Sequence[CandidateFit],
     found: list[CandidateFit],
-) -> CandidateFit:
-    """The best so far, with tolerances linearised where it stands: among those
-    found it takes the place of the one without.
+) -> bool:
+    """Whether no effect more could better the best so far.
+
+    It is led on first, with tolerances linearised where it stands and with the
+    friction that they allow for.
     """
-    best = _best(criterion, lines.base, [*known, *found])
+    evaluator, base = lines.evaluator, lines.base
+    best = _best(criterion, base, [*known, *found])
     place = next((i for i, f in enumerate(found) if f is best), None)
-    if best.is_settled or place is None:
-        return best
-    set_out(lines.evaluator, best)
-    again = refit_within(lines.evaluator, best, criterion.nuisances)
-    set_out(lines.evaluator, lines.base)
-    found[place] = again
-    return _best(criterion, lines.base, [*known, *found])
+    if place is not None and not best.is_settled:
+        set_out(evaluator, best)
+        best = refit_within(evaluator, best, criterion.nuisances)
+        found[place] = best
+        if with_level(evaluator, criterion, best).may_pay(best):
+            here = Linearisation(evaluator, best)
+            found += fit_friction(here, criterion, _beyond(effects, best))
+        set_out(evaluator, base)
+        best = _best(criterion, base, [*known, *found])
+    return not with_level(evaluator, criterion, best).may_pay(best)
 
 
 def _best(

@@ -32,8 +32,6 @@ def refine(
     evaluator: Evaluator,
     fits: Sequence[CandidateFit],
     remaining: float,
-    most: float = np.inf,
-    rivals: float = np.inf,
 ) -> list[CandidateFit]:
     """Leads the searches of the shortlist to their end.
 
@@ -42,8 +40,6 @@ def refine(
         fits: From screening.
         remaining: Excess of the fit that screening set out from; what takes
             next to nothing of it is not listed, unless it is the best.
-        most: Largest excess on the list.
-        rivals: Largest excess on the list beside the best.
 
     Returns:
         All fits in the order of what screening left, those listed refined.
@@ -61,8 +57,7 @@ def refine(
         if (
             place < thresholds.NUM_SHORTLIST
             and searched
-            and fit.excess <= most
-            and (place == 0 or fit.excess <= min(bar, rivals))
+            and (place == 0 or fit.excess <= bar)
         ):
             fit = try_refine(evaluator, fit)
         out.append(fit)
@@ -80,13 +75,11 @@ def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
 
 
 def improve_choices(
-    base: Linearisation, fits: list[CandidateFit], most: float
+    base: Linearisation, fits: list[CandidateFit]
 ) -> list[CandidateFit]:
-    """Tries other discrete parameters of the best fit, where it has any and
-    leaves at most so much excess.
-    """
+    """Tries other discrete parameters of the best fit, where it has any."""
     best = next(iter(refined(fits)), None)
-    if best is None or best.excess > most or best.effects[-1].is_flexible:
+    if best is None or best.effects[-1].is_flexible:
         return fits
     if best.excess / base.evaluator.count <= thresholds.TWIN_ERROR:
         return fits
