@@ -125,6 +125,7 @@ def fit_effects(
     evaluator: Evaluator,
     effects: Sequence[Effect],
     start: CandidateFit | Sequence[np.ndarray],
+    is_compared: bool = False,
 ) -> CandidateFit:
     """Fits effects together with the subject, to the end.
 
@@ -133,6 +134,9 @@ def fit_effects(
         effects: One or more.
         start: A fit of the same effects to go on from, or parameters of each
             effect; then the subject sets out from its nominal values.
+        is_compared: Whether it is only held against others: then fits of
+            drives that stick keep what the plant's step has put into their
+            parameters, which is less than chance.
     """
     if isinstance(start, CandidateFit):
         subject, values, spread = start.subject, start.values, start.spread
@@ -143,7 +147,7 @@ def fit_effects(
     z = problem.join(subject, values)
     if not problem.has_spread:
         solution = search(problem, z)
-        return _end(problem, finish_fit(problem, solution))
+        return _end(problem, finish_fit(problem, solution), is_compared)
     if spread is not None:
         problem.spread = spread / problem.spread_scale
     # Over dozens of parameters a Jacobian costs much; screening left one.
@@ -161,12 +165,13 @@ def fit_effects(
         solution = replace(solution, residual=known[0], jacobian=known[1])
         if abs(change) < _SAME_SPREAD:
             break
-    return _end(problem, finish_fit(problem, solution))
+    return _end(problem, finish_fit(problem, solution), is_compared)
 
 
-def _end(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
-    if problem.is_rough:
-        # While explanations are compared the step changes less than chance.
+def _end(
+    problem: CandidateProblem, fit: CandidateFit, is_compared: bool
+) -> CandidateFit:
+    if problem.is_rough and is_compared:
         return replace(fit, refined=True)
     return correct_step(problem, fit)
 

@@ -67,7 +67,7 @@ def refine(
 def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """Leads a search to its end; the fit as it is where its twin breaks."""
     try:
-        fit = fit_effects(evaluator, fit.effects, fit)
+        fit = fit_effects(evaluator, fit.effects, fit, is_compared=True)
     except (BraceError, ValueError):
         # A candidate whose twin cannot even run explains nothing.
         return fit
