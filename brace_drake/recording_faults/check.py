@@ -57,7 +57,12 @@ def check_recording(
         seed: Of the noise in the law's floor.
     """
     runs = [r for r in campaign.runs if len(r.time_s) >= _LEAST_ROWS]
+    checker = None
+    if device is not None and device.control_law is not None:
+        checker = LawChecker(device, runs, seed)
     samples = _of_samples(campaign, runs)
+    if checker is not None:
+        samples = [_as_followed(f, runs, checker) for f in samples]
     found = merge(samples, len(runs))
     # A run with lost samples repeats no other, and a clock spoils every law.
     timed = _files(f for f in samples if f.fault.name in _OF_TIME)
@@ -69,9 +74,9 @@ def check_recording(
         return found
     spoilt = timed | _files(f for f in samples if f.is_certain)
     law: list[Finding] = []
-    if device.control_law is not None:
+    if checker is not None:
         whole = [r for r in runs if r.file not in spoilt]
-        law = find_law_faults(LawChecker(device, runs, seed), whole)
+        law = find_law_faults(checker, whole)
         found += merge(law, len(runs))
     # Of a torso that is not there a marker may read nothing at all.
     pressed = timed | _files(
@@ -83,6 +88,21 @@ def check_recording(
     absent = _files(f for f in contact if f.fault.name == "wrong_contact")
     kept = [f for f in found if not (_is_of_torso(f) and {*f.runs} <= absent)]
     return kept + merge(contact, sum(r.contact for r in runs))
+
+
+def _as_followed(
+    finding: Finding, runs: Sequence[Run], checker: LawChecker
+) -> Finding:
+    """A scale of the reference is a warning where the controller has followed
+    the reference as it is.
+    """
+    names = finding.channels
+    if not names or not all("desired" in n for n in names):
+        return finding
+    judged = [checker.judge(r) for r in runs if r.file in finding.runs]
+    if all(m is not None and m.is_sound for m in judged):
+        return replace(finding, severity="warning")
+    return finding
 
 
 def _is_of_torso(finding: Finding) -> bool:

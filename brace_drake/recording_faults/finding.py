@@ -28,6 +28,8 @@ class Finding:
         severity: "error" where the campaign cannot be diagnosed as it is,
             "warning" where it can.
         row: First data row from 1 that shows it, where one does.
+        is_decisive: Whether a warning has no name, but no doubt either: the
+            verdict on the machine does not count.
         before, after: Mean square of what contradicts it, in noise floors,
             and with the fault undone; None where nothing was replayed.
     """
@@ -41,13 +43,14 @@ class Finding:
     severity: str = "error"
     row: int | None = None
     of_all: bool = False
+    is_decisive: bool = False
     before: float | None = None
     after: float | None = None
 
     @property
     def is_certain(self) -> bool:
         """Whether no verdict on the machine counts beside it."""
-        return self.severity == "error"
+        return self.is_decisive or self.severity == "error"
 
     @property
     def place(self) -> str:

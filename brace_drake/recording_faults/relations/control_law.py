@@ -271,5 +271,6 @@ def _unexplained(checker: LawChecker, run: Run, before: Mismatch) -> Finding:
         f"it is {size[worst]:.3g} noise floors off what the controller makes of"
         " the recorded readings and reference",
         severity="warning",
+        is_decisive=True,
         before=before.total,
     )

@@ -167,7 +167,7 @@ def _of_ratios(run, names, first, second, h) -> list[Finding]:
         return []
     if first.scatter > _SCATTER or (second and second.scatter > 3 * _SCATTER):
         detail = f"{names[1]} is not the derivative of {names[0]}"
-        return [_finding(contradiction.CARD, run, names, {}, detail, 0.9)]
+        return [_unlike(run, names, detail)]
     r, s = first.value, second.value if second else first.value
     seen = f"{names[0]} moves {r:.5g} times as fast as {names[1]} says"
     near = 5.0 * max(_CLOCK, first.error, second.error if second else 0.0)
@@ -185,7 +185,15 @@ def _of_ratios(run, names, first, second, h) -> list[Finding]:
     if abs(r - 1.0) < near:
         seen = f"{names[1]} changes {s:.5g} times as fast as {names[2]} says"
         return [_scaled(run, names[2], 1.0 / s, seen)]
-    return [_finding(contradiction.CARD, run, names, {}, seen, 0.9)]
+    return [_unlike(run, names, seen)]
+
+
+def _unlike(run: Run, names: Sequence[str], detail: str) -> Finding:
+    """Columns that are no derivatives of each other: some references are made
+    so, and the controller has followed them as they are.
+    """
+    found = _finding(contradiction.CARD, run, names, {}, detail, 0.9)
+    return replace(found, severity="warning")
 
 
 def _scaled(run: Run, name: str, scale: float, seen: str) -> Finding:
