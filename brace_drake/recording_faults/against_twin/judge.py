@@ -9,11 +9,8 @@ import numpy as np
 from brace_drake.devices.declaration import Device
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
-from brace_drake.identification.fits import (
-    CandidateFit,
-    fit_effects,
-    fit_nominal,
-)
+from brace_drake.identification.fits import CandidateFit, fit_effects
+from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.against_twin.misfit import (
@@ -53,7 +50,8 @@ def find_recording_faults(
         fit: The best explanation by subject and effects.
         jobs: As of `Evaluator`.
     """
-    subject, uses = fit.subject, fit.uses
+    # Numbers within their tolerances are no fault of the recording.
+    subject, uses = fit.subject, (*fit.uses, *fit.within)
     # What each run has of its own would have to be estimated anew; and without
     # a torso there is no subject.
     if fit.has_run_parameters or device.torso_law is None:
