@@ -102,6 +102,8 @@ class Criterion:
         before, after, least = (
             np.sqrt(1.0 + m) - 1.0 for m in (gap, rest, self.level)
         )
+        if before <= 0.0:
+            return 0.0
         return float(np.clip((after - least) / before, 0.0, 1.0))
 
     def is_beyond_level(self, fit: CandidateFit) -> bool:
