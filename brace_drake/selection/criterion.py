@@ -73,9 +73,13 @@ class Criterion:
 
     def score(self, fit: CandidateFit) -> float:
         """Of a fit; the least one is the best explanation."""
-        cost = thresholds.COST_OF_EFFECT * len(self.findings(fit))
         stretch = max(1.0, fit.stretch / thresholds.WITHIN)
-        return float(np.log(self.left(fit)) + 2.0 * np.log(stretch) + cost)
+        return float(self.least_score(fit) + 2.0 * np.log(stretch))
+
+    def least_score(self, fit: CandidateFit) -> float:
+        """What its score were if it stretched no tolerance."""
+        cost = thresholds.COST_OF_EFFECT * len(self.findings(fit))
+        return float(np.log(self.left(fit)) + cost)
 
     def findings(self, fit: CandidateFit) -> list[Effect]:
         """A fit's effects that are not within tolerances."""

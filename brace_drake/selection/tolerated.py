@@ -27,7 +27,10 @@ def is_within(
     if not deviations:
         return False
     if effect.spread is not None:
-        return bool(spread <= thresholds.WITHIN * max(deviations))
+        # The spread of so many draws is known to 1 / sqrt(2 n) of itself.
+        known = 1.0 / np.sqrt(2.0 * effect.is_continuous.sum())
+        most = (1.0 + thresholds.WITHIN * known) * max(deviations)
+        return bool(spread <= most)
     strengths = np.abs(values[: len(effect.parameters)][effect.is_strength])
     return bool(strengths.max() <= thresholds.WITHIN * max(deviations))
 

@@ -190,22 +190,31 @@ def _is_told(
 ) -> bool:
     """Whether no effect more could better the best so far.
 
-    It is led on first, with tolerances linearised where it stands and with the
-    friction that they allow for.
+    What may be best is led on first, with tolerances linearised where it stands
+    and with the friction that they allow for.
     """
     evaluator, base = lines.evaluator, lines.base
-    best = _best(criterion, base, [*known, *found])
-    place = next((i for i, f in enumerate(found) if f is best), None)
-    if place is not None and not best.is_settled:
-        set_out(evaluator, best)
-        best = refit_within(evaluator, best, criterion.nuisances)
-        found[place] = best
-        if with_level(evaluator, criterion, best).may_pay(best):
-            here = Linearisation(evaluator, best)
-            found += fit_friction(here, criterion, _beyond(effects, best))
+    for _ in range(thresholds.NUM_SHORTLIST):
+        best = criterion.score(_best(criterion, base, [*known, *found]))
+        able = [
+            i
+            for i, f in enumerate(found)
+            if f.refined
+            and not f.is_settled
+            and criterion.least_score(f) <= best
+        ]
+        if not able:
+            break
+        place = min(able, key=lambda i: criterion.least_score(found[i]))
+        set_out(evaluator, found[place])
+        fit = refit_within(evaluator, found[place], criterion.nuisances)
+        found[place] = fit
+        if with_level(evaluator, criterion, fit).may_pay(fit):
+            here = Linearisation(evaluator, fit)
+            found += fit_friction(here, criterion, _beyond(effects, fit))
         set_out(evaluator, base)
-        best = _best(criterion, base, [*known, *found])
-    return not with_level(evaluator, criterion, best).may_pay(best)
+    end = _best(criterion, base, [*known, *found])
+    return not with_level(evaluator, criterion, end).may_pay(end)
 
 
 def _best(
