@@ -17,10 +17,9 @@ LEVEL = 0.10
 FRICTION_ERROR = 0.25
 # An effect has to leave a quarter of what is left without it, in logarithms.
 COST_OF_EFFECT = math.log(4.0)
-# So many levels are more than a right twin leaves.
-BEYOND_LEVEL = 4.0
-# Share of the gap's amplitude that is chance where drives stick.
-CHANCE = 0.03
+# So many levels are more than a right twin leaves: what an effect would have to
+# take before it pays.
+BEYOND_LEVEL = math.exp(COST_OF_EFFECT)
 # Share of the gap's amplitude that is worth a word when nothing explains it.
 MATERIAL = 0.20
 # Explanations whose scores differ by less are tied: one leaves 1.5 times as
@@ -41,6 +40,9 @@ MOST_EFFECTS, BEAM, NEAR = 3, 3, 4.0
 # Friction within tolerance that changes less than this share of what is left
 # explains nothing of it.
 WORTH_FRICTION = 0.1
+# Share of the gap's amplitude that is chance where drives stick: no effect is
+# searched for in it.
+CHANCE = 0.03
 # Effects that tolerances suggest, the farthest first.
 MOST_STRETCHED = 4
 # Misfit that leaves nothing to search for.
