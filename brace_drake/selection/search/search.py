@@ -21,7 +21,7 @@ from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, best_of_kinds, refined
 from brace_drake.selection.level import with_level
-from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
 from brace_drake.selection.search.screening import (
@@ -155,20 +155,33 @@ def _forward(
         more = others(effects, base, flexible)
         found += fit_stretched(lines, more)
         if _is_told(lines, criterion, effects, known, found):
-            break
+            return found
         done = {_keys(f.effects) for f in (*known, *found) if f.refined}
         fresh = [e for e in more if _keys((*base.effects, e)) not in done]
-        candidates = screen(lines, fresh, say)
-        places = thresholds.PLACES if not flexible else len(more)
-        search_best(lines, candidates, say, places=places)
-        fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
-        fits += best_fits(candidates)
-        candidates += search_richer(lines, fits, more)
-        fits = refine(evaluator, best_fits(candidates), base.excess)
-        found += improve_choices(lines, fits)
-        if _is_told(lines, criterion, effects, known, found):
-            break
+        screened = screen(lines, fresh, say)
+        # Those of dozens of parameters are dear: one after the other.
+        parts = _by_effect(screened) if flexible else [screened]
+        for candidates in parts:
+            search_best(lines, candidates, say)
+            fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
+            fits += best_fits(candidates)
+            richer = search_richer(lines, fits, more)
+            fits = best_fits([*candidates, *richer])
+            fits = refine(evaluator, fits, base.excess)
+            found += improve_choices(lines, fits)
+            if _is_told(lines, criterion, effects, known, found):
+                return found
     return found
+
+
+def _by_effect(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
+    """Candidates of one effect each, first of what is predicted to leave
+    least.
+    """
+    groups: dict[str, list[Candidate]] = {}
+    for candidate in sorted(candidates, key=lambda c: c.predicted):
+        groups.setdefault(candidate.name, []).append(candidate)
+    return list(groups.values())
 
 
 def _has(fit: CandidateFit, base: CandidateFit) -> bool:
