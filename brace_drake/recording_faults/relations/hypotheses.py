@@ -32,11 +32,12 @@ class Hypothesis:
 
 
 def legs_of(run: Run) -> list[str]:
-    """Names of the legs of which lengths and commands were recorded."""
+    """Legs of which lengths were recorded, in the order of their numbers."""
     names = [
         n.removesuffix(_LENGTH) for n in run.channels if n.endswith(_LENGTH)
     ]
-    return [n for n in names if n.startswith("leg")]
+    legs = [n for n in names if n.startswith("leg")]
+    return sorted(legs, key=lambda n: (len(n), n))
 
 
 def groups_of(run: Run, kind: str) -> list[str]:
