@@ -56,8 +56,7 @@ class CandidateFit:
         refined: Whether the search was led to its end.
         sticks: Whether its drives stick and slip by chance.
         is_dithered: Whether its replays are averages over noise.
-        held_out: Misfit on motions left out in turn, see `held_out_misfit`;
-            None where it is not known.
+        held_out: Misfit on motions left out in turn, or None.
         stretch: The most tolerances that a number known to one is off.
         tolerances: What numbers known to one change: its residual and Jacobian
             are whitened of that.
@@ -134,9 +133,8 @@ def fit_effects(
         effects: One or more.
         start: A fit of the same effects to go on from, or parameters of each
             effect; then the subject sets out from its nominal values.
-        is_compared: Whether it is only held against others: then fits of
-            drives that stick keep what the plant's step has put into their
-            parameters, which is less than chance.
+        is_compared: Whether it is only held against others: then what the
+            plant's step puts into fits of drives that stick stays.
     """
     if isinstance(start, CandidateFit):
         subject, values, spread = start.subject, start.values, start.spread

@@ -1,6 +1,6 @@
 """The criterion: what a set of effects leaves, and what each effect costs.
 
-    score = ln(misfit + level) / 2 + ln(predicted + level) / 2
+    score = ln(misfit + trust) / 2 + ln(predicted + trust) / 2
             + 2 ln(max(1, stretch / 3)) + cost n
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
@@ -11,9 +11,10 @@ first term is the log likelihood per value (Gelman et al., Bayesian Data
 Analysis, section 3.2) and the second its cross-validated form, which an effect
 that only imitates another does not share (Vehtari, Gelman, Gabry, Practical
 Bayesian model evaluation using leave-one-out cross-validation, Statistics and
-Computing 27, 2017); the third is that of the tolerances themselves. The level
-is what no twin is exact to: below it less says nothing. Numbers within their
-tolerances are no part of the misfit, see `devices.tolerances`.
+Computing 27, 2017); the third is that of the tolerances themselves. Trust is
+what a right twin is exact to: below it less says nothing. A gap that no effect
+takes has to be beyond the level, to which the noise itself is known. Numbers
+within their tolerances are no part of the misfit, see `devices.tolerances`.
 """
 
 from __future__ import annotations
@@ -66,10 +67,18 @@ class Criterion:
             return inside
         return max(0.0, fit.held_out)
 
-    def left(self, fit: CandidateFit) -> float:
-        """Geometric mean of both misfits, each with the level."""
+    def left(self, fit: CandidateFit, level: float | None = None) -> float:
+        """Geometric mean of both misfits, each with the level or another."""
+        level = self.level if level is None else level
         both = (max(0.0, self.misfit(fit)), self.predicted(fit))
-        return float(np.sqrt(np.prod([m + self.level for m in both])))
+        return float(np.sqrt(np.prod([m + level for m in both])))
+
+    @property
+    def trust(self) -> float:
+        """Misfit to which fits are compared: the level without that of the
+        noise, which is the same for all of them.
+        """
+        return self.level - thresholds.LEVEL + thresholds.TRUST
 
     def score(self, fit: CandidateFit) -> float:
         """Of a fit; the least one is the best explanation."""
@@ -79,7 +88,7 @@ class Criterion:
     def least_score(self, fit: CandidateFit) -> float:
         """What its score were if it stretched no tolerance."""
         cost = thresholds.COST_OF_EFFECT * len(self.findings(fit))
-        return float(np.log(self.left(fit)) + cost)
+        return float(np.log(self.left(fit, self.trust)) + cost)
 
     def findings(self, fit: CandidateFit) -> list[Effect]:
         """A fit's effects that are not within tolerances."""
@@ -124,7 +133,7 @@ class Criterion:
         if fit.sticks and self.left(fit) <= chance:
             return False
         number = len(self.findings(fit)) + 1
-        least = np.log(self.level) + thresholds.COST_OF_EFFECT * number
+        least = np.log(self.trust) + thresholds.COST_OF_EFFECT * number
         return bool(self.score(fit) > least)
 
     def is_material(self, fit: CandidateFit) -> bool:

@@ -9,9 +9,11 @@ import math
 
 # ---- Decision ---------------------------------------------------------------
 
-# Misfit that is trusted to mean nothing: the level of the instruments' noise is
-# known to 5 %, its square to 10 %.
+# Misfit that means nothing where no effect takes it: the level of the
+# instruments' noise is known to 5 %, its square to 10 %.
 LEVEL = 0.10
+# Misfit to which fits are compared: what a right twin is exact to.
+TRUST = 0.01
 # Laws of dry friction are forms: of the amplitude of what friction does that is
 # known to be there this share is left.
 FRICTION_ERROR = 0.25
