@@ -61,7 +61,7 @@ class CandidateFit:
         tolerances: What numbers known to one change: its residual and Jacobian
             are whitened of that.
         is_settled: Whether that is linearised where it stands.
-        within: Effects of those numbers, as far off as the fit has them.
+        within: Effects that set those numbers off as the fit has them.
         name: Keys of the effects joined by +, or "nominal".
         identifiers, kinds: Names of the effects, whatever their form, in order
             and in no order.
@@ -69,8 +69,7 @@ class CandidateFit:
         num_free: Parameters beyond the subject's that were moved.
         is_flexible: Whether one of the effects has dozens of parameters.
         has_run_parameters: Whether single runs have parameters of their own.
-        is_searched: Whether a search has moved it, beyond what screening
-            predicts.
+        is_searched: Whether a search has moved it, not screening alone.
     """
 
     effects: tuple[Effect, ...]
