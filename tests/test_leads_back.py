@@ -129,7 +129,7 @@ class TestAnswers(OnTheBench):
         self.assertLess(best_fits(found)[0].excess, bar)
 
     def test_what_no_effect_explains_is_outside_the_library(self):
-        verdict = answer(self.bench.evaluator([(TREMOR, np.array([0.3]))]))
+        verdict = answer(self.bench.evaluator([(TREMOR, np.array([0.6]))]))
         self.assertTrue(verdict.gap and verdict.outside_library)
 
 

@@ -49,7 +49,9 @@ class TestRicherRace(unittest.TestCase):
         ground = Linearisation(evaluator, fit_nominal(evaluator))
         runners = screen(ground, [COULOMB])
         search_best(ground, runners)
-        richer = search_richer(ground, runners, [COULOMB, STRIBECK])
+        richer = search_richer(
+            ground, best_fits(runners), [COULOMB, STRIBECK]
+        )
         return evaluator, best_fits(runners)[0], best_fits(richer)
 
     def test_large_friction_that_falls_with_speed_is_found_from_coulombs(self):
@@ -82,7 +84,7 @@ class TestOtherStarts(unittest.TestCase):
                 (0.5, 4.0),
             )
         ]
-        (best,) = _best_starts(candidates, math.inf)
+        (best,) = _best_starts(candidates)
         self.assertIs(best, candidates[0])
         self.assertEqual(best.others, (candidates[2],))
 
@@ -92,7 +94,7 @@ class TestOtherStarts(unittest.TestCase):
             ("ring_mass", ((), ())),
         ):
             found = [begun(name, s, 1.0) for s in starts]
-            (best,) = _best_starts(found, math.inf)
+            (best,) = _best_starts(found)
             self.assertEqual(best.others, ())
 
 
