@@ -233,7 +233,8 @@ def _jumps(run: Run, y, v, a, h: float) -> list[Finding]:
     marks[1:-1] &= np.minimum(
         np.abs(leap[1:-1] - leap[:-2]), np.abs(leap[1:-1] - leap[2:])
     ) > 0.5 * np.abs(spike[1:-1])
-    marks &= np.abs(leap) > 0.5 * h * np.abs(speed)
+    # Time that is missing goes on, by half a sample at least.
+    marks &= leap * np.sign(speed) > 0.5 * h * np.abs(speed)
     if not marks.any():
         return []
     at = int(np.argmax(marks))
