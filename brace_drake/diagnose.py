@@ -141,7 +141,11 @@ def diagnose(
 
     # Which effects, with the subject fitted anew beside each.
     criterion = make_criterion(evaluator, nominal, nuisances)
-    fits = search_causes(evaluator, criterion, _part(say, 0.15, 0.8))
+    is_faulty = any(f.is_certain for f in recording)
+    fits = []
+    if not is_faulty:
+        # Of a recording that is wrong no effect is told.
+        fits = search_causes(evaluator, criterion, _part(say, 0.15, 0.8))
     say("verdict", 0.8)
     criterion, fits = settle(evaluator, criterion, fits)
     carry = partial(set_within, evaluator, uses_off=device.uses_off)
@@ -163,7 +167,7 @@ def diagnose(
     causes = rank_causes(criterion, fits, verdict, predictions)
     estimates = estimate_table(evaluator, winner or nominal, seed)
 
-    if not any(f.is_certain for f in recording):
+    if not is_faulty:
         recording += find_recording_faults(
             device,
             evaluator.prepared,

@@ -1,6 +1,5 @@
 """Effects that set out from a special case of theirs, or from another start."""
 
-import math
 import unittest
 from types import SimpleNamespace
 
@@ -49,9 +48,7 @@ class TestRicherRace(unittest.TestCase):
         ground = Linearisation(evaluator, fit_nominal(evaluator))
         runners = screen(ground, [COULOMB])
         search_best(ground, runners)
-        richer = search_richer(
-            ground, best_fits(runners), [COULOMB, STRIBECK]
-        )
+        richer = search_richer(ground, best_fits(runners), [COULOMB, STRIBECK])
         return evaluator, best_fits(runners)[0], best_fits(richer)
 
     def test_large_friction_that_falls_with_speed_is_found_from_coulombs(self):
