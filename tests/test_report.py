@@ -184,15 +184,14 @@ class ReportTest(unittest.TestCase):
     def test_a_fault_of_the_recording_is_shown(self):
         self.use_hollow_figures()
         diagnosis = make_diagnosis()
-        parameter = {"name": "delay_s", "unit": "s", "value": 0.004}
-        parameter |= {"standard_error": 1e-4, "at_limit": False}
-        fault = {"fault": "late clock", "run": "push", "probability": 0.9}
-        fault |= {"channel": "leg1_length_m", "parameters": [parameter]}
+        told = "The recording, not the machine: a late clock in push (p .90)."
+        fault = {"fault": "wrong_clock", "run": "push", "probability": 0.9}
+        fault |= {"channel": None, "parameters": {"rate_ratio": 0.997}}
+        fault |= {"sentence": told, "remedy": "state the rate <as it is>"}
         diagnosis["verdict"]["recording"] = [fault]
         _, text = self.check_whole(diagnosis)
-        self.assertIn(
-            "late clock: run push, Leg 1 length (delay 4.00 ms)", text
-        )
+        self.assertIn(told, text)
+        self.assertIn("Remedy: state the rate <as it is>.", text)
 
     def test_an_effect_withdrawn_by_itself_leaves_the_others(self):
         self.use_hollow_figures()

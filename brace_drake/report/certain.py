@@ -46,7 +46,7 @@ def describe_certain(diagnosis: dict) -> dict:
         "supported": [_supported_row(row) for row in verdict["supported"]],
         "rest": _rest_text(verdict),
         "validation": _validation_text(verdict, diagnosis["shrink"]),
-        "faults": [_fault_row(row) for row in verdict["recording"]],
+        "faults": verdict["recording"],
         "moved": [_moved_row(row) for row in diagnosis["tolerances"]],
     }
 
@@ -120,15 +120,6 @@ def _validation_text(verdict: dict, shrink: dict | None) -> str:
         "The validation runs confirm it: with the effects the gap goes from"
         f" {before} to {after} times the floor."
     )
-
-
-def _fault_row(row: dict) -> dict:
-    """A fault of the recording itself."""
-    words = [
-        f"{name.replace('_', ' ')} {value:.4g}"
-        for name, value in row["parameters"].items()
-    ]
-    return row | {"parameters": words}
 
 
 def _moved_row(row: dict) -> dict:
