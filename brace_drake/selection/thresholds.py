@@ -38,7 +38,7 @@ LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
 
 # Sets of at most so many effects are made of so many best smaller ones, which
 # leave at most this many times as much as the best.
-MOST_EFFECTS, BEAM, NEAR = 3, 3, 4.0
+MOST_EFFECTS, BEAM, NEAR = 3, 2, 4.0
 # Friction within tolerance that changes less than this share of what is left
 # explains nothing of it.
 WORTH_FRICTION = 0.1

@@ -59,8 +59,10 @@ def search_causes(
     beam = [criterion.nominal]
     for number in range(1, thresholds.MOST_EFFECTS + 1):
         part = _part(say, number)
-        for base in beam:
-            known += _beside(evaluator, criterion, base, effects, known, part)
+        for place, base in enumerate(beam):
+            # Effects of dozens of parameters are dear: beside the best alone.
+            able = [e for e in effects if not (place and e.is_flexible)]
+            known += _beside(evaluator, criterion, base, able, known, part)
         if number > 1:
             known += _backward(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
