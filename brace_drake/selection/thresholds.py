@@ -39,6 +39,8 @@ LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
 # Sets of at most so many effects are made of so many best smaller ones, which
 # leave at most this many times as much as the best.
 MOST_EFFECTS, BEAM, NEAR = 3, 2, 4.0
+# Larger sets are made where the best smaller one leaves at most this share.
+WORTH_A_SET = 2.0 / 3.0
 # Friction within tolerance that changes less than this share of what is left
 # explains nothing of it.
 WORTH_FRICTION = 0.1

@@ -72,6 +72,10 @@ def search_causes(
         is_shorter = len(criterion.findings(best)) < number
         if not criterion.may_pay(best) or (number > 1 and is_shorter):
             break
+        least = min(criterion.left(f, criterion.trust) for f in ranked)
+        gap = criterion.left(criterion.nominal, criterion.trust)
+        if least > thresholds.WORTH_A_SET * gap:
+            break
         beam = _beam(criterion, ranked, number)
         beam = [f for f in beam if len(f.effects) < room]
     return known
