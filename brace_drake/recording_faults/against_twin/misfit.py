@@ -60,21 +60,6 @@ def make_evaluator(
     return evaluator
 
 
-def misfit_of(
-    evaluator: Evaluator, subject: np.ndarray, uses: Sequence[Use] = ()
-) -> float | None:
-    """Mean square above the floor's at a subject; None where it breaks down."""
-    parts = [
-        evaluator.weighted_residual(p, subject, uses, "coarse")
-        for p in evaluator.prepared
-    ]
-    if any(p is None for p in parts):
-        return None
-    residual = evaluator.whitened(np.concatenate(parts))
-    level = evaluator.noise_level(uses, True)
-    return float(residual @ residual) / evaluator.count - level
-
-
 class _Held(CandidateProblem):
     """Residuals of the subject alone, beside effects that stay as they are."""
 
@@ -84,6 +69,18 @@ class _Held(CandidateProblem):
 
     def split(self, z):
         return z * self.scales, self._uses
+
+
+def misfit_of(
+    evaluator: Evaluator, subject: np.ndarray, uses: Sequence[Use] = ()
+) -> float | None:
+    """Mean square above the floor's at a subject; None where it breaks down."""
+    problem = _Held(evaluator, uses)
+    (residual,) = problem.batch([subject / problem.scales], coarse=True)
+    if residual is None:
+        return None
+    level = evaluator.noise_level(uses, True)
+    return float(residual @ residual) / evaluator.count - level
 
 
 def fit_subject_to(
