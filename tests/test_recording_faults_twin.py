@@ -18,7 +18,7 @@ def fit_of(z, seed, rows=400):
     evaluator = SimpleNamespace(count=rows)
     scaled = np.array(z, dtype=float)
     return SimpleNamespace(
-        solution=solution, evaluator=evaluator, scaled=scaled
+        solution=solution, evaluator=evaluator, scaled=scaled, level=1.0
     )
 
 

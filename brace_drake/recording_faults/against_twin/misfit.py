@@ -30,7 +30,8 @@ class SubjectFit:
         subject: Values.
         scaled: The same in their units.
         solution: The search's end.
-        misfit: Mean square above the floor's.
+        level: Mean square of noise alone.
+        misfit: Mean square above that.
     """
 
     runs: tuple[PreparedRun, ...]
@@ -38,11 +39,12 @@ class SubjectFit:
     subject: np.ndarray
     scaled: np.ndarray
     solution: LeastSquaresSolution
+    level: float
 
     @property
     def misfit(self) -> float:
         residual = self.solution.residual
-        return float(residual @ residual) / self.evaluator.count - 1.0
+        return float(residual @ residual) / self.evaluator.count - self.level
 
 
 def make_evaluator(
@@ -118,4 +120,5 @@ def fit_subject_to(
         solution.z * problem.scales,
         solution.z,
         solution,
+        evaluator.noise_level(uses, True),
     )

@@ -73,6 +73,7 @@ def divide(fits: Sequence[SubjectFit]) -> Division | None:
         return None
     normal = [f.solution.jacobian.T @ f.solution.jacobian for f in fits]
     total = sum(f.evaluator.count for f in fits)
+    level = sum(f.level * f.evaluator.count for f in fits) / total
     own = sum(float(f.solution.residual @ f.solution.residual) for f in fits)
 
     def together(group):
@@ -99,8 +100,8 @@ def divide(fits: Sequence[SubjectFit]) -> Division | None:
     cost, others, first, second = best
     return Division(
         others,
-        (own + cost_all) / total - 1.0,
-        (own + cost) / total - 1.0,
+        (own + cost_all) / total - level,
+        (own + cost) / total - level,
         first,
         second,
     )
