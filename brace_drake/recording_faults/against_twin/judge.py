@@ -13,10 +13,7 @@ from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
-from brace_drake.recording_faults.against_twin.misfit import (
-    fit_subject_to,
-    make_evaluator,
-)
+from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
 from brace_drake.recording_faults.against_twin.sensors import (
     find_sensor_faults,
 )
@@ -56,7 +53,8 @@ def find_recording_faults(
     # a torso there is no subject.
     if fit.has_run_parameters or device.torso_law is None:
         return []
-    evaluator = make_evaluator(device, fit_runs, subject, uses, jobs)
+    evaluator = Evaluator(device.twin, fit_runs, jobs)
+    evaluator.tolerances = fit.tolerances
     own = fit_subject_to(evaluator, subject, uses)
     if own is None:
         return []
@@ -93,7 +91,7 @@ def judge_campaign(
     new = campaign.split("validation")
     held_out = prepare_runs(twin, new, floors, rate, seed + 1000)
     evaluator = Evaluator(twin, runs, jobs)
-    fit = fit_nominal(evaluator)
+    fit = fit_nominal(evaluator, device.tolerances())
     if effects:
         starts = [e.starts()[0].astype(float) for e in effects]
         fit = fit_effects(evaluator, effects, starts)
