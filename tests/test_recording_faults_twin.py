@@ -1,11 +1,18 @@
-"""Runs of another subject, by quadratics whose answer is known."""
+"""Runs of another subject, by quadratics and twins whose answer is known."""
 
 import unittest
+from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
+from brace_drake.devices.device import MakeDevice
+from brace_drake.recording import LoadCampaign
+from brace_drake.recording_faults.against_twin import judge_campaign
 from brace_drake.recording_faults.against_twin.subjects import divide
+
+EXAMPLE = Path(__file__).resolve().parent / "data" / "example"
 
 
 def fit_of(z, seed, rows=400):
@@ -44,6 +51,45 @@ class TestOtherSubjects(unittest.TestCase):
 
     def test_a_single_run_is_not_divided(self):
         self.assertIsNone(divide([fit_of([1.0], 0)]))
+
+
+class TestValidationRuns(unittest.TestCase):
+    def judged(self, factor):
+        """Faults of a twin's campaign whose validation run has another
+        posture by a factor.
+        """
+        campaign = LoadCampaign(EXAMPLE)
+        device = MakeDevice(campaign)
+        twin = device.twin
+        subject = np.array([p.nominal for p in twin.subject])
+        names = [p.name for p in twin.subject]
+        other = subject.copy()
+        other[names.index("posture_stiffness_y_N_m")] *= factor
+        runs = []
+        for i, run in enumerate(campaign.runs):
+            values = subject if run.split == "fit" else other
+            rng = np.random.default_rng([3, i])
+            columns = twin.simulate(twin.motion(run), values, (), rng).T
+            made = dict(zip(twin.channels, columns, strict=True))
+            runs.append(replace(run, channels={**run.channels, **made}))
+        found, misfit = judge_campaign(
+            replace(campaign, runs=tuple(runs)), device, jobs=2
+        )
+        self.assertLess(misfit, 0.05)
+        return found
+
+    def test_one_subject_in_all_runs_is_no_fault(self):
+        self.assertEqual(self.judged(1.0), [])
+
+    def test_another_subject_in_the_validation_run_is_named(self):
+        (found,) = self.judged(1.4)
+        self.assertEqual(found.fault.name, "other_subject")
+        self.assertEqual(found.runs, ("validation_push.csv",))
+        device = MakeDevice(LoadCampaign(EXAMPLE))
+        nominal = {p.name: p.nominal for p in device.twin.subject}
+        name = "posture_stiffness_y_N_m"
+        ratio = found.parameters[name] / nominal[name]
+        self.assertAlmostEqual(ratio, 1.4, delta=0.1)
 
 
 if __name__ == "__main__":
