@@ -140,13 +140,11 @@ def fit_effects(
     else:
         subject = np.array([p.nominal for p in evaluator.twin.subject])
         values, spread = tuple(start), None
-    problem = CandidateProblem(evaluator, effects, values)
+    problem = CandidateProblem(evaluator, effects, values, spread)
     z = problem.join(subject, values)
     if not problem.has_spread:
         solution = search(problem, z)
         return _end(problem, finish_fit(problem, solution), is_compared)
-    if spread is not None:
-        problem.spread = spread / problem.spread_scale
     # Over dozens of parameters a Jacobian costs much; screening left one.
     is_fit = isinstance(start, CandidateFit)
     jacobian = start.solution.jacobian if is_fit else None
@@ -175,9 +173,7 @@ def _end(
 
 def correct_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """A fit of drives that stick as `correct_step` leaves it."""
-    problem = CandidateProblem(evaluator, fit.effects, fit.values)
-    if fit.spread is not None and problem.has_spread:
-        problem.spread = fit.spread / problem.spread_scale
+    problem = CandidateProblem(evaluator, fit.effects, fit.values, fit.spread)
     return correct_step(problem, fit) if problem.is_rough else fit
 
 

@@ -42,6 +42,8 @@ class CandidateProblem:
         evaluator: Over the fit runs.
         effects: None for the nominal twin.
         values: Parameters of each effect; what is not continuous stays so.
+        spread: Standard deviation of parameters that have a common one, where
+            it is known; of no account where none has.
     """
 
     def __init__(
@@ -49,6 +51,7 @@ class CandidateProblem:
         evaluator: Evaluator,
         effects: Sequence[Effect],
         values: Sequence[np.ndarray] = (),
+        spread: float | None = None,
     ):
         self.evaluator = evaluator
         self.effects = tuple(effects)
@@ -97,6 +100,8 @@ class CandidateProblem:
             at += len(moved)
         self.has_spread = bool(self.alike.any())
         self.spread = _FIRST_SPREAD
+        if spread is not None and self.has_spread:
+            self.spread = spread / self.spread_scale
         self.num_prior = int(np.count_nonzero(self._weights))
 
     def _continuous(self, effect: Effect, groups: list) -> list:

@@ -153,9 +153,7 @@ def make_candidate(
             no account where none of the effects has any.
         fresh: An effect whose runs take the best of their own starts.
     """
-    problem = CandidateProblem(base.evaluator, effects, values)
-    if spread is not None and problem.has_spread:
-        problem.spread = spread / problem.spread_scale
+    problem = CandidateProblem(base.evaluator, effects, values, spread)
     z = problem.join(subject, values)
     if fresh is not None:
         z, residual = best_run_starts(problem, z, fresh)

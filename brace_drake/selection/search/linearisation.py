@@ -41,10 +41,10 @@ class Linearisation:
     def __init__(self, evaluator: Evaluator, base: CandidateFit):
         self.evaluator, self.base = evaluator, base
         self.rows = evaluator.ends[-1]
-        problem = CandidateProblem(evaluator, base.effects, base.values)
+        problem = CandidateProblem(
+            evaluator, base.effects, base.values, base.spread
+        )
         self.tolerances = problem.tolerances
-        if base.spread is not None:
-            problem.spread = base.spread / problem.spread_scale
         z = base.solution.z
         self._room = problem.lower - z, problem.upper - z
         (residual,) = problem.batch([z], coarse=True)

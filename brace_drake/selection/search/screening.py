@@ -45,22 +45,24 @@ def screen(
     return candidates
 
 
-def others(
-    effects: Sequence[Effect], fit: CandidateFit, flexible: bool
-) -> list[Effect]:
+def others(effects: Sequence[Effect], fit: CandidateFit) -> list[Effect]:
     """Effects that are no other form of what a fit has.
 
     Args:
         effects: All that there are.
         fit: With one effect or more.
-        flexible: Of dozens of parameters, or of few.
     """
-    return [
-        effect
-        for effect in effects
-        if effect.is_flexible == flexible
-        and not any(effect.is_alike(e) for e in fit.effects)
-    ]
+    return [e for e in effects if not any(e.is_alike(o) for o in fit.effects)]
+
+
+def by_effect(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
+    """Candidates of each set of effects, first of what is predicted to leave
+    least.
+    """
+    groups: dict[str, list[Candidate]] = {}
+    for candidate in sorted(candidates, key=lambda c: c.predicted):
+        groups.setdefault(candidate.name, []).append(candidate)
+    return list(groups.values())
 
 
 def _best_starts(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -68,14 +70,12 @@ def _best_starts(candidates: Sequence[Candidate]) -> list[Candidate]:
     start: from one time constant, or one width of a loop, no way may lead to
     another.
     """
-    best: dict[str, list[Candidate]] = {}
-    for candidate in sorted(candidates, key=lambda c: c.predicted):
-        best.setdefault(candidate.name, []).append(candidate)
-    for first, *more in best.values():
+    groups = by_effect(candidates)
+    for first, *more in groups:
         if not first.added.is_flexible:
-            others = (c for c in more if c.start != first.start)
-            first.others = tuple(itertools.islice(others, 1))
-    return [first for first, *_ in best.values()]
+            elsewhere = (c for c in more if c.start != first.start)
+            first.others = tuple(itertools.islice(elsewhere, 1))
+    return [first for first, *_ in groups]
 
 
 def search_best(

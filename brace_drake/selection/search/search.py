@@ -21,11 +21,12 @@ from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, best_of_kinds, refined
 from brace_drake.selection.level import with_level
-from brace_drake.selection.search.candidate import Candidate, make_candidate
+from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
 from brace_drake.selection.search.screening import (
     Say,
+    by_effect,
     others,
     screen,
     search_best,
@@ -119,7 +120,7 @@ def _beside(
             return found
         lines = Linearisation(evaluator, base)
         say("friction", 0.0)
-        found += fit_friction(lines, criterion, _beyond(effects, base))
+        found += fit_friction(lines, criterion, others(effects, base))
         set_out(evaluator, base)
         best = _best(criterion, base, found)
         if not with_level(evaluator, criterion, best).may_pay(best):
@@ -131,10 +132,6 @@ def _beside(
         # The twin breaks down where the search would set out.
         pass
     return found
-
-
-def _beyond(effects: Sequence[Effect], base: CandidateFit) -> list[Effect]:
-    return [e for e in effects if not any(e.is_alike(o) for o in base.effects)]
 
 
 def _forward(
@@ -158,7 +155,8 @@ def _forward(
     evaluator, base = lines.evaluator, lines.base
     found: list[CandidateFit] = []
     for flexible in (False, True):
-        more = others(effects, base, flexible)
+        more = others(effects, base)
+        more = [e for e in more if e.is_flexible == flexible]
         found += fit_stretched(lines, more)
         if _is_told(lines, criterion, effects, known, found):
             return found
@@ -166,7 +164,7 @@ def _forward(
         fresh = [e for e in more if _keys((*base.effects, e)) not in done]
         screened = screen(lines, fresh, say)
         # Those of dozens of parameters are dear: one after the other.
-        parts = _by_effect(screened) if flexible else [screened]
+        parts = by_effect(screened) if flexible else [screened]
         for candidates in parts:
             search_best(lines, candidates, say)
             fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
@@ -178,16 +176,6 @@ def _forward(
             if _is_told(lines, criterion, effects, known, found):
                 return found
     return found
-
-
-def _by_effect(candidates: Sequence[Candidate]) -> list[list[Candidate]]:
-    """Candidates of one effect each, first of what is predicted to leave
-    least.
-    """
-    groups: dict[str, list[Candidate]] = {}
-    for candidate in sorted(candidates, key=lambda c: c.predicted):
-        groups.setdefault(candidate.name, []).append(candidate)
-    return list(groups.values())
 
 
 def _has(fit: CandidateFit, base: CandidateFit) -> bool:
@@ -230,7 +218,7 @@ def _is_told(
         found[place] = fit
         if with_level(evaluator, criterion, fit).may_pay(fit):
             here = Linearisation(evaluator, fit)
-            found += fit_friction(here, criterion, _beyond(effects, fit))
+            found += fit_friction(here, criterion, others(effects, fit))
         set_out(evaluator, base)
     end = _best(criterion, base, [*known, *found])
     return not with_level(evaluator, criterion, end).may_pay(end)
