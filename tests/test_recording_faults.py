@@ -228,6 +228,11 @@ class TestCards(FaultCase):
         self.assertEqual(verdict["recording"][0]["fault"], "stuck_channel")
         self.assertEqual(verdict["recording"][0]["run"], "push.csv")
         self.assertIn("The recording, not the machine", verdict["sentence"])
+        # Of a verdict on the machine nothing is left beside it.
+        self.assertEqual(verdict["supported"], [])
+        self.assertEqual(verdict["unexplained"]["share"], 0.0)
+        self.assertIsNone(verdict["confirmed"])
+        self.assertIsNone(verdict["contradicted"])
 
     def test_without_a_fault_the_verdict_is_left_alone(self):
         self.assertEqual(recording_verdict([]), {"recording": []})

@@ -17,12 +17,17 @@ def declared(campaign: Campaign) -> dict[str, Channel]:
     return device_channels(campaign.device, campaign.stages)
 
 
+def is_desired(name: str) -> bool:
+    """Whether a channel is the motion that is asked for."""
+    return "desired" in name
+
+
 def is_given(channel: Channel) -> bool:
     """Whether a channel is put in, or computed from what is put in alone."""
     return (
         channel.name in _GIVEN
         or channel.is_input
-        or "desired" in channel.name
+        or is_desired(channel.name)
         or channel.name in ("displacement_m",)
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.devices.declaration import Device
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.recording_faults.channels import declared
+from brace_drake.recording_faults.channels import declared, is_desired
 from brace_drake.recording_faults.finding import Finding, merge
 from brace_drake.recording_faults.library.channels.clipped_channel import (
     find_clipped,
@@ -97,7 +97,7 @@ def _as_followed(
     the reference as it is.
     """
     names = finding.channels
-    if not names or not all("desired" in n for n in names):
+    if not names or not all(map(is_desired, names)):
         return finding
     judged = [checker.judge(r) for r in runs if r.file in finding.runs]
     if all(m is not None and m.is_sound for m in judged):

@@ -111,9 +111,18 @@ def recording_verdict(findings: Sequence[Finding]) -> dict:
         "recording": rows,
         "gap": True,
         "effects": [],
+        "supported": [],
         "blocks": [],
+        "unexplained": {
+            "share": 0.0,
+            "block": None,
+            "description": "",
+            "law": None,
+        },
         "outside_library": False,
         "ambiguous_with": [],
+        "confirmed": None,
+        "contradicted": None,
         "probability": max(f.probability for f in certain),
         "sentence": " ".join(f.sentence() for f in certain[:3]),
     }

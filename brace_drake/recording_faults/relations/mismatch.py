@@ -21,6 +21,7 @@ from brace_drake.identification.noise_floor import (
     written_quantum,
 )
 from brace_drake.recording.recording import Run
+from brace_drake.recording_faults.channels import is_desired
 from brace_drake.recording_faults.statistics import (
     largest_mean_square,
     quantum_of,
@@ -142,7 +143,7 @@ def with_channels(run: Run, columns: Mapping[str, np.ndarray]) -> Run:
 
 
 def _references(run: Run) -> list[str]:
-    return [n for n in run.channels if "desired" in n]
+    return list(filter(is_desired, run.channels))
 
 
 def _travel(run: Run) -> float:
