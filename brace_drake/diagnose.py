@@ -133,7 +133,7 @@ def diagnose(
 
     say("fit of the subject", 0.05)
     nuisances = device.tolerances()
-    nominal = fit_nominal(evaluator, nuisances)
+    nominal = fit_nominal(evaluator, nuisances, device.uses_off)
 
     say("block tests", 0.1)
     drawn = [device.draw_uses(seed + i) for i in range(NUM_MACHINES)]

@@ -7,12 +7,16 @@ again: nothing of it is taken for a gap. While small that costs nothing per
 hypothesis (Kennedy and O'Hagan, Bayesian calibration of computer models, J. R.
 Stat. Soc. B 63, 2001; Rasmussen and Williams, Gaussian Processes for Machine
 Learning, section 2.7).
+
+What bends, as anchors do where drives stick, is linearised where the numbers
+are thought to be (Gauss-Newton in the numbers themselves): the twin is replayed
+with them off by t0, and J t0 is taken off again, so that t stays around 0.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -20,6 +24,9 @@ from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
+
+# From how far each number is off, SI units by name, to effects.
+UsesOff = Callable[[Mapping[str, float]], tuple[Use, ...]]
 
 
 @dataclass(frozen=True)
@@ -30,17 +37,24 @@ class LinearTolerances:
         nuisances: The numbers, n of them.
         basis: Orthonormal directions that their changes span (rows, k).
         columns: Change by one deviation of each, in the basis (k, n).
+        uses_off: Effects of numbers that are off; None where they are taken
+            as they are.
+        off: Deviations t0 at which that is linearised (n,); 0 without.
         whole: The same with the numbers that effects stand for.
         root: (I + J J')^(-1/2) in the basis (k, k).
+        uses: Effects that put the numbers off by t0.
     """
 
     nuisances: tuple[Nuisance, ...]
     basis: np.ndarray
     columns: np.ndarray
+    uses_off: UsesOff | None = field(default=None, repr=False, compare=False)
+    off: np.ndarray | None = None
     whole: LinearTolerances | None = field(
         default=None, repr=False, compare=False
     )
     root: np.ndarray = field(init=False)
+    uses: tuple[Use, ...] = field(init=False, repr=False, compare=False)
     _coloured: np.ndarray = field(init=False)
     _parts: dict[tuple[int, ...], LinearTolerances] = field(
         init=False, repr=False, compare=False
@@ -51,7 +65,16 @@ class LinearTolerances:
         size = np.sqrt(1.0 + np.maximum(squares, 0.0))
         vars(self)["root"] = (ways / size) @ ways.T
         vars(self)["_coloured"] = (ways * size) @ ways.T
+        vars(self)["uses"] = _uses_of(self.nuisances, self.off, self.uses_off)
         vars(self)["_parts"] = {tuple(range(len(self.nuisances))): self}
+
+    def around_zero(self, residual: np.ndarray) -> np.ndarray:
+        """A weighted residual (rows,) of a twin with `uses`, as it were with
+        all numbers at 0.
+        """
+        if self.off is None:
+            return residual
+        return residual - self.basis @ (self.columns @ self.off)
 
     def whiten(self, residual: np.ndarray) -> np.ndarray:
         """(I + J J')^(-1/2) of a weighted residual (rows,) or (rows, m)."""
@@ -102,9 +125,17 @@ class LinearTolerances:
                 tuple(self.nuisances[i] for i in kept),
                 self.basis,
                 self.columns[:, list(kept)],
+                self.uses_off,
+                None if self.off is None else self.off[list(kept)],
                 self.whole or self,
             )
         return self._parts[kept]
+
+    def at_zero(self) -> LinearTolerances:
+        """The same where there is no room for effects of the numbers: then
+        their straight line is all that there is.
+        """
+        return replace(self, off=None)
 
 
 def linearise_tolerances(
@@ -112,6 +143,8 @@ def linearise_tolerances(
     nuisances: Sequence[Nuisance],
     subject: np.ndarray,
     uses: Sequence[Use] = (),
+    uses_off: UsesOff | None = None,
+    off: np.ndarray | None = None,
 ) -> LinearTolerances | None:
     """The change of all runs by each number, at a subject and with effects.
 
@@ -122,13 +155,26 @@ def linearise_tolerances(
         nuisances: Numbers with a tolerance.
         subject: Values of the subject's parameters.
         uses: Effects that are there.
+        uses_off: Effects of numbers that are off.
+        off: Deviations of each to linearise at (n,); needs `uses_off`. Dry
+            friction stays at 0: it is an effect where it bends.
     """
     if not nuisances:
         return None
-    more = [n.uses for n in nuisances]
+    if off is not None:
+        smooth = [not any(e.dithered for e, _ in n.uses) for n in nuisances]
+        off = np.where(smooth, off, 0.0)
+    here = _uses_of(nuisances, off, uses_off)
+    more = []
+    for i, nuisance in enumerate(nuisances):
+        one = (*here, *nuisance.uses)
+        if off is not None and smooth[i]:
+            moved = off + np.eye(len(off))[i]
+            one = _uses_of(nuisances, moved, uses_off)
+        more.append(one)
     try:
         changes = evaluator.map(
-            lambda p: evaluator.changes(p, subject, uses, more),
+            lambda p: evaluator.changes(p, subject, uses, more, here),
             [(p,) for p in evaluator.prepared],
         )
     except BraceError:
@@ -137,4 +183,28 @@ def linearise_tolerances(
         [np.concatenate(parts) for parts in zip(*changes, strict=True)]
     )
     basis, coefficients = np.linalg.qr(columns)
-    return LinearTolerances(tuple(nuisances), basis, coefficients)
+    return LinearTolerances(
+        tuple(nuisances), basis, coefficients, uses_off, off
+    )
+
+
+def _uses_of(
+    nuisances: Sequence[Nuisance],
+    off: np.ndarray | None,
+    uses_off: UsesOff | None,
+) -> tuple[Use, ...]:
+    """Effects of numbers that are off by so many deviations."""
+    if off is None or uses_off is None or not np.any(off):
+        return ()
+    return uses_off(sizes_off(nuisances, off))
+
+
+def sizes_off(
+    nuisances: Sequence[Nuisance], off: Sequence[float]
+) -> dict[str, float]:
+    """SI units by the names of numbers, from deviations."""
+    sizes: dict[str, float] = {}
+    for nuisance, t in zip(nuisances, off, strict=True):
+        size = float(t) * nuisance.deviation
+        sizes[nuisance.name] = sizes.get(nuisance.name, 0.0) + size
+    return sizes

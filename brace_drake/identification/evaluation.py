@@ -194,9 +194,10 @@ class Evaluator:
         subject: np.ndarray,
         uses: Sequence[Use],
         more: Sequence[Sequence[Use]],
+        instead: Sequence[Use] = (),
     ) -> list[np.ndarray]:
         """What further effects, one set at a time, change of a run's weighted
-        residual.
+        residual; where there were others, in place of those.
 
         At the coarse plant step; where noise acts as a dither all replays take
         the same noise.
@@ -206,12 +207,13 @@ class Evaluator:
         """
         twin, out = self._twins["coarse"], []
         uses = uses_in_run(uses, prepared.index)
+        first = (*uses, *uses_in_run(instead, prepared.index))
         before: dict[int, np.ndarray] = {}
         for one in more:
             both = (*uses, *uses_in_run(one, prepared.index))
             noisy = _FEW_DITHERS if is_dithered(twin, both) else 0
             if noisy not in before:
-                before[noisy] = replay(twin, prepared, subject, uses, noisy)
+                before[noisy] = replay(twin, prepared, subject, first, noisy)
             after = replay(twin, prepared, subject, both, noisy)
             out.append(prepared.weigh(before[noisy] - after))
         return out

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.devices.tolerances import linearise_tolerances
+from brace_drake.devices.tolerances import UsesOff, linearise_tolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import (
     CandidateFit,
@@ -23,7 +23,9 @@ _ROUNDS = 2
 
 
 def fit_nominal(
-    evaluator: Evaluator, nuisances: Sequence[Nuisance] = ()
+    evaluator: Evaluator,
+    nuisances: Sequence[Nuisance] = (),
+    uses_off: UsesOff | None = None,
 ) -> CandidateFit:
     """Fits the subject's parameters alone.
 
@@ -31,11 +33,13 @@ def fit_nominal(
         evaluator: Over the fit runs; its residuals are whitened of the
             nuisances from here on.
         nuisances: Numbers that are known to a tolerance.
+        uses_off: Effects of them where they are off, for fits in which they
+            bend.
     """
     subject = np.array([p.nominal for p in evaluator.twin.subject])
     for _ in range(_ROUNDS if nuisances else 0):
         evaluator.tolerances = linearise_tolerances(
-            evaluator, nuisances, subject
+            evaluator, nuisances, subject, uses_off=uses_off
         )
         problem = CandidateProblem(evaluator, ())
         solution = search(problem, subject / problem.scales)

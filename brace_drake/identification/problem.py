@@ -9,6 +9,7 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
+from brace_drake.laws.hooks import MAX_EFFECTS
 
 _SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
 _EFFECT_STEP, _EFFECT_RADIUS = 1e-2, 5.0
@@ -37,6 +38,7 @@ class CandidateProblem:
         is_rough: Whether noise dithers an effect.
         num_prior: Rows that the prior adds.
         tolerances: Of numbers that the effects do not stand for.
+        off: Effects that put those numbers to where they are linearised.
 
     Args:
         evaluator: Over the fit runs.
@@ -56,8 +58,13 @@ class CandidateProblem:
         self.evaluator = evaluator
         self.effects = tuple(effects)
         self.tolerances = evaluator.tolerances
+        self.off: tuple[Use, ...] = ()
         if self.tolerances is not None:
             self.tolerances = self.tolerances.beside(effects)
+            room = MAX_EFFECTS - len(evaluator.twin.carried) - len(effects)
+            if room < len(self.tolerances.uses):
+                self.tolerances = self.tolerances.at_zero()
+            self.off = self.tolerances.uses
         self._templates = [np.array(v, dtype=float) for v in values]
         self._moved = []
         subject = evaluator.twin.subject
@@ -198,11 +205,11 @@ class CandidateProblem:
         """
         evaluator = self.evaluator
         step = "coarse" if coarse else "fine" if fine else ""
-        tasks = [
-            (run, *self.split(z), step)
-            for z in points
-            for run in evaluator.prepared
-        ]
+        tasks = []
+        for z in points:
+            subject, uses = self.split(z)
+            uses = (*uses, *self.off)
+            tasks += [(p, subject, uses, step) for p in evaluator.prepared]
         evaluator.replays += len(points)
         found = evaluator.map(evaluator.weighted_residual, tasks)
         out: list[np.ndarray | None] = []
@@ -212,8 +219,10 @@ class CandidateProblem:
             if any(p is None for p in parts):
                 out.append(None)
                 continue
-            rows = np.concatenate([*parts, self.prior_rows(z)])
-            out.append(self.whitened(rows))
+            rows = np.concatenate(parts)
+            if self.tolerances is not None:
+                rows = self.tolerances.whiten(self.tolerances.around_zero(rows))
+            out.append(np.concatenate([rows, self.prior_rows(z)]))
         return out
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:

@@ -4,10 +4,10 @@ there, and the level that its friction adds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-from brace_drake.effects.stack import Use
+from brace_drake.devices.tolerances import UsesOff, sizes_off
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, correct_fit
 from brace_drake.identification.held_out import check_fit, estimate_off
@@ -44,7 +44,7 @@ def settle(
 def set_within(
     evaluator: Evaluator,
     fit: CandidateFit,
-    uses_off: Callable[[Mapping[str, float]], tuple[Use, ...]],
+    uses_off: UsesOff,
 ) -> CandidateFit:
     """A fit with its numbers as far off as it has them, within tolerances.
 
@@ -58,8 +58,5 @@ def set_within(
     numbers = estimate_off(evaluator, fit)
     if not (numbers and fit.is_searched and has_room):
         return fit
-    off: dict[str, float] = {}
-    for nuisance, t in numbers:
-        size = t * nuisance.deviation
-        off[nuisance.name] = off.get(nuisance.name, 0.0) + size
-    return replace(fit, within=uses_off(off))
+    nuisances, off = zip(*numbers, strict=True)
+    return replace(fit, within=uses_off(sizes_off(nuisances, off)))

@@ -16,7 +16,7 @@ LEVEL = 0.10
 TRUST = 0.01
 # Laws of dry friction are forms: of the amplitude of what friction does that is
 # known to be there this share is left.
-FRICTION_ERROR = 0.25
+FRICTION_ERROR = 0.10
 # An effect has to leave a quarter of what is left without it, in logarithms.
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves: what an effect would have to

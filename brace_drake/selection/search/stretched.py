@@ -20,7 +20,7 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import tolerated_friction
 from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.shortlist import try_refine
+from brace_drake.selection.search.shortlist import refine
 from brace_drake.selection.search.within import refit_within
 
 
@@ -76,7 +76,7 @@ def fit_stretched(
         start = _start(card, values, t) if card.spread is None else card.off()
         found[card.key] = _search_one(lines, card, start)
     fits = [fit for fit in found.values() if fit is not None]
-    return [try_refine(lines.evaluator, fit) for fit in fits]
+    return refine(lines.evaluator, fits, lines.remaining)
 
 
 def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:
