@@ -9,12 +9,16 @@ from brace_drake.devices.bench.device import Bench
 from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import LinearTolerances
-from brace_drake.effects.registry import find_effect
+from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
+from brace_drake.selection import thresholds
+from brace_drake.selection.level import make_criterion
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.stretched import fit_friction
 from tests.shared_data import EXAMPLE
 
 
@@ -54,33 +58,52 @@ class TestTolerances(unittest.TestCase):
         deviation = np.sqrt(np.diag(np.linalg.inv(precision)))
         np.testing.assert_allclose(self.known.errors(noise), deviation)
 
+    def test_numbers_that_are_off_in_the_replay_are_taken_back_to_zero(self):
+        at_zero, off = self.rng.normal(size=60), self.rng.normal(size=4)
+        there = replace(self.known, off=off)
+        replayed = at_zero + self.columns @ off
+        np.testing.assert_allclose(there.around_zero(replayed), at_zero)
+        kept = there.beside([find_effect("reflex")])
+        np.testing.assert_allclose(kept.off, off)
+        self.assertIs(there.at_zero().around_zero(replayed), replayed)
+
+
+def drawn_bench(dry_friction: float):
+    """A bench that is drawn within its tolerances, and its recordings.
+
+    Args:
+        dry_friction: Its tolerance, N.
+
+    Returns:
+        The device, what was drawn, and an evaluator over three runs.
+    """
+    campaign = LoadCampaign(EXAMPLE)
+    scenario = BenchScenario()
+    scenario.tolerances.leg_dry_friction = dry_friction
+    device = Bench(campaign, scenario)
+    twin, rate = device.twin, campaign.rate_hz
+    usual = np.array([p.nominal for p in twin.subject])
+    drawn = draw_tolerances(scenario, 5)
+    uses = uses_of_draws(scenario, drawn)
+    runs = campaign.split("fit")[:3]
+    short = Campaign(campaign.path, campaign.device, rate, "drawn", tuple(runs))
+    floors, _ = estimate_floors(twin, short, usual, 0)
+    prepared = [
+        replace(
+            p,
+            measured=twin.simulate(
+                p.motion, usual, uses, np.random.default_rng(p.seed)
+            ),
+        )
+        for p in prepare_runs(twin, runs, floors, rate, 0)
+    ]
+    return device, drawn, Evaluator(twin, prepared, 2)
+
 
 class TestBenchWithinTolerances(unittest.TestCase):
     def test_a_machine_within_its_tolerances_has_no_gap_and_is_estimated(self):
-        campaign = LoadCampaign(EXAMPLE)
-        scenario = BenchScenario()
-        # Friction sticks by chance, which no expectation tells.
-        scenario.tolerances.leg_dry_friction = 0.0
-        device = Bench(campaign, scenario)
-        twin, rate = device.twin, campaign.rate_hz
-        usual = np.array([p.nominal for p in twin.subject])
-        drawn = draw_tolerances(scenario, 5)
-        uses = uses_of_draws(scenario, drawn)
-        runs = campaign.split("fit")[:3]
-        short = Campaign(
-            campaign.path, campaign.device, rate, "drawn", tuple(runs)
-        )
-        floors, _ = estimate_floors(twin, short, usual, 0)
-        prepared = [
-            replace(
-                p,
-                measured=twin.simulate(
-                    p.motion, usual, uses, np.random.default_rng(p.seed)
-                ),
-            )
-            for p in prepare_runs(twin, runs, floors, rate, 0)
-        ]
-        evaluator = Evaluator(twin, prepared, 2)
+        # Without friction, which bends what the others do.
+        device, drawn, evaluator = drawn_bench(dry_friction=0.0)
         exact = fit_nominal(evaluator)
         self.assertGreater(exact.excess / evaluator.count, 1.0)
         within = fit_nominal(evaluator, device.tolerances())
@@ -98,6 +121,24 @@ class TestBenchWithinTolerances(unittest.TestCase):
                 self.assertLess(errors[place], 1.0)
                 distance = abs(off[place] - true)
                 self.assertLess(distance, 4.0 * errors[place] + 0.1)
+
+    def test_numbers_of_a_machine_that_sticks_are_found_where_they_are(self):
+        device, drawn, evaluator = drawn_bench(dry_friction=0.06)
+        nuisances = device.tolerances()
+        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
+        criterion = make_criterion(evaluator, nominal, nuisances)
+        lines = Linearisation(evaluator, nominal)
+        friction = list(effects_for(evaluator.twin.device).values())
+        (fit,) = fit_friction(lines, criterion, friction)
+        self.assertGreater(nominal.excess / evaluator.count, 1.0)
+        self.assertLess(fit.excess, 0.1 * nominal.excess)
+        self.assertLess(fit.stretch, thresholds.WITHIN)
+        self.assertEqual(criterion.findings(fit), [])
+        true = drawn["leg_dry_friction_N"]
+        self.assertAlmostEqual(fit.values[0][0] / true, 1.0, delta=0.1)
+        # They are replayed as they are, not on a straight line from zero.
+        self.assertIsNotNone(fit.tolerances.off)
+        self.assertTrue(np.any(fit.tolerances.off))
 
 
 if __name__ == "__main__":
