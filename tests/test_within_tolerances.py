@@ -65,7 +65,7 @@ class TestTolerances(unittest.TestCase):
         np.testing.assert_allclose(there.around_zero(replayed), at_zero)
         kept = there.beside([find_effect("reflex")])
         np.testing.assert_allclose(kept.off, off)
-        self.assertIs(there.at_zero().around_zero(replayed), replayed)
+        self.assertIs(there.at_zero.around_zero(replayed), replayed)
 
 
 def drawn_bench(dry_friction: float):

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -131,11 +132,10 @@ class LinearTolerances:
             )
         return self._parts[kept]
 
+    @cached_property
     def at_zero(self) -> LinearTolerances:
-        """The same where there is no room for effects of the numbers: then
-        their straight line is all that there is.
-        """
-        return replace(self, off=None)
+        """The same without effects of the numbers, on their straight line."""
+        return self if self.off is None else replace(self, off=None)
 
 
 def linearise_tolerances(

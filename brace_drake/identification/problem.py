@@ -62,8 +62,10 @@ class CandidateProblem:
         if self.tolerances is not None:
             self.tolerances = self.tolerances.beside(effects)
             room = MAX_EFFECTS - len(evaluator.twin.carried) - len(effects)
-            if room < len(self.tolerances.uses):
-                self.tolerances = self.tolerances.at_zero()
+            has_room = len(self.tolerances.uses) <= room
+            # Where nothing sticks numbers do not bend, and noise is no dither.
+            if not (has_room and any(e.dithered for e in effects)):
+                self.tolerances = self.tolerances.at_zero
             self.off = self.tolerances.uses
         self._templates = [np.array(v, dtype=float) for v in values]
         self._moved = []

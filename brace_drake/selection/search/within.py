@@ -50,7 +50,9 @@ def refit_within(
     number = len(fit.effects) + len(evaluator.twin.carried)
     able = bool(nuisances) and number < MAX_EFFECTS
     before, best, last = evaluator.tolerances, fit, fit
-    for place in range(_ROUNDS if able and fit.is_dithered else int(able)):
+    is_off = fit.tolerances is not None and fit.tolerances.off is not None
+    rounds = range(int(is_off), _ROUNDS if fit.is_dithered else 1)
+    for place in rounds if able else ():
         again = _refit_once(evaluator, last, nuisances, place > 0)
         if again is None:
             break
