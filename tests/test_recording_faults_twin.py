@@ -2,7 +2,6 @@
 
 import unittest
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,8 +10,7 @@ from brace_drake.devices.device import MakeDevice
 from brace_drake.recording import LoadCampaign
 from brace_drake.recording_faults.against_twin import judge_campaign
 from brace_drake.recording_faults.against_twin.subjects import divide
-
-EXAMPLE = Path(__file__).resolve().parent / "data" / "example"
+from tests.shared_data import EXAMPLE
 
 
 def fit_of(z, seed, rows=400):

@@ -57,6 +57,9 @@ class CandidateProblem:
     ):
         self.evaluator = evaluator
         self.effects = tuple(effects)
+        self.is_rough = evaluator.twin.has_loop and any(
+            e.dithered for e in effects
+        )
         self.tolerances = evaluator.tolerances
         self.off: tuple[Use, ...] = ()
         if self.tolerances is not None:
@@ -64,7 +67,7 @@ class CandidateProblem:
             room = MAX_EFFECTS - len(evaluator.twin.carried) - len(effects)
             has_room = len(self.tolerances.uses) <= room
             # Where nothing sticks numbers do not bend, and noise is no dither.
-            if not (has_room and any(e.dithered for e in effects)):
+            if not (has_room and self.is_rough):
                 self.tolerances = self.tolerances.at_zero
             self.off = self.tolerances.uses
         self._templates = [np.array(v, dtype=float) for v in values]
@@ -94,9 +97,6 @@ class CandidateProblem:
         self.radius = np.array(radius)
         self.steps = np.full(len(units), _EFFECT_STEP)
         self.steps[: self.num_subject] = _SUBJECT_STEP
-        self.is_rough = evaluator.twin.has_loop and any(
-            e.dithered for e in effects
-        )
         if self.is_rough:
             self.steps[: self.num_subject] *= _ROUGH
         self._groups = groups
@@ -223,8 +223,9 @@ class CandidateProblem:
                 continue
             rows = np.concatenate(parts)
             if self.tolerances is not None:
-                rows = self.tolerances.whiten(self.tolerances.around_zero(rows))
-            out.append(np.concatenate([rows, self.prior_rows(z)]))
+                rows = self.tolerances.around_zero(rows)
+            rows = np.concatenate([rows, self.prior_rows(z)])
+            out.append(self.whitened(rows))
         return out
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:

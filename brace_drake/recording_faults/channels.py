@@ -22,6 +22,11 @@ def is_desired(name: str) -> bool:
     return "desired" in name
 
 
+def desired_channels(run: Run) -> list[str]:
+    """Channels of the motion that is asked for."""
+    return [n for n in run.channels if is_desired(n)]
+
+
 def is_given(channel: Channel) -> bool:
     """Whether a channel is put in, or computed from what is put in alone."""
     return (

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import RecordingFault
-from brace_drake.recording_faults.channels import is_desired
+from brace_drake.recording_faults.channels import desired_channels
 from brace_drake.recording_faults.library.channels import (
     exchanged_channels,
     permuted_channels,
@@ -110,5 +110,5 @@ def singles(run: Run, outputs: Sequence[str]) -> list[tuple[str, ...]]:
 def late_groups(run: Run, outputs: Sequence[str]) -> list[tuple[str, ...]]:
     """Channels that one recorder may have written late."""
     found = singles(run, outputs)
-    asked = list(filter(is_desired, run.channels))
+    asked = desired_channels(run)
     return [*found, tuple(asked)] if asked else found

@@ -21,7 +21,7 @@ from brace_drake.identification.noise_floor import (
     written_quantum,
 )
 from brace_drake.recording.recording import Run
-from brace_drake.recording_faults.channels import is_desired
+from brace_drake.recording_faults.channels import desired_channels
 from brace_drake.recording_faults.statistics import (
     largest_mean_square,
     quantum_of,
@@ -142,20 +142,16 @@ def with_channels(run: Run, columns: Mapping[str, np.ndarray]) -> Run:
     return replace(run, channels=dict(columns))
 
 
-def _references(run: Run) -> list[str]:
-    return list(filter(is_desired, run.channels))
-
-
 def _travel(run: Run) -> float:
     """What a run is asked to move."""
-    moved = [float(np.ptp(run.channels[n])) for n in _references(run)]
+    moved = [float(np.ptp(run.channels[n])) for n in desired_channels(run)]
     return max(moved, default=0.0)
 
 
 def _before_rounding(run: Run, generator: np.random.Generator) -> Run:
     """A run with references as they may have been before they were written."""
     columns = dict(run.channels)
-    for name in _references(run):
+    for name in desired_channels(run):
         step = quantum_of(columns[name])
         size = len(columns[name])
         moving = np.gradient(columns[name]) != 0.0

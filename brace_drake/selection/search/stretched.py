@@ -57,7 +57,8 @@ def fit_friction(
 def fit_stretched(
     lines: Linearisation, effects: Sequence[Effect]
 ) -> list[CandidateFit]:
-    """A fit with one more effect of those that tolerances suggest, refined.
+    """Fits with one more effect of those that tolerances suggest, the best
+    refined.
 
     Args:
         lines: At the fit that is looked at.
