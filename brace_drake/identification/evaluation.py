@@ -12,6 +12,7 @@ from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.stack import Use
 from brace_drake.identification.noise_floor import NoiseFloor
+from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.recording.recording import Run
 
 # Noisy replays averaged for effects on which noise acts as a dither: in a
@@ -150,6 +151,11 @@ class Evaluator:
         sizes = [p.num_weighted for p in self.prepared]
         self.ends = [int(n) for n in np.cumsum(sizes)]
         self.map = open_workers(jobs).map
+
+    @property
+    def room(self) -> int:
+        """How many effects the twin can have beside those it carries."""
+        return MAX_EFFECTS - len(self.twin.carried)
 
     def simulate(
         self,

@@ -9,7 +9,6 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.laws.hooks import MAX_EFFECTS
 
 _SUBJECT_STEP, _SUBJECT_RADIUS = 1e-3, 0.3
 _EFFECT_STEP, _EFFECT_RADIUS = 1e-2, 5.0
@@ -64,8 +63,8 @@ class CandidateProblem:
         self.off: tuple[Use, ...] = ()
         if self.tolerances is not None:
             self.tolerances = self.tolerances.beside(effects)
-            room = MAX_EFFECTS - len(evaluator.twin.carried) - len(effects)
-            has_room = len(self.tolerances.uses) <= room
+            number = len(self.tolerances.uses) + len(effects)
+            has_room = number <= evaluator.room
             # Where nothing sticks numbers do not bend, and noise is no dither.
             if not (has_room and self.is_rough):
                 self.tolerances = self.tolerances.at_zero

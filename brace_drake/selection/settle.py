@@ -11,7 +11,6 @@ from brace_drake.devices.tolerances import UsesOff, sizes_off
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, correct_fit
 from brace_drake.identification.held_out import check_fit, estimate_off
-from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection.criterion import Criterion, best_of_kinds
 from brace_drake.selection.level import with_level
 from brace_drake.selection.search.within import refit_within, set_out
@@ -53,8 +52,7 @@ def set_within(
         fit: One that was searched.
         uses_off: From numbers that are off, SI units, to effects.
     """
-    number = len(evaluator.twin.carried)
-    has_room = number + len(fit.effects) < MAX_EFFECTS
+    has_room = len(fit.effects) < evaluator.room
     numbers = estimate_off(evaluator, fit)
     if not (numbers and fit.is_searched and has_room):
         return fit

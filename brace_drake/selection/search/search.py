@@ -17,7 +17,6 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, best_of_kinds, refined
 from brace_drake.selection.level import with_level
@@ -55,7 +54,6 @@ def search_causes(
         say: Progress.
     """
     effects = list(effects_for(evaluator.twin.device).values())
-    room = MAX_EFFECTS - len(evaluator.twin.carried)
     known: list[CandidateFit] = []
     beam = [criterion.nominal]
     for number in range(1, thresholds.MOST_EFFECTS + 1):
@@ -78,7 +76,7 @@ def search_causes(
         if least > thresholds.WORTH_A_SET * gap:
             break
         beam = _beam(criterion, ranked, number)
-        beam = [f for f in beam if len(f.effects) < room]
+        beam = [f for f in beam if len(f.effects) < evaluator.room]
     return known
 
 
@@ -109,7 +107,6 @@ def _beside(
     say: Say,
 ) -> list[CandidateFit]:
     """Sets with one more effect, beside tolerances as they act there."""
-    room = MAX_EFFECTS - len(evaluator.twin.carried)
     set_out(evaluator, base)
     found: list[CandidateFit] = []
     try:
@@ -125,7 +122,7 @@ def _beside(
         best = _best(criterion, base, found)
         if not with_level(evaluator, criterion, best).may_pay(best):
             return found
-        if len(base.effects) < room:
+        if len(base.effects) < evaluator.room:
             done = [*known, *found]
             found += _forward(lines, criterion, effects, done, say)
     except BraceError:

@@ -18,7 +18,6 @@ from brace_drake.devices.tolerances import linearise_tolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
-from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.shortlist import try_refine
 
@@ -47,8 +46,7 @@ def refit_within(
         fit: That was searched.
         nuisances: Numbers known to a tolerance.
     """
-    number = len(fit.effects) + len(evaluator.twin.carried)
-    able = bool(nuisances) and number < MAX_EFFECTS
+    able = bool(nuisances) and len(fit.effects) < evaluator.room
     before, best, last = evaluator.tolerances, fit, fit
     is_off = fit.tolerances is not None and fit.tolerances.off is not None
     rounds = range(int(is_off), _ROUNDS if fit.is_dithered else 1)
