@@ -213,12 +213,7 @@ class TestVerdict(unittest.TestCase):
 
 
 class TestLevel(unittest.TestCase):
-    def test_friction_within_its_tolerance_adds_to_what_a_right_twin_leaves(
-        self,
-    ):
-        card = find_effect("coulomb_friction")
-        use = ((card, np.array([0.1])),)
-        known = [Nuisance("leg_dry_friction_N", "N", "actuation", 0.1, use)]
+    def test_friction_adds_to_what_a_right_twin_leaves(self):
         # What friction of one tolerance changes: three floors everywhere.
         evaluator = SimpleNamespace(
             prepared=[None],
@@ -229,11 +224,11 @@ class TestLevel(unittest.TestCase):
             ],
         )
         none = fit_of("relaxation", 0.1)
-        self.assertEqual(level_of(evaluator, none, known), thresholds.LEVEL)
-        for strength, factor in ((0.1, 1.0), (0.2, 4.0), (1.0, 0.0)):
+        self.assertEqual(level_of(evaluator, none), thresholds.LEVEL)
+        for strength, factor in ((0.1, 1.0), (0.2, 4.0), (1.0, 100.0)):
             rough = fit_of("coulomb_friction", 0.1)
             rough = replace(rough, values=(np.array([strength]),))
-            found = level_of(evaluator, rough, known) - thresholds.LEVEL
+            found = level_of(evaluator, rough) - thresholds.LEVEL
             expected = factor * thresholds.FRICTION_ERROR**2 * 9.0
             self.assertAlmostEqual(found, expected)
 

@@ -97,6 +97,11 @@ class Nuisance:
     uses: tuple[Use, ...]
     lower: float = -math.inf
 
+    @property
+    def is_dithered(self) -> bool:
+        """Whether noise dithers what it does, as dry friction."""
+        return any(e.dithered for e, _ in self.uses)
+
     def is_of(self, effect: Effect) -> bool:
         """Whether an effect, or a special case of it, is this number."""
         names = {e.name for e, _ in self.uses}

@@ -132,6 +132,16 @@ class LinearTolerances:
             )
         return self._parts[kept]
 
+    def at(self, off: Sequence[float]) -> LinearTolerances:
+        """The same with numbers put off by deviations t0 (n,), the columns
+        kept.
+        """
+        whole = self.whole
+        if whole is not None:
+            mine = dict(zip(map(id, self.nuisances), off, strict=True))
+            whole = whole.at([mine.get(id(n), 0.0) for n in whole.nuisances])
+        return replace(self, off=_able_off(self.nuisances, off), whole=whole)
+
     @cached_property
     def at_zero(self) -> LinearTolerances:
         """The same without effects of the numbers, on their straight line."""
@@ -156,19 +166,17 @@ def linearise_tolerances(
         subject: Values of the subject's parameters.
         uses: Effects that are there.
         uses_off: Effects of numbers that are off.
-        off: Deviations of each to linearise at (n,); needs `uses_off`. Dry
-            friction stays at 0: it is an effect where it bends.
+        off: Deviations of each to linearise at (n,); needs `uses_off`.
     """
     if not nuisances:
         return None
     if off is not None:
-        smooth = [not any(e.dithered for e, _ in n.uses) for n in nuisances]
-        off = np.where(smooth, off, 0.0)
+        off = _able_off(nuisances, off)
     here = _uses_of(nuisances, off, uses_off)
     more = []
     for i, nuisance in enumerate(nuisances):
         one = (*here, *nuisance.uses)
-        if off is not None and smooth[i]:
+        if off is not None and not nuisance.is_dithered:
             moved = off + np.eye(len(off))[i]
             one = _uses_of(nuisances, moved, uses_off)
         more.append(one)
@@ -185,6 +193,18 @@ def linearise_tolerances(
     basis, coefficients = np.linalg.qr(columns)
     return LinearTolerances(
         tuple(nuisances), basis, coefficients, uses_off, off
+    )
+
+
+def _able_off(
+    nuisances: Sequence[Nuisance], off: Sequence[float]
+) -> np.ndarray:
+    """Deviations that numbers can be put off by: not beyond their limits. Dry
+    friction stays at 0: it is an effect where it bends.
+    """
+    pairs = zip(nuisances, off, strict=True)
+    return np.array(
+        [0.0 if n.is_dithered else max(t, n.lower) for n, t in pairs]
     )
 
 

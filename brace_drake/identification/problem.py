@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
@@ -73,10 +74,10 @@ class CandidateProblem:
         self._moved = []
         subject = evaluator.twin.subject
         self.num_subject = len(subject)
-        units = [p.unit_step for p in subject]
         low, high = [p.lower for p in subject], [p.upper for p in subject]
         weights = [0.0] * len(subject)
         radius = [_SUBJECT_RADIUS] * len(subject)
+        units = [p.unit_step for p in subject]
         groups = [[i] for i in range(len(subject))]
         for effect in effects:
             parameters = self._continuous(effect, groups)
@@ -128,6 +129,12 @@ class CandidateProblem:
             *(effect.parameters[i] for i in moved),
             *list(effect.run_parameters) * runs,
         ]
+
+    def with_numbers(self, off: np.ndarray) -> CandidateProblem:
+        """The same with numbers known to a tolerance put off (k,)."""
+        other, known = copy(self), self.tolerances.at(off)
+        other.tolerances, other.off = known, known.uses
+        return other
 
     @property
     def spread(self) -> float:
@@ -255,9 +262,8 @@ class CandidateProblem:
             base: The coarse residual at z, where it is known.
         """
         if self.is_rough:
-            forth = self._differences(z, first, base, self.steps)
-            back = self._differences(z, first, base, -self.steps)
-            return 0.5 * (forth + back)
+            ways = self.steps, -self.steps
+            return sum(self._differences(z, first, base, s) for s in ways) / 2
         steps = np.where(z + self.steps > self.upper, -self.steps, self.steps)
         return self._differences(z, first, base, steps)
 

@@ -124,14 +124,7 @@ class Criterion:
         return self.left(fit) > thresholds.BEYOND_LEVEL * self.level
 
     def may_pay(self, fit: CandidateFit) -> bool:
-        """Whether one effect more could better a fit's score at all.
-
-        Not where drives stick and little else is left: when they slip is
-        chance, which no twin follows.
-        """
-        chance = thresholds.CHANCE**2 * self.left(self.nominal)
-        if fit.sticks and self.left(fit) <= chance:
-            return False
+        """Whether one effect more could better a fit's score at all."""
         number = len(self.findings(fit)) + 1
         least = np.log(self.trust) + thresholds.COST_OF_EFFECT * number
         return bool(self.score(fit) > least)

@@ -13,7 +13,6 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
-from brace_drake.selection.tolerated import uses_within
 
 
 def make_criterion(
@@ -33,25 +32,22 @@ def with_level(
     evaluator: Evaluator, criterion: Criterion, fit: CandidateFit
 ) -> Criterion:
     """The criterion with the level that a fit adds to it."""
-    level = level_of(evaluator, fit, criterion.nuisances)
+    level = level_of(evaluator, fit)
     return replace(criterion, level=level)
 
 
-def level_of(
-    evaluator: Evaluator, fit: CandidateFit, nuisances: Sequence[Nuisance]
-) -> float:
+def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     """Misfit that even a right twin leaves, if a fit is it.
 
-    The noise's level, and a part of what dry friction within its tolerance
-    does, which is as inexact as its law.
+    The noise's level, and a part of what dry friction does, in the fit or
+    within its tolerance: it is as inexact as its law.
 
     Args:
         evaluator: Over the fit runs.
         fit: Whose friction is taken.
-        nuisances: Numbers known to a tolerance.
     """
     power = tolerated_friction(evaluator, fit)
-    rough = [u for u in uses_within(fit, nuisances) if u[0].dithered]
+    rough = [u for u in fit.uses if u[0].dithered]
     if rough:
         changes = evaluator.map(
             lambda p: evaluator.changes(p, fit.subject, (), [rough])[0],

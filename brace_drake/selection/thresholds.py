@@ -14,9 +14,9 @@ import math
 LEVEL = 0.10
 # Misfit to which fits are compared: what a right twin is exact to.
 TRUST = 0.01
-# Laws of dry friction are forms: of the amplitude of what friction does that is
-# known to be there this share is left.
-FRICTION_ERROR = 0.10
+# Laws of dry friction are forms, and when drives slip is chance: of the
+# amplitude of what friction does this share is left.
+FRICTION_ERROR = 0.06
 # An effect has to leave a quarter of what is left without it, in logarithms.
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves: what an effect would have to
@@ -39,14 +39,12 @@ LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
 # Sets of at most so many effects are made of so many best smaller ones, which
 # leave at most this many times as much as the best.
 MOST_EFFECTS, BEAM, NEAR = 3, 2, 4.0
-# Larger sets are made where the best smaller one leaves at most this share.
+# Larger sets are made where the best leaves at most this share of what is left
+# with an effect less.
 WORTH_A_SET = 2.0 / 3.0
 # Friction within tolerance that changes less than this share of what is left
 # explains nothing of it.
 WORTH_FRICTION = 0.1
-# Share of the gap's amplitude that is chance where drives stick: no effect is
-# searched for in it.
-CHANCE = 0.03
 # Effects that tolerances suggest, the farthest first.
 MOST_STRETCHED = 4
 # Misfit that leaves nothing to search for.
@@ -69,7 +67,7 @@ AS_PREDICTED, FAILED = 0.02, 0.5
 PLACES, FACTOR, PLACES_AT_FLOOR, WORTH_A_PLACE = 5, 2.0, 3, 0.1
 # A start that is predicted to leave this share of the gap is not tried again,
 # and beyond so many places not searched.
-HOPELESS, HOPELESS_PLACES = 0.98, 2
+HOPELESS, HOPELESS_PLACES = 0.95, 2
 # A start is tried at another strength, this often, where it is more than that
 # many times too strong or too weak.
 RESCALED, ENOUGH, WEAKEST = 2, 0.4, 0.05

@@ -8,7 +8,6 @@ import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.stack import Use
-from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 
 
@@ -33,10 +32,3 @@ def is_within(
         return bool(spread <= most)
     strengths = np.abs(values[: len(effect.parameters)][effect.is_strength])
     return bool(strengths.max() <= thresholds.WITHIN * max(deviations))
-
-
-def uses_within(
-    fit: CandidateFit, nuisances: Sequence[Nuisance]
-) -> tuple[Use, ...]:
-    """A fit's effects that are within their tolerances."""
-    return tuple(u for u in fit.uses if is_within(u, fit.spread, nuisances))

@@ -71,9 +71,12 @@ def search_causes(
         is_shorter = len(criterion.findings(best)) < number
         if not criterion.may_pay(best) or (number > 1 and is_shorter):
             break
-        least = min(criterion.left(f, criterion.trust) for f in ranked)
-        gap = criterion.left(criterion.nominal, criterion.trust)
-        if least > thresholds.WORTH_A_SET * gap:
+        smaller = [f for f in ranked if len(criterion.findings(f)) < number]
+        before, after = (
+            min(criterion.left(f, criterion.trust) for f in fits)
+            for fits in (smaller, ranked)
+        )
+        if after > thresholds.WORTH_A_SET * before:
             break
         beam = _beam(criterion, ranked, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]
@@ -118,10 +121,15 @@ def _beside(
         lines = Linearisation(evaluator, base)
         say("friction", 0.0)
         found += fit_friction(lines, criterion, others(effects, base))
-        set_out(evaluator, base)
         best = _best(criterion, base, found)
+        # Friction within its tolerance stays in: all else is beside it.
+        is_within = criterion.named(best) == criterion.named(base)
+        base = best if is_within else base
+        set_out(evaluator, base)
         if not with_level(evaluator, criterion, best).may_pay(best):
             return found
+        if base is not lines.base:
+            lines = Linearisation(evaluator, base)
         if len(base.effects) < evaluator.room:
             done = [*known, *found]
             found += _forward(lines, criterion, effects, done, say)
@@ -155,6 +163,10 @@ def _forward(
         more = others(effects, base)
         more = [e for e in more if e.is_flexible == flexible]
         found += fit_stretched(lines, more)
+        # Numbers known to a tolerance are in already: where they have to be
+        # farther off they suggest themselves.
+        known_to = {e.name for n in criterion.nuisances for e, _ in n.uses}
+        more = [e for e in more if e.name not in known_to]
         if _is_told(lines, criterion, effects, known, found):
             return found
         done = {_keys(f.effects) for f in (*known, *found) if f.refined}
@@ -248,7 +260,7 @@ def _backward(
         lines = Linearisation(evaluator, criterion.nominal)
     except BraceError:
         return []
-    for out in best.effects:
+    for out in criterion.findings(best):
         kept = [u for u in best.uses if u[0] is not out]
         if {e.name for e, _ in kept} in done or not kept:
             continue

@@ -3,7 +3,8 @@
 What a number that is off does depends on what else is there: where drives stick
 a little, the ring answers to an anchor otherwise than where they do not, and to
 a small error otherwise than to a large one. So tolerances are linearised again
-where a fit stands, with its effects, and where it has the numbers themselves.
+where a fit stands, with its effects; where drives stick the numbers themselves
+go along with it.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import linearise_tolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.held_out import estimate_off
+from brace_drake.identification.numbers_along import fit_numbers_along
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.shortlist import try_refine
 
 # Linearisations of numbers that bend.
-_ROUNDS = 3
+_ROUNDS = 2
 
 
 def set_out(evaluator: Evaluator, fit: CandidateFit) -> None:
@@ -37,30 +38,17 @@ def refit_within(
     """A fit led to its end with tolerances linearised where it stands; as it
     is, or with those before, where that leaves no less.
 
-    Where noise dithers its drives, numbers bend: then they are linearised
-    anew where the fit has them, as long as that takes something.
-
     Args:
         evaluator: Over the fit runs; it keeps the linearisation, if the fit
             does.
         fit: That was searched.
         nuisances: Numbers known to a tolerance.
     """
-    able = bool(nuisances) and len(fit.effects) < evaluator.room
-    before, best, last = evaluator.tolerances, fit, fit
-    is_off = fit.tolerances is not None and fit.tolerances.off is not None
-    rounds = range(int(is_off), _ROUNDS if fit.is_dithered else 1)
-    for place in rounds if able else ():
-        again = _refit_once(evaluator, last, nuisances, place > 0)
-        if again is None:
-            break
-        is_better = again.refined and (
-            again.excess <= best.excess or not best.refined
-        )
-        small = again.excess > thresholds.WORTH_A_ROUND * last.excess
-        best, last = again if is_better else best, again
-        if place > 0 and small:
-            break
+    before, best = evaluator.tolerances, fit
+    if nuisances and len(fit.effects) < evaluator.room:
+        bends = fit.is_dithered and before.uses_off
+        refit = _refit_along if bends else _refit_beside
+        best = refit(evaluator, fit, nuisances)
     evaluator.tolerances = before
     if best is not fit:
         set_out(evaluator, best)
@@ -69,28 +57,54 @@ def refit_within(
     return replace(best, is_settled=True)
 
 
-def _refit_once(
+def _refit_beside(
+    evaluator: Evaluator, fit: CandidateFit, nuisances: Sequence[Nuisance]
+) -> CandidateFit:
+    """The better of a fit and the same beside numbers linearised there."""
+    if not _linearise(evaluator, fit, nuisances):
+        return fit
+    again = try_refine(evaluator, fit)
+    is_better = again.excess <= fit.excess or not fit.refined
+    return again if again.refined and is_better else fit
+
+
+def _refit_along(
+    evaluator: Evaluator, fit: CandidateFit, nuisances: Sequence[Nuisance]
+) -> CandidateFit:
+    """A fit with the numbers along, linearised anew as long as that takes
+    something; one whose numbers are off already first goes on as it is.
+    """
+    best, known = fit, fit.tolerances
+    stands = known is not None and known.off is not None
+    off = np.zeros(len(nuisances))
+    for number in range(0 if stands else 1, _ROUNDS + 1):
+        if number > 0 and not _linearise(evaluator, best, nuisances, off):
+            break
+        moved = fit_numbers_along(evaluator, best, is_anew=number > 0)
+        if moved is None or (best.refined and moved.excess > best.excess):
+            break
+        small = moved.excess > thresholds.WORTH_A_ROUND * best.excess
+        best = moved
+        set_out(evaluator, best)
+        off = evaluator.tolerances.off
+        if small:
+            break
+    return best
+
+
+def _linearise(
     evaluator: Evaluator,
     fit: CandidateFit,
     nuisances: Sequence[Nuisance],
-    is_off: bool,
-) -> CandidateFit | None:
-    """With tolerances linearised at a fit, which the evaluator then has; None
-    where the twin breaks down there.
-
-    Args:
-        evaluator, fit, nuisances: See `refit_within`.
-        is_off: Whether numbers are taken where the fit has them; what a fit
-            with other effects tells of them would lead astray.
+    off: np.ndarray | None = None,
+) -> bool:
+    """Lets the evaluator have tolerances linearised at a fit; False where the
+    twin breaks down there.
     """
-    uses_off, off = fit.tolerances and fit.tolerances.uses_off, None
-    if is_off and uses_off:
-        known = {id(n): t for n, t in estimate_off(evaluator, fit)}
-        off = np.array([max(known.get(id(n), 0.0), n.lower) for n in nuisances])
+    uses_off = evaluator.tolerances and evaluator.tolerances.uses_off
     found = linearise_tolerances(
         evaluator, nuisances, fit.subject, fit.uses, uses_off, off
     )
-    if found is None:
-        return None
-    evaluator.tolerances = found
-    return try_refine(evaluator, fit)
+    if found is not None:
+        evaluator.tolerances = found
+    return found is not None
