@@ -165,15 +165,19 @@ def diagnose(
     rivals = fits if verdict.gap else []
     predictions = predict_runs(validation, compared, winner, rivals, seed)
     causes = rank_causes(criterion, fits, verdict, predictions)
-    estimates = estimate_table(evaluator, winner or nominal, seed)
+
+    best = winner or nominal
+    estimates = estimate_table(evaluator, best, seed)
 
     if not is_faulty:
+        is_right = not criterion.is_beyond_level(best)
         recording += find_recording_faults(
             device,
             evaluator.prepared,
             validation.prepared,
-            winner or nominal,
+            best,
             jobs,
+            is_right,
         )
 
     say("where", 0.95)
@@ -186,7 +190,6 @@ def diagnose(
     )
     rest = []
     if verdict.gap:
-        best = winner or nominal
         rest = describe_rest(evaluator, best, device.motion_signals, rate, seed)
     blocks = accused_blocks(verdict, criterion, fits, tests, where)
     next_run = choose_next_run(

@@ -67,6 +67,23 @@ class TestTolerances(unittest.TestCase):
         np.testing.assert_allclose(kept.off, off)
         self.assertIs(there.at_zero.around_zero(replayed), replayed)
 
+    def test_numbers_moved_in_the_replay_keep_columns_and_their_limits(self):
+        at_zero, off = self.rng.normal(size=60), self.rng.normal(size=4)
+        friction = find_effect("coulomb_friction")
+        rough = Nuisance("f", "N", "x", 0.1, ((friction, np.ones(1)),))
+        one = self.known.nuisances[0]
+        adds = replace(one, name="y", lower=0.0)
+        all_four = (rough, adds, one, replace(one, name="z"))
+        known = replace(self.known, nuisances=all_four)
+        moved = known.at(off)
+        # Friction is an effect where it bends, and what only adds only adds.
+        np.testing.assert_allclose(moved.off, [0.0, max(off[1], 0.0), *off[2:]])
+        replayed = at_zero + self.columns @ moved.off
+        np.testing.assert_allclose(moved.around_zero(replayed), at_zero)
+        part = moved.beside([friction]).at([1.0, 2.0, 3.0])
+        np.testing.assert_allclose(part.off, [1.0, 2.0, 3.0])
+        np.testing.assert_allclose(part.whole.off[1:], [1.0, 2.0, 3.0])
+
 
 def drawn_bench(dry_friction: float):
     """A bench that is drawn within its tolerances, and its recordings.

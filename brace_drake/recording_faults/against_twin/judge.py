@@ -35,17 +35,20 @@ def find_recording_faults(
     validation: Sequence[PreparedRun],
     fit: CandidateFit,
     jobs=1,
+    is_right: bool = False,
 ) -> list[Finding]:
     """Faults that the twin shows and no effect explains.
 
     The fit is the best that the effects have come to, the nominal one where
-    none was found. What it explains down to its noise is the machine's.
+    none was found. What it explains down to what a right twin leaves is the
+    machine's.
 
     Args:
         device: Of the campaign.
         fit_runs, validation: As prepared for fit and comparison.
         fit: The best explanation by subject and effects.
         jobs: As of `Evaluator`.
+        is_right: Whether the fit is known to leave no more than a right twin.
     """
     # Numbers within their tolerances are no fault of the recording.
     subject, uses = fit.subject, (*fit.uses, *fit.within)
@@ -58,7 +61,7 @@ def find_recording_faults(
     own = fit_subject_to(evaluator, subject, uses)
     if own is None:
         return []
-    if own.misfit > _NOTHING:
+    if own.misfit > _NOTHING and not is_right:
         found = find_sensor_faults(device, fit_runs, subject, uses, jobs)
         return found or find_other_subjects(
             device, fit_runs, subject, uses, jobs

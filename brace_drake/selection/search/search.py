@@ -122,9 +122,10 @@ def _beside(
         say("friction", 0.0)
         found += fit_friction(lines, criterion, others(effects, base))
         best = _best(criterion, base, found)
-        # Friction within its tolerance stays in: all else is beside it.
+        # Friction within its tolerance stays in where it hides all else.
         is_within = criterion.named(best) == criterion.named(base)
-        base = best if is_within else base
+        if is_within and best.excess < thresholds.WORTH_A_SET * base.excess:
+            base = best
         set_out(evaluator, base)
         if not with_level(evaluator, criterion, best).may_pay(best):
             return found
