@@ -26,6 +26,9 @@ from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 
+# Mean square, in floors, that a direction of one deviation changes at least.
+_TELLS = 0.1
+
 # From how far each number is off, SI units by name, to effects.
 UsesOff = Callable[[Mapping[str, float]], tuple[Use, ...]]
 
@@ -155,6 +158,7 @@ def linearise_tolerances(
     uses: Sequence[Use] = (),
     uses_off: UsesOff | None = None,
     off: np.ndarray | None = None,
+    before: LinearTolerances | None = None,
 ) -> LinearTolerances | None:
     """The change of all runs by each number, at a subject and with effects.
 
@@ -167,19 +171,28 @@ def linearise_tolerances(
         uses: Effects that are there.
         uses_off: Effects of numbers that are off.
         off: Deviations of each to linearise at (n,); needs `uses_off`.
+        before: Linearised nearby; what told next to nothing there is taken
+            from it.
     """
     if not nuisances:
         return None
     if off is not None:
         off = _able_off(nuisances, off)
     here = _uses_of(nuisances, off, uses_off)
+    ways = np.eye(len(nuisances))
+    if before is not None and off is not None:
+        ways = _telling_ways(before, evaluator.count)
     more = []
-    for i, nuisance in enumerate(nuisances):
-        one = (*here, *nuisance.uses)
-        if off is not None and not nuisance.is_dithered:
-            moved = off + np.eye(len(off))[i]
-            one = _uses_of(nuisances, moved, uses_off)
-        more.append(one)
+    for way in ways:
+        (places,) = np.nonzero(way)
+        one = nuisances[places[0]]
+        # Dry friction, and numbers without effects where they are off.
+        alone = len(places) == 1 and (one.is_dithered or off is None)
+        more.append(
+            (*here, *one.uses)
+            if alone
+            else _uses_of(nuisances, off + way, uses_off)
+        )
     try:
         changes = evaluator.map(
             lambda p: evaluator.changes(p, subject, uses, more, here),
@@ -190,10 +203,24 @@ def linearise_tolerances(
     columns = np.column_stack(
         [np.concatenate(parts) for parts in zip(*changes, strict=True)]
     )
+    if len(ways) < len(nuisances):
+        other = np.eye(len(nuisances)) - ways.T @ ways
+        columns = columns @ ways + before.basis @ (before.columns @ other)
     basis, coefficients = np.linalg.qr(columns)
     return LinearTolerances(
         tuple(nuisances), basis, coefficients, uses_off, off
     )
+
+
+def _telling_ways(before: LinearTolerances, count: int) -> np.ndarray:
+    """Orthonormal directions of the numbers that tell (m, n): of those that
+    make a straight line the ones that change enough, and each of the others.
+    """
+    rough = np.array([n.is_dithered for n in before.nuisances])
+    smooth = np.where(rough, 0.0, before.columns)
+    _, sizes, ways = np.linalg.svd(smooth)
+    ways = ways[: len(sizes)][sizes**2 > _TELLS * count]
+    return np.vstack([ways, np.eye(len(rough))[rough]])
 
 
 def _able_off(

@@ -39,14 +39,14 @@ def with_level(
 def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     """Misfit that even a right twin leaves, if a fit is it.
 
-    The noise's level, and a part of what dry friction does, in the fit or
-    within its tolerance: it is as inexact as its law.
+    The noise's level, and where dry friction is in the fit or within its
+    tolerance a part of what that does: it is as inexact as its law.
 
     Args:
         evaluator: Over the fit runs.
         fit: Whose friction is taken.
     """
-    power = tolerated_friction(evaluator, fit)
+    power, more = tolerated_friction(evaluator, fit), 0.0
     rough = [u for u in fit.uses if u[0].dithered]
     if rough:
         changes = evaluator.map(
@@ -54,7 +54,8 @@ def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
             [(p,) for p in evaluator.prepared],
         )
         power += sum(float(c @ c) for c in changes) / evaluator.count
-    return thresholds.LEVEL + thresholds.FRICTION_ERROR**2 * power
+        more = thresholds.BENT
+    return thresholds.LEVEL + more + thresholds.FRICTION_ERROR**2 * power
 
 
 def tolerated_friction(
@@ -70,6 +71,6 @@ def tolerated_friction(
     if fit.tolerances is None:
         return 0.0
     off = estimate_off(evaluator, fit)
-    rough = [t if n.uses[0][0].dithered else 0.0 for n, t in off]
+    rough = [t if n.is_dithered else 0.0 for n, t in off]
     within = np.clip(rough, -most, most)
     return fit.tolerances.change(within) / evaluator.count

@@ -17,6 +17,8 @@ TRUST = 0.01
 # Laws of dry friction are forms, and when drives slip is chance: of the
 # amplitude of what friction does this share is left.
 FRICTION_ERROR = 0.06
+# Misfit that numbers which bend leave beside it where drives stick.
+BENT = 0.10
 # An effect has to leave a quarter of what is left without it, in logarithms.
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves: what an effect would have to

@@ -10,7 +10,7 @@ from brace_drake.laws.hooks import plug
 # Before sliding: bristles give way by a few micrometres and are well damped;
 # the caps keep an explicit plant step stable. Neither shows in a recording
 # beyond the fact that the drive sticks.
-_PRESLIDING = 5e-6  # m
+_PRESLIDING = 1e-5  # m
 _DAMPING_TIME = 1.5e-3  # s
 _MAX_STIFFNESS = 1e6  # N/m
 _MAX_DAMPING = 600.0  # N s/m
@@ -94,7 +94,7 @@ CARD = Effect(
     title="dry friction in the legs",
     equation="f = u - b l' - s_0 z - s_1 z', z' = l' - s_0 |l'| z / F_c"
     " (LuGre bristles without Stribeck effect: F_c sign(l') when sliding;"
-    " s_0 = F_c / 5 um, s_1 = s_0 1.5 ms, both capped)",
+    " s_0 = F_c / 10 um, s_1 = s_0 1.5 ms, both capped)",
     source="Canudas de Wit, Olsson, Astrom, Lischinsky, A new model for"
     " control of systems with friction, IEEE Trans. Autom. Control 40, 1995",
     parameters=(

@@ -101,9 +101,11 @@ def _linearise(
     """Lets the evaluator have tolerances linearised at a fit; False where the
     twin breaks down there.
     """
-    uses_off = evaluator.tolerances and evaluator.tolerances.uses_off
+    here = evaluator.tolerances
+    near = here if here is not None and here.off is not None else None
+    uses_off = here and here.uses_off
     found = linearise_tolerances(
-        evaluator, nuisances, fit.subject, fit.uses, uses_off, off
+        evaluator, nuisances, fit.subject, fit.uses, uses_off, off, near
     )
     if found is not None:
         evaluator.tolerances = found
