@@ -35,7 +35,7 @@ CARD = Effect(
     block="actuation",
     title="dry friction with a higher breakaway force",
     equation="g(l') = F_c + F_b exp(-(l' / v_s)^2) in place of F_c, otherwise"
-    " as Coulomb friction with bristles, s_0 = (F_c + F_b) / 10 um",
+    " as Coulomb friction with bristles, s_0 = (F_c + F_b) / 5 um",
     source="Canudas de Wit, Olsson, Astrom, Lischinsky, A new model for"
     " control of systems with friction, IEEE Trans. Autom. Control 40, 1995",
     parameters=(
