@@ -184,7 +184,9 @@ def diagnose(
     fit_runs = compare_runs(evaluator, nominal, winner)
     imposed = None
     if verdict.outside_library:
-        imposed = fit_imposed_motion(device.imposed, campaign, jobs, seed)
+        imposed = fit_imposed_motion(
+            device.imposed, campaign, jobs, seed, nuisances
+        )
     where = locate_gap(
         device, evaluator, nominal, verdict, tests, imposed, fit_runs, seed
     )

@@ -66,8 +66,9 @@ def suspected_blocks(
 
     Where all are within theirs, as of a gap of about the noise, the one that
     is nearest to it. The controller, which is exact, is none. Where contact,
-    torso and reading as a whole hold on the recorded way of the ring, or are
-    less beyond their threshold than drives and ring, they are none.
+    torso and reading as a whole hold on the recorded way of the ring they are
+    none, and where they are less beyond their threshold than drives and ring
+    contact and torso are none.
 
     Args:
         tests: Rows of `run_block_tests`.
@@ -82,10 +83,12 @@ def suspected_blocks(
         return (row["normalised_rms"] - 1.0) / (row["threshold"] - 1.0)
 
     known = [r for r in tests if r["block"] != "controller"]
+    machine = [r for r in known if r["block"] in (DRIVES, RING)]
     if imposed is not None:
-        machine = [r for r in known if r["block"] in (DRIVES, RING)]
         beyond = max((nearness(r) for r in machine), default=0.0)
-        if machine and (imposed["acquitted"] or nearness(imposed) < beyond):
+        if machine and imposed["acquitted"]:
+            known = machine
+        elif machine and nearness(imposed) < beyond:
             known = [r for r in known if r["block"] not in ("contact", "torso")]
         else:
             known = [r for r in known if r["block"] in ANSWER_MOTION]

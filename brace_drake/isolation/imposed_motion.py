@@ -8,12 +8,14 @@ would without friction, and so does the subject.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers
+from brace_drake.devices.declaration import Nuisance
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.nominal_fit import fit_nominal
@@ -56,6 +58,7 @@ def fit_imposed_motion(
     campaign: Campaign,
     jobs: int | Workers,
     seed: int,
+    nuisances: Sequence[Nuisance] = (),
 ) -> ImposedMotionFit | None:
     """Fits the subject to what the way of the ring does to it.
 
@@ -63,6 +66,7 @@ def fit_imposed_motion(
         twin: On imposed motion; None where the device has none.
         campaign: Its fit runs are looked at.
         jobs, seed: As of the diagnosis.
+        nuisances: Numbers that are known to a tolerance.
 
     Returns:
         None where there is no twin or one without room for effects, where way
@@ -82,6 +86,6 @@ def fit_imposed_motion(
         floors, _ = estimate_floors(twin, known, usual, seed)
         prepared = prepare_runs(twin, runs, floors, campaign.rate_hz, seed)
         evaluator = Evaluator(twin, prepared, jobs)
-        return ImposedMotionFit(evaluator, fit_nominal(evaluator))
+        return ImposedMotionFit(evaluator, fit_nominal(evaluator, nuisances))
     except (BraceError, ValueError):
         return None

@@ -50,8 +50,14 @@ _GUIDE = Effect(
 
 @dataclass(frozen=True)
 class GuidedMotion(Motion):
-    """A motion with the way of its ring, see `laws.loop.guide`."""
+    """A motion with what was recorded of its ring.
 
+    Attributes:
+        lengths: Of the legs (N, 6), m, below the noise.
+        way: Of the ring with anchors at their places, see `laws.loop.guide`.
+    """
+
+    lengths: np.ndarray = field(default_factory=lambda: np.zeros((0, 6)))
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
@@ -85,29 +91,42 @@ class GuidedBenchTwin(BenchTwin):
         return force | (marker & super().active(run))
 
     def _guided(self, motion: Motion, recording: np.ndarray) -> GuidedMotion:
-        numbers = self.numbers
-        rate = 1.0 / (motion.ticks_per_sample * numbers.period)
+        rate = 1.0 / (motion.ticks_per_sample * self.numbers.period)
         lengths = low_pass(recording[:, LENGTHS], _WAY_HZ, rate)
-        poses, _ = ring_poses(numbers, lengths)
-        spline = CubicSpline(np.arange(len(poses)) / rate, poses)
-        rows = np.hstack([poses, spline(spline.x, 1)])
-        start = motion.settled_ticks * numbers.period
-        head = [start, rate, *numbers.ring[0], _HOLD]
-        way = np.concatenate([head, rows.ravel()])
         return GuidedMotion(
             motion.desired,
             motion.with_torso,
             motion.ticks_per_sample,
             motion.settled_ticks,
             motion.columns,
-            way,
+            lengths,
+            self._way(self.numbers, motion, lengths),
         )
+
+    def _way(self, numbers, motion: Motion, lengths: np.ndarray) -> np.ndarray:
+        """The way of the ring whose anchors are those of some numbers."""
+        rate = 1.0 / (motion.ticks_per_sample * numbers.period)
+        poses, _ = ring_poses(numbers, lengths)
+        spline = CubicSpline(np.arange(len(poses)) / rate, poses)
+        rows = np.hstack([poses, spline(spline.x, 1)])
+        start = motion.settled_ticks * numbers.period
+        head = [start, rate, *numbers.ring[0], _HOLD]
+        return np.concatenate([head, rows.ravel()])
 
     def _replay(self, numbers, motion, subject, uses, generator):
         """On the way; noise is that of the readings and of a way so read."""
 
+        mine = self.numbers
+        is_moved = not (
+            np.array_equal(numbers.lower, mine.lower)
+            and np.array_equal(numbers.upper, mine.upper)
+        )
+
         def follow(motion):
-            plug_ins = stack_effects([*uses, (_GUIDE, motion.way)], numbers)
+            way = motion.way
+            if is_moved:
+                way = self._way(numbers, motion, motion.lengths)
+            plug_ins = stack_effects([*uses, (_GUIDE, way)], numbers)
             key = key_of_run(numbers, motion, plug_ins)
             step = self.time_step
             return key, lambda: simulate_bench(numbers, motion, step, plug_ins)
