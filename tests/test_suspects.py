@@ -51,6 +51,13 @@ class TestSuspects(unittest.TestCase):
         self.assertEqual(suspected_blocks(tests, [], side), ["torso"])
         self.assertEqual(suspected_blocks(tests, []), ["torso"])
 
+    def test_a_reading_that_holds_on_the_way_of_the_ring_is_acquitted(self):
+        tests = [row("actuation", 1.1, 0.0, 2.5), row("sensing", 1.9, 0, 2.2)]
+        side = row("side", 1.1, None) | {"acquitted": True}
+        self.assertEqual(suspected_blocks(tests, [], side), ["actuation"])
+        side = row("side", 2.9, None) | {"acquitted": False}
+        self.assertEqual(suspected_blocks(tests, [], side), ["sensing"])
+
     def test_what_drives_and_ring_do_not_show_is_on_the_contacts_side(self):
         tests = [row("actuation", 0.98, 0.0), row("mechanism", 1.25, 0, 1.28)]
         tests += [row("contact", 0.96, 0.0), row("torso", 0.98, 0.0)]
