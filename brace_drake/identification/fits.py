@@ -142,11 +142,15 @@ def fit_effects(
         values, spread = tuple(start), None
     problem = CandidateProblem(evaluator, effects, values, spread)
     z = problem.join(subject, values)
+    is_fit = isinstance(start, CandidateFit)
     if not problem.has_spread:
-        solution = search(problem, z)
+        # Where replays are dithered, what is held against others begins with
+        # the sensitivities that it was found with.
+        kept = is_fit and is_compared and problem.is_rough
+        jacobian = start.solution.jacobian if kept else None
+        solution = search(problem, z, jacobian=jacobian)
         return _end(problem, finish_fit(problem, solution), is_compared)
     # Over dozens of parameters a Jacobian costs much; screening left one.
-    is_fit = isinstance(start, CandidateFit)
     jacobian = start.solution.jacobian if is_fit else None
     known = None
     for _ in range(_SPREAD_ROUNDS):

@@ -207,24 +207,17 @@ def _is_told(
 ) -> bool:
     """Whether no effect more could better the best so far.
 
-    What may be best is led on first, with tolerances linearised where it stands
-    and with the friction that they allow for.
+    That is led on first, with tolerances linearised where it stands and with
+    the friction that they allow for, until what is best has been.
     """
     evaluator, base = lines.evaluator, lines.base
     for _ in range(thresholds.NUM_SHORTLIST):
-        best = criterion.score(_best(criterion, base, [*known, *found]))
-        able = [
-            i
-            for i, f in enumerate(found)
-            if f.refined
-            and not f.is_settled
-            and criterion.least_score(f) <= best
-        ]
-        if not able:
+        best = _best(criterion, base, [*known, *found])
+        place = next((i for i, f in enumerate(found) if f is best), None)
+        if place is None or best.is_settled:
             break
-        place = min(able, key=lambda i: criterion.least_score(found[i]))
-        set_out(evaluator, found[place])
-        fit = refit_within(evaluator, found[place], criterion.nuisances)
+        set_out(evaluator, best)
+        fit = refit_within(evaluator, best, criterion.nuisances)
         found[place] = fit
         if with_level(evaluator, criterion, fit).may_pay(fit):
             here = Linearisation(evaluator, fit)
