@@ -83,15 +83,11 @@ class Criterion:
 
     def score(self, fit: CandidateFit) -> float:
         """Of a fit; the least one is the best explanation."""
-        stretch = max(1.0, fit.stretch / thresholds.WITHIN)
-        return float(self.least_score(fit) + 2.0 * np.log(stretch))
-
-    def least_score(self, fit: CandidateFit) -> float:
-        """What its score were if it stretched no tolerance."""
         found = self.findings(fit)
         richer = sum(bool(e.generalises) for e in found)
+        stretch = max(1.0, fit.stretch / thresholds.WITHIN)
         cost = thresholds.COST_OF_EFFECT * len(found)
-        cost += thresholds.TIED * richer
+        cost += thresholds.TIED * richer + 2.0 * np.log(stretch)
         return float(np.log(self.left(fit, self.trust)) + cost)
 
     def findings(self, fit: CandidateFit) -> list[Effect]:
