@@ -54,32 +54,40 @@ def search_causes(
         say: Progress.
     """
     effects = list(effects_for(evaluator.twin.device).values())
+    few = [e for e in effects if not e.is_flexible]
     known: list[CandidateFit] = []
-    beam = [criterion.nominal]
+    beam, ranked = [criterion.nominal], [criterion.nominal]
     for number in range(1, thresholds.MOST_EFFECTS + 1):
         part = _part(say, number)
-        for place, base in enumerate(beam):
-            # Effects of dozens of parameters are dear: beside the best alone.
-            able = [e for e in effects if not (place and e.is_flexible)]
-            known += _beside(evaluator, criterion, base, able, known, part)
+        for base in beam:
+            known += _beside(evaluator, criterion, base, few, known, part)
         if number > 1:
             known += _backward(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
         best = ranked[0]
         # Friction that is found within its tolerance adds to the level.
         criterion = with_level(evaluator, criterion, best)
-        is_shorter = len(criterion.findings(best)) < number
-        if not criterion.may_pay(best) or (number > 1 and is_shorter):
-            break
+        if not criterion.may_pay(best):
+            return known
         smaller = [f for f in ranked if len(criterion.findings(f)) < number]
         before, after = (
             min(criterion.left(f, criterion.trust) for f in fits)
             for fits in (smaller, ranked)
         )
-        if after > thresholds.WORTH_A_SET * before:
+        is_shorter = len(criterion.findings(best)) < number
+        if after > thresholds.WORTH_A_SET * before or (
+            number > 1 and is_shorter
+        ):
             break
         beam = _beam(criterion, ranked, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]
+    # Effects of dozens of parameters are dear, and cover what others do: they
+    # are tried where those leave something.
+    many = [e for e in effects if e.is_flexible]
+    none = next(f for f in ranked if not criterion.findings(f))
+    for base in (none, *(f for f in ranked[:1] if f is not none)):
+        part = _part(say, thresholds.MOST_EFFECTS)
+        known += _beside(evaluator, criterion, base, many, known, part)
     return known
 
 
@@ -120,7 +128,7 @@ def _beside(
             return found
         lines = Linearisation(evaluator, base)
         say("friction", 0.0)
-        found += fit_friction(lines, criterion, others(effects, base))
+        found += fit_friction(lines, criterion, _untried(lines, known))
         best = _best(criterion, base, found)
         # Friction within its tolerance stays in where it hides all else.
         is_within = criterion.named(best) == criterion.named(base)
@@ -147,45 +155,55 @@ def _forward(
     known: Sequence[CandidateFit],
     say: Say,
 ) -> list[CandidateFit]:
-    """A set with one more effect: first those of few parameters, and those of
-    dozens where these leave something.
+    """A set with one more effect.
 
     Args:
         lines: Where the search sets out from.
         criterion: Of the campaign.
-        effects: All that there are.
+        effects: Those that may be added.
         known: Fits before; sets that were led to their end are not made
             again.
         say: Progress.
     """
     evaluator, base = lines.evaluator, lines.base
-    found: list[CandidateFit] = []
-    for flexible in (False, True):
-        more = others(effects, base)
-        more = [e for e in more if e.is_flexible == flexible]
-        found += fit_stretched(lines, more)
-        # Numbers known to a tolerance are in already: where they have to be
-        # farther off they suggest themselves.
-        known_to = {e.name for n in criterion.nuisances for e, _ in n.uses}
-        more = [e for e in more if e.name not in known_to]
-        if _is_told(lines, criterion, effects, known, found):
-            return found
-        done = {_keys(f.effects) for f in (*known, *found) if f.refined}
-        fresh = [e for e in more if _keys((*base.effects, e)) not in done]
-        screened = screen(lines, fresh, say)
-        # Those of dozens of parameters are dear: one after the other.
-        parts = by_effect(screened) if flexible else [screened]
-        for candidates in parts:
-            search_best(lines, candidates, say)
-            fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
-            fits += best_fits(candidates)
-            richer = search_richer(lines, fits, more)
-            fits = best_fits([*candidates, *richer])
-            fits = refine(evaluator, fits, base.excess)
-            found += improve_choices(lines, fits)
-            if _is_told(lines, criterion, effects, known, found):
-                return found
+    more = others(effects, base)
+    found = fit_stretched(lines, more)
+    if _is_told(lines, criterion, known, found):
+        return found
+    # Numbers known to a tolerance are in already: where they have to be farther
+    # off they suggest themselves.
+    known_to = {e.name for n in criterion.nuisances for e, _ in n.uses}
+    done = {_keys(f.effects) for f in (*known, *found) if f.refined}
+    fresh = [
+        e
+        for e in more
+        if e.name not in known_to and _keys((*base.effects, e)) not in done
+    ]
+    screened = screen(lines, fresh, say)
+    # Those of dozens of parameters are dear: one after the other.
+    is_dear = any(e.is_flexible for e in fresh)
+    for candidates in by_effect(screened) if is_dear else [screened]:
+        search_best(lines, candidates, say)
+        fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
+        fits += best_fits(candidates)
+        richer = search_richer(lines, fits, more)
+        fits = best_fits([*candidates, *richer])
+        fits = refine(evaluator, fits, base.excess)
+        found += improve_choices(lines, fits)
+        if _is_told(lines, criterion, known, found):
+            break
     return found
+
+
+def _untried(
+    lines: Linearisation, known: Sequence[CandidateFit]
+) -> list[Effect]:
+    """Effects that were not led to their end beside a fit yet."""
+    done, base = {f.kinds for f in known if f.refined}, lines.base
+    effects = effects_for(lines.evaluator.twin.device).values()
+    return [
+        e for e in others(effects, base) if base.kinds | {e.name} not in done
+    ]
 
 
 def _has(fit: CandidateFit, base: CandidateFit) -> bool:
@@ -201,7 +219,6 @@ def _keys(effects: Sequence[Effect]) -> frozenset[str]:
 def _is_told(
     lines: Linearisation,
     criterion: Criterion,
-    effects: Sequence[Effect],
     known: Sequence[CandidateFit],
     found: list[CandidateFit],
 ) -> bool:
@@ -221,7 +238,8 @@ def _is_told(
         found[place] = fit
         if with_level(evaluator, criterion, fit).may_pay(fit):
             here = Linearisation(evaluator, fit)
-            found += fit_friction(here, criterion, others(effects, fit))
+            untried = _untried(here, [*known, *found])
+            found += fit_friction(here, criterion, untried)
         set_out(evaluator, base)
     end = _best(criterion, base, [*known, *found])
     return not with_level(evaluator, criterion, end).may_pay(end)
