@@ -229,7 +229,7 @@ class TestLaws(unittest.TestCase):
             p = np.array([1.5, 1.0, 2e-3])
             for speed in (2e-4, 2e-3, 2e-2):
                 f, x = np.zeros(1), np.zeros(6)
-                for _ in range(2000):
+                for _ in range(4000):
                     f[0] = 0.0
                     law(0.0, 2e-4, f, f, np.array([speed]), f, f, p, x)
                 want = 1.5 + math.exp(-((speed / 2e-3) ** 2))
