@@ -253,15 +253,15 @@ class CandidateProblem:
     ) -> np.ndarray:
         """Columns of the Jacobian from parameter `first` on.
 
-        Differences at the coarse plant step; of all, where drives stick, to
-        both sides. Run parameters of all runs are differenced at once.
+        Differences at the coarse plant step, to both sides where drives stick.
+        Run parameters of all runs are differenced at once.
 
         Args:
             z: Scaled parameters.
             first: Of the columns.
             base: The coarse residual at z, where it is known.
         """
-        if self.is_rough and first == 0:
+        if self.is_rough:
             ways = self.steps, -self.steps
             return sum(self._differences(z, first, base, s) for s in ways) / 2
         steps = np.where(z + self.steps > self.upper, -self.steps, self.steps)
