@@ -101,7 +101,6 @@ def _fit_row(d, fit: CandidateFit) -> dict:
         "searched": searched,
         "scattered": not searched or fit.is_scattered,
         "dithered": fit.is_dithered,
-        "sticks": fit.sticks,
     }
 
 
@@ -146,7 +145,6 @@ def _read_fit(row: dict) -> StoredFit:
         spread=row["spread"],
         num_runs=0,
         refined=row["refined"],
-        sticks=row["sticks"],
         is_dithered=row["dithered"],
         held_out=row["held_out"],
         stretch=row.get("stretch", 0.0),

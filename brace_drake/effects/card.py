@@ -91,8 +91,6 @@ class Effect:
             laws, see `places`.
         dithered: Whether the noise in the loop changes the mean motion, as
             with dry friction; the twin then averages over noisy replays.
-        sticks: Whether it holds a drive until noise lets it go: when it slips
-            is chance, and no replay follows a recording to the floor.
         spread: For effects of many alike parameters drawn from a common
             normal distribution: name and unit of its standard deviation,
             which is what is reported. None for all others.
@@ -129,7 +127,6 @@ class Effect:
     constants: Callable | None = None
     needs: tuple[str, ...] = ()
     dithered: bool = False
-    sticks: bool = False
     spread: tuple[str, str] | None = None
     form: str = ""
     run_parameters: tuple[EffectParameter, ...] = ()

@@ -88,12 +88,6 @@ def is_dithered(twin, uses: Sequence[Use]) -> bool:
     return rough and twin.has_loop
 
 
-def sticks(twin, uses: Sequence[Use]) -> bool:
-    """Whether drives of a twin with these effects stick and slip by chance."""
-    stuck = any(effect.sticks for effect, _ in (*twin.carried, *uses))
-    return stuck and twin.has_loop
-
-
 def replay(
     twin,
     prepared: PreparedRun,

@@ -14,7 +14,6 @@ from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import (
     Evaluator,
     is_dithered,
-    sticks,
 )
 from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
@@ -54,7 +53,6 @@ class CandidateFit:
         num_runs: Runs that it was fitted on.
         num_prior: Rows of the residual that are the prior's.
         refined: Whether the search was led to its end.
-        sticks: Whether its drives stick and slip by chance.
         is_dithered: Whether its replays are averages over noise.
         held_out: Misfit on motions left out in turn, or None.
         stretch: The most tolerances that a number known to one is off.
@@ -82,7 +80,6 @@ class CandidateFit:
     num_runs: int
     num_prior: int = 0
     refined: bool = False
-    sticks: bool = False
     is_dithered: bool = False
     held_out: float | None = None
     stretch: float = 0.0
@@ -294,7 +291,6 @@ def finish_fit(
         spread,
         len(evaluator.prepared),
         problem.num_prior,
-        sticks=sticks(evaluator.twin, uses),
         is_dithered=is_dithered(evaluator.twin, uses),
         tolerances=problem.tolerances,
     )

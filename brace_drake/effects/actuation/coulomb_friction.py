@@ -106,7 +106,6 @@ CARD = Effect(
     laws={"drive": _law},
     num_states={"drive": 6},
     dithered=True,
-    sticks=True,
     signature="commands step by twice the friction at every reversal; a free"
     " run shows it as clearly as a push",
     impostors={

@@ -63,7 +63,6 @@ CARD = Effect(
     laws={"drive": _law},
     num_states={"drive": 6},
     dithered=True,
-    sticks=True,
     generalises=("coulomb_friction",),
     signature="stick and slip: a jump of the ring after every reversal",
     impostors={

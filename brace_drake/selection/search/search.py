@@ -74,10 +74,8 @@ def search_causes(
             min(criterion.left(f, criterion.trust) for f in fits)
             for fits in (smaller, ranked)
         )
-        is_shorter = len(criterion.findings(best)) < number
-        if after > thresholds.WORTH_A_SET * before or (
-            number > 1 and is_shorter
-        ):
+        is_shorter = number > 1 and len(criterion.findings(best)) < number
+        if is_shorter or after > thresholds.WORTH_A_SET * before:
             break
         beam = _beam(criterion, ranked, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]
@@ -85,8 +83,9 @@ def search_causes(
     # are tried where those leave something.
     many = [e for e in effects if e.is_flexible]
     none = next(f for f in ranked if not criterion.findings(f))
-    for base in (none, *(f for f in ranked[:1] if f is not none)):
-        part = _part(say, thresholds.MOST_EFFECTS)
+    bases = [none] if ranked[0] is none else [none, ranked[0]]
+    part = _part(say, thresholds.MOST_EFFECTS)
+    for base in bases:
         known += _beside(evaluator, criterion, base, many, known, part)
     return known
 
