@@ -17,8 +17,8 @@ from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.selection import thresholds
 from brace_drake.selection.level import make_criterion
+from brace_drake.selection.search.friction import fit_friction
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.stretched import fit_friction
 from tests.shared_data import EXAMPLE
 
 

@@ -103,9 +103,12 @@ class Nuisance:
         return any(e.dithered for e, _ in self.uses)
 
     def is_of(self, effect: Effect) -> bool:
-        """Whether an effect, or a special case of it, is this number."""
+        """Whether an effect, or a special case or part of it, is this
+        number.
+        """
         names = {e.name for e, _ in self.uses}
-        return bool(names & {effect.name, *effect.generalises})
+        mine = {effect.name, *effect.generalises, *effect.contains}
+        return bool(names & mine)
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,10 @@ from brace_drake.effects.stack import Use
 # Mean square, in floors, that a direction of one deviation changes at least.
 _TELLS = 0.1
 
+# Where drives stick and slip by chance, columns are differenced over so many
+# deviations: how the chance falls is part of every difference.
+_FAR = 3.0
+
 # From how far each number is off, SI units by name, to effects.
 UsesOff = Callable[[Mapping[str, float]], tuple[Use, ...]]
 
@@ -182,17 +186,20 @@ def linearise_tolerances(
     ways = np.eye(len(nuisances))
     if before is not None and off is not None:
         ways = _telling_ways(before, evaluator.count)
-    more = []
+    is_rough = any(e.dithered for e, _ in uses)
+    more, steps = [], []
     for way in ways:
         (places,) = np.nonzero(way)
         one = nuisances[places[0]]
         # Dry friction, and numbers without effects where they are off.
         alone = len(places) == 1 and (one.is_dithered or off is None)
+        step = _FAR if is_rough and not one.is_dithered else 1.0
         more.append(
-            (*here, *one.uses)
+            (*here, *((e, values * step) for e, values in one.uses))
             if alone
-            else _uses_of(nuisances, off + way, uses_off)
+            else _uses_of(nuisances, off + step * way, uses_off)
         )
+        steps.append(step)
     try:
         changes = evaluator.map(
             lambda p: evaluator.changes(p, subject, uses, more, here),
@@ -203,6 +210,7 @@ def linearise_tolerances(
     columns = np.column_stack(
         [np.concatenate(parts) for parts in zip(*changes, strict=True)]
     )
+    columns /= steps
     if len(ways) < len(nuisances):
         other = np.eye(len(nuisances)) - ways.T @ ways
         columns = columns @ ways + before.basis @ (before.columns @ other)

@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 
+from brace_drake.devices.stretch import noise_along
 from brace_drake.diagnose import Diagnosis
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
@@ -95,7 +96,8 @@ def tolerance_rows(d: Diagnosis) -> list[dict]:
     if fit.tolerances is None:
         return []
     off = estimate_off(d.evaluator, fit)
-    errors = fit.tolerances.errors(1.0 + max(0.0, d.criterion.misfit(fit)))
+    residual = fit.solution.residual[: d.evaluator.ends[-1]]
+    errors = fit.tolerances.errors(noise_along(fit.tolerances, residual))
     rows = [
         {
             "name": n.name,

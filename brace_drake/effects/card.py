@@ -95,6 +95,9 @@ class Effect:
             normal distribution: name and unit of its standard deviation,
             which is what is reported. None for all others.
         generalises: Names of effects that are special cases of this one.
+        contains: Names of effects that are part of it, as dry friction is of
+            a drive that sticks behind an elastic joint: none of them is added
+            to it.
         on_command: Whether it changes the command on its way to the drive, as
             a gain does: it acts on what the effects before it have left, and
             before those that add a force.
@@ -131,6 +134,7 @@ class Effect:
     form: str = ""
     run_parameters: tuple[EffectParameter, ...] = ()
     generalises: tuple[str, ...] = ()
+    contains: tuple[str, ...] = ()
     on_command: bool = False
     key: str = _derived()
     parameter_names: tuple[str, ...] = _derived()
@@ -187,8 +191,8 @@ class Effect:
         """
         return (
             self.name == other.name
-            or self.name in other.generalises
-            or other.name in self.generalises
+            or self.name in (*other.generalises, *other.contains)
+            or other.name in (*self.generalises, *self.contains)
         )
 
     def is_richer_than(self, other: Effect) -> bool:

@@ -8,6 +8,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from brace_drake.devices.stretch import stretch_of
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
@@ -55,7 +56,7 @@ class CandidateFit:
         refined: Whether the search was led to its end.
         is_dithered: Whether its replays are averages over noise.
         held_out: Misfit on motions left out in turn, or None.
-        stretch: The most tolerances that a number known to one is off.
+        stretch: Of numbers known to a tolerance, see `devices.stretch`.
         tolerances: What numbers known to one change: its residual and Jacobian
             are whitened of that.
         is_settled: Whether that is linearised where it stands.
@@ -278,7 +279,9 @@ def finish_fit(
     subject, uses = problem.split(solution.z)
     level = evaluator.noise_level(uses, coarse)
     excess = float(residual @ residual) - level * evaluator.count
-    spread = None
+    known, stretch, spread = problem.tolerances, 0.0, None
+    if known is not None:
+        stretch = stretch_of(known, residual)
     if problem.has_spread:
         spread = problem.spread * problem.spread_scale
     return CandidateFit(
@@ -292,5 +295,6 @@ def finish_fit(
         len(evaluator.prepared),
         problem.num_prior,
         is_dithered=is_dithered(evaluator.twin, uses),
-        tolerances=problem.tolerances,
+        stretch=stretch,
+        tolerances=known,
     )

@@ -19,6 +19,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from brace_drake.devices.declaration import Nuisance
+from brace_drake.devices.stretch import noise_along
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import calc_triangle
@@ -37,27 +38,21 @@ def motions_of(prepared: list[PreparedRun]) -> list[list[int]]:
 
 
 def check_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
-    """The fit with what it leaves on motions left out, and how far it has to
-    stretch tolerances.
-    """
-    off = estimate_off(evaluator, fit)
-    stretch = max((abs(float(t)) for _, t in off), default=0.0)
-    left = held_out_misfit(evaluator, fit)
-    return replace(fit, held_out=left, stretch=stretch)
+    """The fit with what it leaves on motions left out."""
+    return replace(fit, held_out=held_out_misfit(evaluator, fit))
 
 
 def estimate_off(
     evaluator: Evaluator, fit: CandidateFit
 ) -> list[tuple[Nuisance, float]]:
     """How many tolerances each number is off in a fit; what else the fit
-    leaves counts as noise.
+    leaves counts as noise along them.
     """
     known = fit.tolerances
     if known is None:
         return []
     residual = fit.solution.residual[: evaluator.ends[-1]]
-    rest = 1.0 + max(0.0, fit.excess) / evaluator.count
-    off = known.estimate(residual, rest)
+    off = known.estimate(residual, noise_along(known, residual))
     return list(zip(known.nuisances, off.tolist(), strict=True))
 
 

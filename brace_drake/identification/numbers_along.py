@@ -75,7 +75,7 @@ def _step(
     step = step_within(calc_triangle([jacobian, residual]), z, limits)
     known, evaluator = problem.tolerances, problem.evaluator
     cost = float(residual @ residual)
-    # What the fit leaves counts as noise, as in `estimate_off`.
+    # What the fit leaves counts as noise.
     noise = max(1.0, cost / evaluator.count)
     left = (residual + jacobian @ step)[: evaluator.ends[-1]]
     way = known.estimate(left, noise) - known.off

@@ -1,21 +1,21 @@
 """The criterion: what a set of effects leaves, and what each effect costs.
 
     score = ln(misfit + trust) / 2 + ln(predicted + trust) / 2
-            + 2 ln(max(1, stretch / 3)) + cost n + tied m
+            + 4 ln(max(1, stretch / 3)) + cost n + tied m
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
-same on motions left out in turn (`identification.held_out`), `stretch` the most
-tolerances that a number known to one is off, n the number of effects that are
-not within tolerances, m of those that have simpler special cases; less is
-better. For residuals of unknown variance the first term is the log likelihood
-per value (Gelman et al., Bayesian Data Analysis, section 3.2) and the second
-its cross-validated form, which an effect that only imitates another does not
-share (Vehtari, Gelman, Gabry, Practical Bayesian model evaluation using
-leave-one-out cross-validation, Statistics and Computing 27, 2017); the third is
-that of the tolerances themselves. Trust is what a right twin is exact to: below
-it less says nothing. A gap that no effect takes has to be beyond the level, to
-which the noise itself is known. Numbers within their tolerances are no part of
-the misfit, see `devices.tolerances`.
+same on motions left out in turn (`identification.held_out`), `stretch` how far
+numbers known to a tolerance are off (`devices.stretch`), n the number of
+effects that are not within tolerances, m of those that have simpler special
+cases; less is better. For residuals of unknown variance the first term
+is the log likelihood per value (Gelman et al., Bayesian Data Analysis, section
+3.2) and the second its cross-validated form, which an effect that only imitates
+another does not share (Vehtari, Gelman, Gabry, Practical Bayesian model
+evaluation using leave-one-out cross-validation, Statistics and Computing 27,
+2017); the third is that of the tolerances themselves. Trust is what a right
+twin is exact to: below it less says nothing. A gap that no effect takes has to
+be beyond the level, to which the noise itself is known. Numbers within their
+tolerances are no part of the misfit, see `devices.tolerances`.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ class Criterion:
         richer = sum(bool(e.generalises) for e in found)
         stretch = max(1.0, fit.stretch / thresholds.WITHIN)
         cost = thresholds.COST_OF_EFFECT * len(found)
-        cost += thresholds.TIED * richer + 2.0 * np.log(stretch)
+        cost += thresholds.TIED * richer + thresholds.TAIL * np.log(stretch)
         return float(np.log(self.left(fit, self.trust)) + cost)
 
     def findings(self, fit: CandidateFit) -> list[Effect]:

@@ -34,6 +34,10 @@ TIED = math.log(1.5)
 ODDS = 2.0
 # Effects whose strength is within so many tolerances are no finding.
 WITHIN = 3.0
+# What is farther off costs the logarithm of its distance so many times: with
+# `ODDS`, tolerances have the tails of Student's distribution with seven degrees
+# of freedom.
+TAIL = 4.0
 # Limits of any probability.
 LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
 # ---- Search -----------------------------------------------------------------
@@ -47,8 +51,6 @@ WORTH_A_SET = 2.0 / 3.0
 # Friction within tolerance that changes less than this share of what is left
 # explains nothing of it.
 WORTH_FRICTION = 0.1
-# Effects that tolerances suggest, the farthest first.
-MOST_STRETCHED = 4
 # Misfit that leaves nothing to search for.
 TWIN_ERROR = 0.02
 # About as near as a coarse search comes; over dozens of parameters the last of
@@ -68,8 +70,9 @@ AS_PREDICTED, FAILED = 0.02, 0.5
 # those that take this share of the gap.
 PLACES, FACTOR, PLACES_AT_FLOOR, WORTH_A_PLACE = 5, 2.0, 3, 0.1
 # A start that is predicted to leave this share of the gap is not tried again,
-# and beyond so many places not searched.
-HOPELESS, HOPELESS_PLACES = 0.95, 2
+# and beyond so many places not searched; beside drives that stick, of whose
+# chance any effect takes a part, already what leaves less.
+HOPELESS, HOPELESS_ROUGH, HOPELESS_PLACES = 0.95, 0.8, 2
 # A start is tried at another strength, this often, where it is more than that
 # many times too strong or too weak.
 RESCALED, ENOUGH, WEAKEST = 2, 0.4, 0.05

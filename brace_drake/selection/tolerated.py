@@ -1,4 +1,4 @@
-"""Effects that are within tolerances, and so no finding."""
+"""What is within tolerances, and so no finding, and what is not."""
 
 from __future__ import annotations
 
@@ -8,7 +8,27 @@ import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.stack import Use
+from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
+
+
+def strained(excess: float, stretch: float, count: int) -> float:
+    """The excess that costs as much, in a criterion's score, as one beside
+    tolerances that are stretched.
+
+    Args:
+        excess: Sum of squares above noise.
+        stretch: Of the numbers known to a tolerance.
+        count: Number of independent values.
+    """
+    factor = max(1.0, stretch / thresholds.WITHIN) ** thresholds.TAIL
+    trust = thresholds.TRUST * count
+    return excess if factor == 1.0 else (excess + trust) * factor - trust
+
+
+def left_by(fit: CandidateFit, count: int) -> float:
+    """What a fit leaves, strained."""
+    return strained(fit.excess, fit.stretch, count)
 
 
 def is_within(
@@ -23,7 +43,7 @@ def is_within(
     """
     effect, values = use
     deviations = [n.deviation for n in nuisances if n.is_of(effect)]
-    if not deviations:
+    if not deviations or effect.contains:
         return False
     if effect.spread is not None:
         # The spread of so many draws is known to 1 / sqrt(2 n) of itself.

@@ -10,7 +10,7 @@ from brace_drake.laws.hooks import plug
 # Before sliding: bristles give way by a few micrometres, those without creep by
 # what the bench's friction within its tolerance does, and are well damped; the
 # caps keep an explicit plant step stable.
-_PRESLIDING, _WITHOUT_CREEP = 5e-6, 1e-5  # m
+_PRESLIDING, WITHOUT_CREEP_TRAVEL = 5e-6, 1e-5  # m
 _DAMPING_TIME = 1.5e-3  # s
 _MAX_STIFFNESS = 1e6  # N/m
 _MAX_DAMPING = 600.0  # N s/m
@@ -63,7 +63,7 @@ def bristle_force(dt, speed, level, top, k, x, stuck=0.0):
         stuck: Part of the deflection of sliding up to which a is 0, see
             `slip_share`.
     """
-    travel = _WITHOUT_CREEP if stuck > 0.0 else _PRESLIDING
+    travel = WITHOUT_CREEP_TRAVEL if stuck > 0.0 else _PRESLIDING
     stiffness = min(top / travel, _MAX_STIFFNESS)
     damping = min(_DAMPING_TIME * stiffness, _MAX_DAMPING)
     share = slip_share(speed, x[k], level / stiffness, stuck)

@@ -24,6 +24,7 @@ from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.run_starts import best_run_starts
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.tolerated import left_by
 
 
 @dataclass
@@ -35,7 +36,7 @@ class Candidate:
         z: Where it stands.
         residual: There, prior rows below.
         jacobian: Of its last step; None before it was searched.
-        predicted: Excess that it is predicted to leave.
+        predicted: Excess, strained, that it is predicted to leave.
         start: Where parameters of several starts began.
         others: The same effect from another start, best first.
         added: The effect that it has beside those of the base.
@@ -57,15 +58,22 @@ class Candidate:
 
     @property
     def excess(self) -> float:
-        """Sum of squares above noise where it stands, searched or not."""
-        return self._stand().excess
+        """Sum of squares above noise where it stands, searched or not,
+        strained.
+        """
+        return left_by(self._stand(), self.problem.evaluator.count)
+
+    @property
+    def left(self) -> float:
+        """The same; not yet searched, as predicted."""
+        return self.predicted if self.jacobian is None else self.excess
 
     def fit(self) -> CandidateFit:
         """Where it stands as a fit; not yet searched, as predicted."""
         fit = self._stand()
         if self.jacobian is not None:
             return fit
-        return replace(fit, excess=float(self.predicted))
+        return replace(fit, excess=float(self.predicted), stretch=0.0)
 
     def _stand(self) -> CandidateFit:
         solution = LeastSquaresSolution(

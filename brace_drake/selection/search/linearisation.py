@@ -8,12 +8,14 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from brace_drake.core.errors import BraceError
+from brace_drake.devices.stretch import stretch_of
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import beyond
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.selection import thresholds
+from brace_drake.selection.tolerated import left_by, strained
 
 # Relative to the largest, what is added to the diagonal of small systems.
 _RIDGE = 1e-12
@@ -32,7 +34,8 @@ class Linearisation:
     Attributes:
         residual: Of the fit at the coarse plant step (rows,).
         unreachable: What of it no change of the fit's parameters takes.
-        excess: Sum of squares of that above noise; `remaining`: not below 0.
+        excess: Sum of squares of that above noise.
+        remaining: The same, strained; not below 0.
 
     Raises:
         BraceError: The twin breaks down there at the coarse plant step.
@@ -71,7 +74,23 @@ class Linearisation:
         moved = self.residual + self.sensitivities @ np.where(inside, 0, step)
         self.unreachable = self.beyond(moved)
         self.excess = float(self.unreachable @ self.unreachable) - self.noise
-        self.remaining = max(0.0, self.excess)
+        self.remaining = max(0.0, self._strained(self.excess, step))
+
+    def _strained(
+        self, excess: float, x: np.ndarray, way: np.ndarray | None = None
+    ) -> float:
+        """An excess, strained by what tolerances are stretched to where the
+        fit's parameters have moved by x; of the last one along a way.
+        """
+        known = self.tolerances
+        if known is None:
+            return excess
+        n = self.sensitivities.shape[1]
+        there = self.residual + self.sensitivities @ x[:n]
+        if way is not None:
+            there += x[n] * way
+        stretch = stretch_of(known, there)
+        return strained(excess, stretch, self.evaluator.count)
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
         """What of residuals or columns no change of the fit takes."""
@@ -108,8 +127,8 @@ class Linearisation:
     @property
     def is_exact(self) -> bool:
         """Whether the fit leaves nothing for another effect to explain."""
-        misfit = self.base.excess / self.evaluator.count
-        return misfit <= thresholds.TWIN_ERROR
+        count = self.evaluator.count
+        return left_by(self.base, count) <= thresholds.TWIN_ERROR * count
 
     def predict_excess(
         self,
@@ -130,8 +149,8 @@ class Linearisation:
                 effect of either sign.
 
         Returns:
-            Sum of squares above noise at that place, and how far it is, 1 at
-            the candidate itself.
+            Sum of squares above noise at that place, strained, and how far it
+            is, 1 at the candidate itself.
         """
         self = self.beside(problem.tolerances)
         way = residual[: self.rows] - self.residual
@@ -139,16 +158,18 @@ class Linearisation:
         # Noise that the way has of its own is no part of it.
         if whole <= noise:
             return self.remaining, 1.0
-        left, far = self._best_on(way, whole - noise, either_way)
+        left, x = self._best_on(way, whole - noise, either_way)
         if left < -thresholds.COARSE_PREDICTION * self.evaluator.count:
             # More than there is: what the way is made of is mostly noise.
-            left, far = self._best_on(way, whole, either_way)
-        return left, far
+            left, x = self._best_on(way, whole, either_way)
+        return self._strained(left, x, way), float(x[-1])
 
     def _best_on(
         self, way: np.ndarray, square: float, either_way: bool
-    ) -> tuple[float, float]:
-        """Least excess along a way of a given squared length, and where."""
+    ) -> tuple[float, np.ndarray]:
+        """Least excess along a way of a given squared length, and where, the
+        part of the way last.
+        """
         cross = self.sensitivities.T @ way
         gram = np.block([[self._gram, cross[:, None]], [cross, square]])
         slope = np.append(self._slope, way @ self.residual)
@@ -157,7 +178,7 @@ class Linearisation:
         high = np.append(self._room[1], reach)
         x = _minimise(gram, slope, low, high)
         left = self._square + 2.0 * slope @ x + x @ gram @ x - self.noise
-        return float(left), float(x[-1])
+        return float(left), x
 
     def added_noise(self, problem: CandidateProblem, z: np.ndarray) -> float:
         """Squares of noise in a way, of replays that are dithered."""

@@ -17,6 +17,7 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.tolerated import left_by
 
 
 def richer_starts(
@@ -69,12 +70,14 @@ def search_richer(
     if base.is_exact:
         return []
     fits = [f for f in fits if f.is_searched]
-    least = min((f.excess for f in fits), default=np.inf)
+    count = base.evaluator.count
+    left = [left_by(f, count) for f in fits]
+    least = min(left, default=np.inf)
     near = thresholds.NESTED_NEAR * max(0.0, least)
     return [
         candidate
-        for fit in fits
-        if fit.excess <= near
+        for fit, mine in zip(fits, left, strict=True)
+        if mine <= near
         for place in range(len(fit.effects))
         for candidate in _richer_in(base, fit, effects, place)
     ]
@@ -106,7 +109,8 @@ def _richer_in(
             if candidate is not None:
                 found.append(candidate)
         best = min(found, key=lambda c: c.excess, default=None)
-        better = thresholds.NESTED_BETTER * fit.excess
+        mine = left_by(fit, base.evaluator.count)
+        better = thresholds.NESTED_BETTER * mine
         if best is None or best.excess > better:
             continue
         before = np.inf

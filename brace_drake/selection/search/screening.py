@@ -98,26 +98,33 @@ def search_best(
         return
     candidates, least = _best_starts(candidates), np.inf
     trust = thresholds.COARSE * base.evaluator.count
-    remaining = base.remaining
+    remaining, most = base.remaining, _most(base)
     for place, candidate in enumerate(candidates):
-        fit = candidate.fit()
-        far_behind = fit.excess > thresholds.FACTOR * (least + trust)
+        left = candidate.left
+        far_behind = left > thresholds.FACTOR * (least + trust)
         worth = max(trust, thresholds.WORTH_A_PLACE * remaining)
-        no_gain = remaining - fit.excess < worth
+        no_gain = remaining - left < worth
         if least <= trust:
             places = min(places, thresholds.PLACES_AT_FLOOR)
         if place >= places and (far_behind or no_gain):
             break
-        hopeless = fit.excess > thresholds.HOPELESS * remaining
+        hopeless = left > most
         if place >= thresholds.HOPELESS_PLACES and hopeless:
             break
-        say(f"cause {fit.name}", 0.6 + 0.4 * place / len(candidates))
+        say(f"cause {candidate.name}", 0.6 + 0.4 * place / len(candidates))
         for start in (candidate, *candidate.others):
             if _search(base, start, least):
-                least = max(0.0, min(least, start.fit().excess))
+                least = max(0.0, min(least, start.left))
             # Where one has come to the floor no other way need be tried.
             if least <= trust:
                 break
+
+
+def _most(base: Linearisation) -> float:
+    """What a candidate is predicted to leave at most."""
+    if base.base.is_dithered:
+        return thresholds.HOPELESS_ROUGH * base.remaining
+    return thresholds.HOPELESS * base.remaining
 
 
 def _search(base: Linearisation, candidate: Candidate, least: float) -> bool:
@@ -135,7 +142,7 @@ def _search(base: Linearisation, candidate: Candidate, least: float) -> bool:
     for done in range(1, thresholds.ROUNDS + 1):
         if not candidate.step(base, thresholds.STEPS):
             return False
-        left = candidate.fit().excess
+        left = candidate.left
         rate = left / before
         if left < end or rate > thresholds.WORTH_A_ROUND:
             break
@@ -165,7 +172,7 @@ def predict(base: Linearisation, effect: Effect) -> list[Candidate]:
         effect: The one more.
     """
     found: list[Candidate] = []
-    most = thresholds.HOPELESS * base.remaining
+    most = _most(base)
     for values in effect.starts():
         start = tuple(values[effect.has_several_starts])
         for _ in range(thresholds.RESCALED + 1):
@@ -183,10 +190,7 @@ def predict(base: Linearisation, effect: Effect) -> list[Candidate]:
             if effect.is_continuous.sum() > thresholds.STRAIGHT_PARAMETERS:
                 if candidate.step(base, 1):
                     # With what the base's parameters cost, where that counts.
-                    mine = candidate.residual[: base.rows]
-                    noise = base.added_noise(candidate.problem, candidate.z)
-                    noise += base.noise
-                    candidate.predicted = float(mine @ mine) - noise
+                    candidate.predicted = candidate.excess
                 break
             is_strong_enough = thresholds.ENOUGH < far < 1.0 / thresholds.ENOUGH
             if effect.run_parameters or is_strong_enough:

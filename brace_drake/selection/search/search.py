@@ -21,6 +21,7 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, best_of_kinds, refined
 from brace_drake.selection.level import with_level
 from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.friction import fit_friction
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
 from brace_drake.selection.search.screening import (
@@ -35,10 +36,6 @@ from brace_drake.selection.search.shortlist import (
     improve_choices,
     refine,
     try_refine,
-)
-from brace_drake.selection.search.stretched import (
-    fit_friction,
-    fit_stretched,
 )
 from brace_drake.selection.search.within import refit_within, set_out
 
@@ -129,8 +126,11 @@ def _beside(
         say("friction", 0.0)
         found += fit_friction(lines, criterion, _untried(lines, known))
         best = _best(criterion, base, found)
-        # Friction within its tolerance stays in where it hides all else.
+        # Friction within its tolerance stays in where it hides all else; what
+        # stretches tolerances, next to nothing of a residual, is found where
+        # nothing sticks.
         is_within = criterion.named(best) == criterion.named(base)
+        is_within &= best.stretch <= thresholds.WITHIN
         if is_within and best.excess < thresholds.WORTH_A_SET * base.excess:
             base = best
         set_out(evaluator, base)
@@ -165,19 +165,9 @@ def _forward(
         say: Progress.
     """
     evaluator, base = lines.evaluator, lines.base
-    more = others(effects, base)
-    found = fit_stretched(lines, more)
-    if _is_told(lines, criterion, known, found):
-        return found
-    # Numbers known to a tolerance are in already: where they have to be farther
-    # off they suggest themselves.
-    known_to = {e.name for n in criterion.nuisances for e, _ in n.uses}
-    done = {_keys(f.effects) for f in (*known, *found) if f.refined}
-    fresh = [
-        e
-        for e in more
-        if e.name not in known_to and _keys((*base.effects, e)) not in done
-    ]
+    more, found = others(effects, base), []
+    done = {_keys(f.effects) for f in known if f.refined}
+    fresh = [e for e in more if _keys((*base.effects, e)) not in done]
     screened = screen(lines, fresh, say)
     # Those of dozens of parameters are dear: one after the other.
     is_dear = any(e.is_flexible for e in fresh)
@@ -187,7 +177,7 @@ def _forward(
         fits += best_fits(candidates)
         richer = search_richer(lines, fits, more)
         fits = best_fits([*candidates, *richer])
-        fits = refine(evaluator, fits, base.excess)
+        fits = refine(evaluator, fits, lines.remaining)
         found += improve_choices(lines, fits)
         if _is_told(lines, criterion, known, found):
             break

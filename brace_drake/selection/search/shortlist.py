@@ -15,11 +15,12 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.tolerated import left_by
 
 
 def best_fits(candidates: Sequence[Candidate]) -> list[CandidateFit]:
     """The best fit of each set of effects; searched before predicted ones."""
-    fits = sorted((c.fit() for c in candidates), key=lambda f: f.excess)
+    fits = [c.fit() for c in sorted(candidates, key=lambda c: c.left)]
     searched = {f.name for f in fits if f.is_searched}
     best: dict[str, CandidateFit] = {}
     for fit in fits:
@@ -38,18 +39,24 @@ def refine(
     Args:
         evaluator: Over the fit runs.
         fits: From screening.
-        remaining: Excess of the fit that screening set out from; what takes
-            next to nothing of it is not listed, unless it is the best.
+        remaining: Excess of the fit that screening set out from, strained;
+            what takes next to nothing of it is not listed, unless it is the
+            best.
 
     Returns:
         All fits in the order of what screening left, those listed refined.
     """
-    ranked = sorted(fits, key=lambda f: f.excess)
+    count = evaluator.count
+
+    def left(fit):
+        return left_by(fit, count)
+
+    ranked = sorted(fits, key=left)
     if not ranked:
         return []
     # Rivals are compared as screening has left them, all alike unfinished.
-    trust = thresholds.SHORTLIST_TRUST * evaluator.count
-    near = thresholds.SHORTLIST * max(trust, ranked[0].excess + trust)
+    trust = thresholds.SHORTLIST_TRUST * count
+    near = thresholds.SHORTLIST * max(trust, left(ranked[0]) + trust)
     bar = min(thresholds.GAINED * remaining - trust, near)
     out = []
     for place, fit in enumerate(ranked):
@@ -57,7 +64,7 @@ def refine(
         if (
             place < thresholds.NUM_SHORTLIST
             and searched
-            and (place == 0 or fit.excess <= bar)
+            and (place == 0 or left(fit) <= bar)
         ):
             fit = try_refine(evaluator, fit)
         out.append(fit)

@@ -1,9 +1,7 @@
-"""What tolerances have to be stretched to, as effects.
+"""Dry friction within its tolerance, as an effect.
 
-Numbers within their tolerances take what they can of a gap, however far off
-they then are. One that is off by many tolerances suggests itself as an effect;
-dry friction, which no straight line follows, does so wherever something is
-left.
+Other numbers act on a straight line within their tolerances; drives that stick
+a little do not.
 """
 
 from __future__ import annotations
@@ -20,7 +18,6 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import tolerated_friction
 from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.shortlist import refine
 from brace_drake.selection.search.within import refit_within
 
 
@@ -48,36 +45,11 @@ def fit_friction(
                 more = _search_one(lines, form, _start(card, values, t))
                 found += [more] if more is not None else []
     best = min(found, key=lambda f: f.excess, default=lines.base)
-    if best.excess > thresholds.GAINED * lines.remaining:
+    # It takes of what is left, not of what tolerances are stretched to.
+    if best.excess > thresholds.GAINED * max(0.0, lines.excess):
         return []
     # What it does bends what tolerances do.
     return [refit_within(lines.evaluator, best, criterion.nuisances)]
-
-
-def fit_stretched(
-    lines: Linearisation, effects: Sequence[Effect]
-) -> list[CandidateFit]:
-    """Fits with one more effect of those that tolerances suggest, the best
-    refined.
-
-    Args:
-        lines: At the fit that is looked at.
-        effects: Those that may be added.
-    """
-    found: dict[str, CandidateFit | None] = {}
-    off = estimate_off(lines.evaluator, lines.base)
-    for nuisance, t in sorted(off, key=lambda n: -abs(n[1])):
-        ((card, values),) = nuisance.uses
-        if card.dithered or card.key in found or card not in effects:
-            continue
-        if abs(t) <= thresholds.WITHIN:
-            break
-        if len(found) == thresholds.MOST_STRETCHED:
-            break
-        start = _start(card, values, t) if card.spread is None else card.off()
-        found[card.key] = _search_one(lines, card, start)
-    fits = [fit for fit in found.values() if fit is not None]
-    return refine(lines.evaluator, fits, lines.remaining)
 
 
 def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:

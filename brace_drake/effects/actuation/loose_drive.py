@@ -1,0 +1,116 @@
+"""A drive that is not rigidly joined to the ring, and sticks.
+
+Its dry friction acts between drive and base: it holds the drive, while the ring
+still moves by what the joint between them lets it. In the balance of the drive,
+b v = u - f_joint - F_c(v), the drive has no mass. Friction is that of bristles
+which hold up to F_c and give way by 10 um (elasto-plastic; Dupont, Hayward,
+Armstrong, Altpeter, IEEE Trans. Autom. Control 47, 2002, with nothing slipping
+below the full deflection).
+"""
+
+import math
+
+from brace_drake.effects.actuation.coulomb_friction import WITHOUT_CREEP_TRAVEL
+from brace_drake.effects.card import EffectParameter
+from brace_drake.laws.compiled import compiled_law
+
+DRIVE_VISCOUS = EffectParameter(
+    "drive_viscous_N_s_m",
+    "N s/m",
+    1.0,
+    1000.0,
+    (40.0,),
+    "viscous friction b of the drive, as on the data sheet",
+    off=None,
+    choices=(40.0,),
+)
+DRIVE_DRY_FRICTION = EffectParameter(
+    "coulomb_N",
+    "N",
+    0.0,
+    60.0,
+    (0.03,),
+    "dry friction F_c of the drive",
+)
+# What the form of an effect with a sticking drive is called, and cites.
+STICKING = "dry friction"
+SOURCE = (
+    "Dupont, Hayward, Armstrong, Altpeter, Single state elastoplastic"
+    " friction models, IEEE Trans. Autom. Control 47, 2002"
+)
+
+
+@compiled_law
+def friction_held(dt, push, drag, level, z):
+    """Dry friction of a drive without mass over a step, N.
+
+    Args:
+        dt: s.
+        push: What moves the drive if it stood, N.
+        drag: What it is slowed by, N s/m, above 0.
+        level: F_c, N.
+        z: Deflection of its bristles, m.
+    """
+    stiffness = level / WITHOUT_CREEP_TRAVEL
+    held = push - stiffness * z
+    force = stiffness * (z + dt * held / (drag + dt * stiffness))
+    return min(max(force, -level), level)
+
+
+@compiled_law
+def deflect(z, move):
+    """Deflection of bristles after the drive has moved, m."""
+    top = WITHOUT_CREEP_TRAVEL
+    return min(max(z + move, -top), top)
+
+
+@compiled_law
+def yield_elastic(dt, u, l_dot, b, c, level, stretch, z):
+    """An elastic leg over a step: its stretch at the end and on average, m,
+    and the deflection of the drive's bristles.
+
+    c b e' = c (u - F - b l') - e, exactly for a constant F.
+
+    Args:
+        dt: s.
+        u: Command, N.
+        l_dot: Rate of the leg, m/s.
+        b: Viscous friction of the drive, N s/m.
+        c: Compliance, m/N.
+        level: Dry friction of the drive F_c, N.
+        stretch: e = l_drive - l, m.
+        z: Deflection of the bristles, m.
+    """
+    # While the drive stands the spring follows the ring.
+    push = u - (stretch - dt * l_dot) / c
+    force = 0.0
+    if level > 0.0:
+        force = friction_held(dt, push, b + dt / c, level, z)
+    balanced = c * (u - force - b * l_dot)
+    rate = dt / max(c * b, 1e-12)
+    decay = math.exp(-rate)
+    # The exact mean over the step keeps a stiff spring stable.
+    mean = balanced + (stretch - balanced) * (1.0 - decay) / rate
+    end = balanced + (stretch - balanced) * decay
+    return end, mean, deflect(z, dt * l_dot + end - stretch)
+
+
+@compiled_law
+def run_in_gap(dt, u, l_dot, b, half, level, place, z):
+    """A drive in its gap over a step: its place at the end, m, the force that
+    an end of the gap passes, N, and the deflection of its bristles.
+
+    Args:
+        dt, u, l_dot, b, level, z: As of `yield_elastic`; b above 0.
+        half: Of the gap's width, m.
+        place: g = l_drive - l, m.
+    """
+    force = friction_held(dt, u, b, level, z) if level > 0.0 else 0.0
+    free = place + dt * ((u - force) / b - l_dot)
+    end = min(max(free, -half), half)
+    after = deflect(z, dt * l_dot + end - place)
+    passed = b * (free - end) / dt
+    if level > 0.0 and free != end:
+        # The bristles move with the end of the gap, not as if it were free.
+        passed += force - level / WITHOUT_CREEP_TRAVEL * after
+    return end, passed, after
