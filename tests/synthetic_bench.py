@@ -13,6 +13,7 @@ from brace_drake.identification.least_squares import beyond
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.brace import BenchScenario
 
@@ -106,7 +107,7 @@ class SyntheticBench:
         self._floors, _ = estimate_floors(self.twin, campaign, self.subject, 0)
         # What a change of the subject could make, and no effect is needed for.
         problem = CandidateProblem(self.evaluator(()), ())
-        columns = problem.columns(self.subject / problem.scales)
+        columns = calc_sensitivities(problem, self.subject / problem.scales)
         self._basis = np.linalg.qr(columns)[0]
 
     def evaluator(self, uses, edit=lambda run: run):

@@ -8,6 +8,7 @@ import numpy as np
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 
 
 class LinearEvaluator:
@@ -70,7 +71,7 @@ class TestProblem(unittest.TestCase):
         evaluator = LinearEvaluator()
         problem = CandidateProblem(evaluator, [card], [values])
         z = problem.join(np.array([40.0]), [values])
-        columns = problem.columns(z)
+        columns = calc_sensitivities(problem, z)
         step = 1e-3 * np.cos(np.arange(len(z)))
         before, after = problem.batch([z, z + step])
         np.testing.assert_allclose(columns @ step, after - before, atol=1e-9)

@@ -13,6 +13,8 @@ from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.selection import thresholds
@@ -138,6 +140,31 @@ class TestBenchWithinTolerances(unittest.TestCase):
                 self.assertLess(errors[place], 1.0)
                 distance = abs(off[place] - true)
                 self.assertLess(distance, 4.0 * errors[place] + 0.1)
+
+    def test_sensitivities_beside_little_friction_are_those_without(self):
+        device, _, evaluator = drawn_bench(dry_friction=0.03)
+        nominal = fit_nominal(evaluator, device.tolerances(), device.uses_off)
+        card = find_effect("coulomb_friction (without creep)")
+        n = len(nominal.subject)
+        columns = {}
+        for name, effects, values in (
+            ("smooth", [], []),
+            ("little", [card], [np.array([0.04])]),
+            ("much", [card], [np.array([2.0])]),
+        ):
+            problem = CandidateProblem(evaluator, effects, values)
+            z = problem.join(nominal.subject, values)
+            found = calc_sensitivities(problem, z)[: evaluator.ends[-1], :n]
+            # Each is whitened of the numbers that it does not stand for.
+            columns[name] = problem.coloured(found)
+            self.assertEqual(problem.sticks_little, name == "little")
+        size = np.linalg.norm(columns["smooth"])
+        little, much = (
+            np.linalg.norm(columns[name] - columns["smooth"]) / size
+            for name in ("little", "much")
+        )
+        self.assertLess(little, 0.03)
+        self.assertGreater(much, 0.2)
 
     def test_numbers_of_a_machine_that_sticks_are_found_where_they_are(self):
         device, drawn, evaluator = drawn_bench(dry_friction=0.06)

@@ -49,7 +49,9 @@ class LinearTolerances:
             as they are.
         off: Deviations t0 at which that is linearised (n,); 0 without.
         whole: The same with the numbers that effects stand for.
-        root: (I + J J')^(-1/2) in the basis (k, k).
+        noise: Variance v of all else along the numbers, beside which their
+            tolerances are weighed, see `devices.stretch`.
+        root: (I + J J' / v)^(-1/2) in the basis (k, k).
         uses: Effects that put the numbers off by t0.
     """
 
@@ -61,6 +63,7 @@ class LinearTolerances:
     whole: LinearTolerances | None = field(
         default=None, repr=False, compare=False
     )
+    noise: float = 1.0
     root: np.ndarray = field(init=False)
     uses: tuple[Use, ...] = field(init=False, repr=False, compare=False)
     _coloured: np.ndarray = field(init=False)
@@ -70,7 +73,7 @@ class LinearTolerances:
 
     def __post_init__(self):
         squares, ways = np.linalg.eigh(self.columns @ self.columns.T)
-        size = np.sqrt(1.0 + np.maximum(squares, 0.0))
+        size = np.sqrt(1.0 + np.maximum(squares, 0.0) / self.noise)
         vars(self)["root"] = (ways / size) @ ways.T
         vars(self)["_coloured"] = (ways * size) @ ways.T
         vars(self)["uses"] = _uses_of(self.nuisances, self.off, self.uses_off)
@@ -85,7 +88,7 @@ class LinearTolerances:
         return residual - self.basis @ (self.columns @ self.off)
 
     def whiten(self, residual: np.ndarray) -> np.ndarray:
-        """(I + J J')^(-1/2) of a weighted residual (rows,) or (rows, m)."""
+        """(I + J J' / v)^(-1/2) of a weighted residual (rows,) or (rows, m)."""
         along = self.basis.T @ residual
         return residual + self.basis @ (self.root @ along - along)
 
@@ -136,6 +139,7 @@ class LinearTolerances:
                 self.uses_off,
                 None if self.off is None else self.off[list(kept)],
                 self.whole or self,
+                self.noise,
             )
         return self._parts[kept]
 
@@ -148,6 +152,11 @@ class LinearTolerances:
             mine = dict(zip(map(id, self.nuisances), off, strict=True))
             whole = whole.at([mine.get(id(n), 0.0) for n in whole.nuisances])
         return replace(self, off=_able_off(self.nuisances, off), whole=whole)
+
+    def beside_noise(self, noise: float) -> LinearTolerances:
+        """The same weighed beside another variance of all else."""
+        whole = self.whole and self.whole.beside_noise(noise)
+        return replace(self, noise=noise, whole=whole)
 
     @cached_property
     def at_zero(self) -> LinearTolerances:
@@ -163,6 +172,7 @@ def linearise_tolerances(
     uses_off: UsesOff | None = None,
     off: np.ndarray | None = None,
     before: LinearTolerances | None = None,
+    noise: float = 1.0,
 ) -> LinearTolerances | None:
     """The change of all runs by each number, at a subject and with effects.
 
@@ -177,6 +187,7 @@ def linearise_tolerances(
         off: Deviations of each to linearise at (n,); needs `uses_off`.
         before: Linearised nearby; what told next to nothing there is taken
             from it.
+        noise: Variance of all else along the numbers.
     """
     if not nuisances:
         return None
@@ -216,7 +227,7 @@ def linearise_tolerances(
         columns = columns @ ways + before.basis @ (before.columns @ other)
     basis, coefficients = np.linalg.qr(columns)
     return LinearTolerances(
-        tuple(nuisances), basis, coefficients, uses_off, off
+        tuple(nuisances), basis, coefficients, uses_off, off, noise=noise
     )
 
 

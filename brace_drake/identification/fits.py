@@ -24,6 +24,7 @@ from brace_drake.identification.least_squares import (
 )
 from brace_drake.identification.prior_check import looks_scattered, refit_spread
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 
 _STEPS, _FAR_STEPS = 10, 30
 # Relative decrease of the sum of squares that ends the search at the coarse
@@ -206,7 +207,7 @@ def search(
             z,
             *limits,
             known=(batch([z])[0], jacobian),
-            differentiate=lambda z, r: problem.columns(z, base=r),
+            differentiate=lambda z, r: calc_sensitivities(problem, z, base=r),
             max_iterations=_ROUGH_STEPS if rough else _FAR_STEPS,
             tolerance=_NEAR_ROUGH if rough else tolerance,
         )
@@ -279,9 +280,8 @@ def finish_fit(
     subject, uses = problem.split(solution.z)
     level = evaluator.noise_level(uses, coarse)
     excess = float(residual @ residual) - level * evaluator.count
-    known, stretch, spread = problem.tolerances, 0.0, None
-    if known is not None:
-        stretch = stretch_of(known, residual)
+    known, spread = problem.tolerances, None
+    stretch = 0.0 if known is None else stretch_of(known, residual)
     if problem.has_spread:
         spread = problem.spread * problem.spread_scale
     return CandidateFit(

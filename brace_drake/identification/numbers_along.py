@@ -22,6 +22,7 @@ from brace_drake.identification.least_squares import (
     step_within,
 )
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 
 _STEPS = 10
 # Parts of a step that are tried; one that takes less than this share of the sum
@@ -47,7 +48,7 @@ def fit_numbers_along(
     if residual is None:
         return None
     if is_anew:
-        jacobian = problem.columns(z)
+        jacobian = calc_sensitivities(problem, z)
     steps = 0
     while steps < _STEPS:
         moved = _step(problem, z, residual, jacobian)
@@ -76,7 +77,7 @@ def _step(
     known, evaluator = problem.tolerances, problem.evaluator
     cost = float(residual @ residual)
     # What the fit leaves counts as noise.
-    noise = max(1.0, cost / evaluator.count)
+    noise = max(known.noise, cost / evaluator.count)
     left = (residual + jacobian @ step)[: evaluator.ends[-1]]
     way = known.estimate(left, noise) - known.off
     for part in _PARTS:

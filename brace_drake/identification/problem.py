@@ -18,6 +18,8 @@ _SHAPE_RADIUS = 0.5
 # Where drives stick, a recording answers small changes by fits and starts:
 # differences are taken over longer ways, and to both sides.
 _ROUGH = 10.0
+# So many tolerances are little for drives that stick.
+_LITTLE = 4.0
 # Spread at which a search over many alike parameters begins.
 _FIRST_SPREAD = 2.0
 
@@ -36,6 +38,8 @@ class CandidateProblem:
         alike: Which parameters have a common spread (n,).
         has_spread: Whether any has.
         is_rough: Whether noise dithers an effect.
+        sticks_little: Whether all that it dithers is within tolerances.
+        groups: Places of parameters that are differenced at once.
         num_prior: Rows that the prior adds.
         tolerances: Of numbers that the effects do not stand for.
         off: Effects that put those numbers to where they are linearised.
@@ -99,7 +103,7 @@ class CandidateProblem:
         self.steps[: self.num_subject] = _SUBJECT_STEP
         if self.is_rough:
             self.steps[: self.num_subject] *= _ROUGH
-        self._groups = groups
+        self.groups = groups
         self.num_free = len(units) - self.num_subject
         self.alike = np.zeros(len(units), dtype=bool)
         at = self.num_subject
@@ -112,6 +116,21 @@ class CandidateProblem:
         if spread is not None and self.has_spread:
             self.spread = spread / self.spread_scale
         self.num_prior = int(np.count_nonzero(self._weights))
+        self.sticks_little = self.is_rough and all(
+            self._is_little(e, v)
+            for e, v in zip(self.effects, self._templates, strict=True)
+            if e.dithered
+        )
+
+    def _is_little(self, effect: Effect, values: np.ndarray) -> bool:
+        """Whether an effect is a number about within its tolerance."""
+        known = self.evaluator.tolerances
+        numbers = (known.whole or known).nuisances if known else ()
+        mine = [n.deviation for n in numbers if n.is_of(effect)]
+        strength = values[: len(effect.parameters)][effect.is_strength]
+        if not mine or effect.contains:
+            return False
+        return bool(np.max(strength) <= _LITTLE * max(mine))
 
     def _continuous(self, effect: Effect, groups: list) -> list:
         """Continuous parameters; notes their places and column groups."""
@@ -145,6 +164,15 @@ class CandidateProblem:
     def spread(self, value: float) -> None:
         self._spread = value
         self._weights[self.alike] = 1.0 / value
+
+    def is_rough_at(self, place: int) -> bool:
+        """Whether noise dithers the effect that a parameter is of."""
+        at = self.num_subject
+        for effect, moved in zip(self.effects, self._moved, strict=True):
+            if at <= place < at + len(moved):
+                return effect.dithered
+            at += len(moved)
+        return False
 
     def places_in_run(self, effect: Effect, run: int) -> np.ndarray:
         """Places in z of an effect's run parameters of one run."""
@@ -203,6 +231,7 @@ class CandidateProblem:
         points: Sequence[np.ndarray],
         coarse: bool = False,
         fine: bool = False,
+        smooth: bool = False,
     ) -> list[np.ndarray | None]:
         """Weighted residuals of all runs at several points at once, with the
         prior's rows below; None where the twin broke down.
@@ -210,6 +239,7 @@ class CandidateProblem:
         Args:
             points: Scaled parameters.
             coarse, fine: See `Evaluator.weighted_residual`.
+            smooth: Without the effects that noise dithers.
         """
         evaluator = self.evaluator
         step = "coarse" if coarse else "fine" if fine else ""
@@ -217,6 +247,8 @@ class CandidateProblem:
         for z in points:
             subject, uses = self.split(z)
             uses = (*uses, *self.off)
+            if smooth:
+                uses = tuple(u for u in uses if not u[0].dithered)
             tasks += [(p, subject, uses, step) for p in evaluator.prepared]
         evaluator.replays += len(points)
         found = evaluator.map(evaluator.weighted_residual, tasks)
@@ -247,54 +279,3 @@ class CandidateProblem:
             return rows
         n = self.evaluator.ends[-1]
         return np.concatenate([self.tolerances.colour(rows[:n]), rows[n:]])
-
-    def columns(
-        self, z: np.ndarray, first: int = 0, base: np.ndarray | None = None
-    ) -> np.ndarray:
-        """Columns of the Jacobian from parameter `first` on.
-
-        Differences at the coarse plant step, to both sides where drives stick.
-        Run parameters of all runs are differenced at once.
-
-        Args:
-            z: Scaled parameters.
-            first: Of the columns.
-            base: The coarse residual at z, where it is known.
-        """
-        if self.is_rough:
-            ways = self.steps, -self.steps
-            return sum(self._differences(z, first, base, s) for s in ways) / 2
-        steps = np.where(z + self.steps > self.upper, -self.steps, self.steps)
-        return self._differences(z, first, base, steps)
-
-    def _differences(self, z, first, base, steps) -> np.ndarray:
-        groups = [g for g in self._groups if g[0] >= first]
-        points = []
-        for group in groups:
-            point = z.copy()
-            point[group] += steps[group]
-            points.append(point)
-        if base is None:
-            base, *moved = self.batch([z, *points], coarse=True)
-        else:
-            moved = self.batch(points, coarse=True)
-        rows = len(base) - self.num_prior
-        out = np.zeros((len(base), len(z) - first))
-        ends = self.evaluator.ends
-        for group, residual in zip(groups, moved, strict=True):
-            if residual is None:
-                continue
-            change = residual - base
-            if len(group) == 1:
-                out[:rows, group[0] - first] = change[:rows] / steps[group[0]]
-                continue
-            own = self.coloured(change)
-            columns = np.zeros((len(base), len(group)))
-            for k, (i, begin, end) in enumerate(
-                zip(group, [0, *ends], ends, strict=False)
-            ):
-                columns[begin:end, k] = own[begin:end] / steps[i]
-            places = np.subtract(group, first)
-            out[:, places] = self.whitened(columns)
-        out[rows:] = self.prior_jacobian()[:, first:]
-        return out

@@ -16,6 +16,7 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import solve_gauss_newton
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.run_starts import best_run_starts
+from brace_drake.identification.sensitivities import calc_sensitivities
 
 _STEPS = 6
 
@@ -40,7 +41,7 @@ def adapt_to_runs(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
 
     def differentiate(z, residual):
         out = np.zeros((len(residual), len(z)))
-        out[:, first:] = problem.columns(z, first, residual)
+        out[:, first:] = calc_sensitivities(problem, z, first, residual)
         return out * is_own
 
     solution = solve_gauss_newton(

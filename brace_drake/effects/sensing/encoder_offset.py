@@ -1,5 +1,7 @@
 """Leg encoders that do not read the true length."""
 
+from dataclasses import replace
+
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
 
@@ -8,6 +10,11 @@ from brace_drake.laws.hooks import plug
 def _law(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     for k in range(l.shape[0]):
         l[k] += p[k]
+
+
+@plug("sensing")
+def _law_of_one(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
+    l[int(p[0]) - 1] += p[1]
 
 
 CARD = Effect(
@@ -30,3 +37,28 @@ CARD = Effect(
     },
     experiment="any run: the first second shows it",
 )
+
+ONE = replace(
+    CARD,
+    form="one leg",
+    title="constant offset of the length of one leg",
+    equation="l_k,read = l_k + o of one leg k",
+    parameters=(
+        EffectParameter(
+            "leg",
+            "1",
+            1.0,
+            6.0,
+            (1.0,),
+            "leg k whose encoder is off",
+            off=None,
+            choices=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
+        ),
+        EffectParameter(
+            "offset_m", "m", -0.01, 0.01, (5e-4,), "offset of that leg"
+        ),
+    ),
+    laws={"sensing": _law_of_one},
+)
+
+CARDS = (CARD, ONE)

@@ -27,6 +27,7 @@ from brace_drake.identification.least_squares import (
     solve_gauss_newton,
 )
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 
 # Gauss-Newton steps before the solver, for the scaling of its variables.
 _STEPS_TO_SCALE = 4
@@ -76,7 +77,7 @@ class _Cost:
         (residual,) = problem.batch([z])
         if residual is None:
             raise FitError("the simulated run broke down during the fit")
-        jacobian = problem.columns(z)
+        jacobian = calc_sensitivities(problem, z)
         self.evaluations += 1
         cost = float(residual @ residual)
         if self.best is None or cost < self.best[0]:

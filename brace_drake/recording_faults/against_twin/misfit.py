@@ -16,6 +16,7 @@ from brace_drake.identification.least_squares import (
     solve_gauss_newton,
 )
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 
 _STEPS, _END = 12, 1e-3
 
@@ -110,7 +111,7 @@ def fit_subject_to(
         problem.steps,
         problem.radius,
         known=(first, None),
-        differentiate=lambda z, r: problem.columns(z, base=r),
+        differentiate=lambda z, r: calc_sensitivities(problem, z, base=r),
         max_iterations=_STEPS,
         tolerance=_END,
     )

@@ -22,6 +22,7 @@ from brace_drake.identification.least_squares import (
 )
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.run_starts import best_run_starts
+from brace_drake.identification.sensitivities import calc_sensitivities
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.tolerated import left_by
@@ -117,7 +118,7 @@ class Candidate:
 
 
 def _differentiate(problem: CandidateProblem, z, residual):
-    return problem.columns(z, base=residual)
+    return calc_sensitivities(problem, z, base=residual)
 
 
 def with_one_more(

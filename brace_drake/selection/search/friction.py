@@ -11,12 +11,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
+from brace_drake.effects.registry import effects_for
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import tolerated_friction
-from brace_drake.selection.search.candidate import with_one_more
+from brace_drake.selection.search.candidate import (
+    Candidate,
+    make_candidate,
+    with_one_more,
+)
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.within import refit_within
 
@@ -40,10 +45,17 @@ def fit_friction(
         ((card, values),) = nuisance.uses
         if not card.dithered:
             continue
-        for form in effects:
-            if form.name == card.name:
-                more = _search_one(lines, form, _start(card, values, t))
-                found += [more] if more is not None else []
+        start = _start(card, values, t)
+        candidates = _behind_joints(lines, card, start) or [
+            with_one_more(lines, form, start)
+            for form in effects
+            if form.name == card.name
+        ]
+        found += [
+            c.fit()
+            for c in candidates
+            if c is not None and c.step(lines, thresholds.STEPS, own=True)
+        ]
     best = min(found, key=lambda f: f.excess, default=lines.base)
     # It takes of what is left, not of what tolerances are stretched to.
     if best.excess > thresholds.GAINED * max(0.0, lines.excess):
@@ -60,13 +72,21 @@ def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:
     return start if np.any(start) else values
 
 
-def _search_one(
-    lines: Linearisation, effect: Effect, values: np.ndarray
-) -> CandidateFit | None:
-    """The fit with one more effect, searched; None where its twin breaks
-    down.
+def _behind_joints(
+    lines: Linearisation, card: Effect, start: np.ndarray
+) -> list[Candidate | None]:
+    """The fit with forms of its effects that contain the friction: what sticks
+    behind a joint that gives way does not stick to the ring.
     """
-    candidate = with_one_more(lines, effect, values)
-    if candidate is None or not candidate.step(lines, thresholds.STEPS):
-        return None
-    return candidate.fit()
+    base, found = lines.base, []
+    forms = effects_for(lines.evaluator.twin.device).values()
+    for place, (effect, values) in enumerate(base.uses):
+        for form in forms:
+            if form.name != effect.name or card.name not in form.contains:
+                continue
+            if len(form.parameters) != len(values) + len(start):
+                continue
+            both, mine = list(base.effects), list(base.values)
+            both[place], mine[place] = form, np.append(values, start)
+            found.append(make_candidate(lines, both, mine, base.subject))
+    return found

@@ -14,6 +14,7 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.least_squares import beyond
 from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 from brace_drake.selection import thresholds
 from brace_drake.selection.tolerated import left_by, strained
 
@@ -36,6 +37,7 @@ class Linearisation:
         unreachable: What of it no change of the fit's parameters takes.
         excess: Sum of squares of that above noise.
         remaining: The same, strained; not below 0.
+        whole_tolerances: Of all numbers, as the evaluator has them.
 
     Raises:
         BraceError: The twin breaks down there at the coarse plant step.
@@ -43,6 +45,7 @@ class Linearisation:
 
     def __init__(self, evaluator: Evaluator, base: CandidateFit):
         self.evaluator, self.base = evaluator, base
+        self.whole_tolerances = evaluator.tolerances
         self.rows = evaluator.ends[-1]
         problem = CandidateProblem(
             evaluator, base.effects, base.values, base.spread
@@ -54,6 +57,10 @@ class Linearisation:
         if residual is None:
             raise BraceError("the twin breaks down at the fit of its causes")
         self.residual = residual[: self.rows]
+        self._smooth = None
+        if problem.sticks_little:
+            (smooth,) = problem.batch([z], coarse=True, smooth=True)
+            self._smooth = None if smooth is None else smooth[: self.rows]
         jacobian = base.solution.jacobian[: self.rows]
         self.sensitivities = self._seen(jacobian, base.tolerances)
         self._beside: dict[int, Linearisation] = {}
@@ -117,6 +124,8 @@ class Linearisation:
             other = copy(self)
             other.tolerances = tolerances
             other.residual = other._seen(self.residual, self.tolerances)
+            if self._smooth is not None:
+                other._smooth = other._seen(self._smooth, self.tolerances)
             other.sensitivities = other._seen(
                 self.sensitivities, self.tolerances
             )
@@ -153,8 +162,8 @@ class Linearisation:
             is, 1 at the candidate itself.
         """
         self = self.beside(problem.tolerances)
-        way = residual[: self.rows] - self.residual
-        whole, noise = float(way @ way), self.added_noise(problem, z)
+        way, noise = self._way_to(problem, z, residual)
+        whole = float(way @ way)
         # Noise that the way has of its own is no part of it.
         if whole <= noise:
             return self.remaining, 1.0
@@ -163,6 +172,22 @@ class Linearisation:
             # More than there is: what the way is made of is mostly noise.
             left, x = self._best_on(way, whole, either_way)
         return self._strained(left, x, way), float(x[-1])
+
+    def _way_to(
+        self, problem: CandidateProblem, z: np.ndarray, residual: np.ndarray
+    ) -> tuple[np.ndarray, float]:
+        """The way to a candidate, and the squares of noise in it.
+
+        Where drives stick no more than within tolerances it is that of a twin
+        whose drives do not: how they stick by chance is no part of it.
+        """
+        is_smooth = self._smooth is not None and problem.sticks_little
+        if is_smooth and not problem.effects[-1].dithered:
+            (there,) = problem.batch([z], coarse=True, smooth=True)
+            if there is not None:
+                return there[: self.rows] - self._smooth, 0.0
+        way = residual[: self.rows] - self.residual
+        return way, self.added_noise(problem, z)
 
     def _best_on(
         self, way: np.ndarray, square: float, either_way: bool
@@ -197,7 +222,7 @@ class Linearisation:
         out[: self.rows, :n] = sensitivities
         prior = problem.prior_jacobian()
         out[len(out) - len(prior) :] = prior
-        out[:, n:] = problem.columns(z, n, residual)
+        out[:, n:] = calc_sensitivities(problem, z, n, residual)
         return out
 
 

@@ -37,7 +37,11 @@ from brace_drake.selection.search.shortlist import (
     refine,
     try_refine,
 )
-from brace_drake.selection.search.within import refit_within, set_out
+from brace_drake.selection.search.within import (
+    refit_within,
+    search_beside,
+    set_out,
+)
 
 
 def search_causes(
@@ -126,18 +130,14 @@ def _beside(
         say("friction", 0.0)
         found += fit_friction(lines, criterion, _untried(lines, known))
         best = _best(criterion, base, found)
-        # Friction within its tolerance stays in where it hides all else; what
-        # stretches tolerances, next to nothing of a residual, is found where
-        # nothing sticks.
+        # Friction within its tolerance stays in where it hides all else.
         is_within = criterion.named(best) == criterion.named(base)
-        is_within &= best.stretch <= thresholds.WITHIN
         if is_within and best.excess < thresholds.WORTH_A_SET * base.excess:
             base = best
-        set_out(evaluator, base)
         if not with_level(evaluator, criterion, best).may_pay(best):
+            set_out(evaluator, base)
             return found
-        if base is not lines.base:
-            lines = Linearisation(evaluator, base)
+        lines = Linearisation(evaluator, search_beside(evaluator, base))
         if len(base.effects) < evaluator.room:
             done = [*known, *found]
             found += _forward(lines, criterion, effects, done, say)
@@ -229,7 +229,7 @@ def _is_told(
             here = Linearisation(evaluator, fit)
             untried = _untried(here, [*known, *found])
             found += fit_friction(here, criterion, untried)
-        set_out(evaluator, base)
+        evaluator.tolerances = lines.whole_tolerances
     end = _best(criterion, base, [*known, *found])
     return not with_level(evaluator, criterion, end).may_pay(end)
 

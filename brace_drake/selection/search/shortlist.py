@@ -11,6 +11,7 @@ from brace_drake.core.errors import BraceError
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.held_out import check_fit
+from brace_drake.identification.reweigh import noise_left, reweigh
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate
@@ -72,12 +73,28 @@ def refine(
 
 
 def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
-    """Leads a search to its end; the fit as it is where its twin breaks."""
+    """Leads a search to its end; the fit as it is where its twin breaks.
+
+    Where tolerances were weighed beside what another fit has left along them,
+    they are then weighed beside what this one does.
+    """
+    known = evaluator.tolerances
     try:
         fit = fit_effects(evaluator, fit.effects, fit, is_compared=True)
+        for _ in range(thresholds.REWEIGHED):
+            if fit.tolerances is None or fit.tolerances.noise == 1.0:
+                break
+            noise = noise_left(evaluator, fit)
+            if noise > thresholds.QUIETER * fit.tolerances.noise:
+                break
+            fit = reweigh(evaluator, fit, noise)
+            evaluator.tolerances = known.beside_noise(noise)
+            fit = fit_effects(evaluator, fit.effects, fit, is_compared=True)
     except (BraceError, ValueError):
         # A candidate whose twin cannot even run explains nothing.
         return fit
+    finally:
+        evaluator.tolerances = known
     return check_fit(evaluator, fit)
 
 

@@ -19,6 +19,7 @@ from brace_drake.devices.tolerances import linearise_tolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.numbers_along import fit_numbers_along
+from brace_drake.identification.reweigh import noise_left, reweigh
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.shortlist import try_refine
 
@@ -30,6 +31,24 @@ def set_out(evaluator: Evaluator, fit: CandidateFit) -> None:
     """Takes tolerances as they are linearised at a fit."""
     known = fit.tolerances
     evaluator.tolerances = known and (known.whole or known)
+
+
+def search_beside(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
+    """A fit as a search sets out from it, with its tolerances taken.
+
+    Where numbers along it are stretched they are weighed beside what it leaves
+    along them, and so given back what they have taken of an effect.
+    """
+    set_out(evaluator, fit)
+    known = fit.tolerances
+    bends = known is not None and known.off is not None
+    if not bends or fit.stretch <= thresholds.WITHIN:
+        return fit
+    less = reweigh(evaluator, fit, noise_left(evaluator, fit))
+    set_out(evaluator, less)
+    less = fit_numbers_along(evaluator, less, is_anew=False) or less
+    set_out(evaluator, less)
+    return less
 
 
 def refit_within(
@@ -78,6 +97,9 @@ def _refit_along(
     stands = known is not None and known.off is not None
     off = np.zeros(len(nuisances))
     for number in range(0 if stands else 1, _ROUNDS + 1):
+        if stands and best.tolerances.noise > 1.0:
+            best = reweigh(evaluator, best, noise_left(evaluator, best))
+            set_out(evaluator, best)
         if number > 0 and not _linearise(evaluator, best, nuisances, off):
             break
         moved = fit_numbers_along(evaluator, best, is_anew=number > 0)
@@ -104,8 +126,9 @@ def _linearise(
     here = evaluator.tolerances
     near = here if here is not None and here.off is not None else None
     uses_off = here and here.uses_off
+    noise = 1.0 if here is None else here.noise
     found = linearise_tolerances(
-        evaluator, nuisances, fit.subject, fit.uses, uses_off, off, near
+        evaluator, nuisances, fit.subject, fit.uses, uses_off, off, near, noise
     )
     if found is not None:
         evaluator.tolerances = found

@@ -1,0 +1,57 @@
+"""Fits whose tolerances are weighed beside what is left along them.
+
+Drives that stick by chance leave more along the numbers known to a tolerance
+than the noise of the readings: weighed against that alone, numbers would be put
+off by many tolerances to take a part of it. The variance of what is left is
+estimated from each fit's own residual (empirical Bayes; Gelman et al., Bayesian
+Data Analysis, section 5.1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.devices.stretch import noise_along
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import CandidateFit
+
+
+def noise_left(evaluator: Evaluator, fit: CandidateFit) -> float:
+    """Variance that a fit leaves along its numbers, at least 1.
+
+    As it shows along them, and no less than if all that is left once the
+    numbers are where they are likeliest lay along them.
+    """
+    known = fit.tolerances
+    whitened = fit.solution.residual[: evaluator.ends[-1]]
+    off = known.estimate(whitened, known.noise)
+    rest = known.colour(whitened) + known.basis @ (known.columns @ off)
+    level = evaluator.noise_level(fit.uses) * evaluator.count
+    excess = max(0.0, float(rest @ rest) - level)
+    along = noise_along(known, whitened)
+    return max(along, 1.0 + excess / len(known.nuisances))
+
+
+def reweigh(
+    evaluator: Evaluator, fit: CandidateFit, noise: float
+) -> CandidateFit:
+    """The same fit with its tolerances weighed beside another variance; it
+    stands where it stood.
+    """
+    n, before = evaluator.ends[-1], fit.tolerances
+    after = before.beside_noise(noise)
+
+    def seen(rows: np.ndarray) -> np.ndarray:
+        out = rows.copy()
+        out[:n] = after.whiten(before.colour(rows[:n]))
+        return out
+
+    old = fit.solution
+    new = replace(old, residual=seen(old.residual), jacobian=seen(old.jacobian))
+    more = float(new.residual[:n] @ new.residual[:n])
+    more -= float(old.residual[:n] @ old.residual[:n])
+    return replace(
+        fit, solution=new, tolerances=after, excess=fit.excess + more
+    )

@@ -1,0 +1,91 @@
+"""Sensitivities of a residual to scaled parameters, by differences.
+
+Where drives stick a recording answers small changes by fits and starts. What
+they stick by is differenced over longer ways and to both sides; all else, where
+they stick no more than within tolerances, as if they did not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.identification.problem import CandidateProblem
+
+
+def calc_sensitivities(
+    problem: CandidateProblem,
+    z: np.ndarray,
+    first: int = 0,
+    base: np.ndarray | None = None,
+) -> np.ndarray:
+    """Columns of the Jacobian from parameter `first` on, prior rows below.
+
+    Differences at the coarse plant step. Run parameters of all runs are
+    differenced at once.
+
+    Args:
+        problem: Of the candidate.
+        z: Scaled parameters.
+        first: Of the columns.
+        base: The coarse residual at z, where it is known.
+    """
+    groups = [g for g in problem.groups if g[0] >= first]
+    rows, steps = problem.evaluator.ends[-1], problem.steps
+    out = np.zeros((rows + problem.num_prior, len(z) - first))
+    out[rows:] = problem.prior_jacobian()[:, first:]
+    if not problem.is_rough:
+        ways = np.where(z + steps > problem.upper, -steps, steps)
+        for place, column in _differences(problem, z, base, ways, groups):
+            out[:rows, place - first] = column
+        return out
+    rough = groups
+    if problem.sticks_little:
+        rough = [g for g in groups if problem.is_rough_at(g[0])]
+        smooth = [g for g in groups if g not in rough]
+        for place, column in _differences(
+            problem, z, None, steps, smooth, smooth=True
+        ):
+            out[:rows, place - first] = column
+    for ways in (steps, -steps) if rough else ():
+        for place, column in _differences(problem, z, base, ways, rough):
+            out[:rows, place - first] += column / 2.0
+    return out
+
+
+def _differences(
+    problem: CandidateProblem,
+    z: np.ndarray,
+    base: np.ndarray | None,
+    steps: np.ndarray,
+    groups: Sequence[Sequence[int]],
+    smooth: bool = False,
+):
+    """Places and columns of groups of parameters, of those whose twin does not
+    break down.
+    """
+    points = [] if base is not None else [z]
+    for group in groups:
+        point = z.copy()
+        point[group] += steps[group]
+        points.append(point)
+    moved = problem.batch(points, coarse=True, smooth=smooth)
+    if base is None:
+        base, *moved = moved
+    ends = problem.evaluator.ends
+    rows = ends[-1]
+    for group, residual in zip(groups, moved, strict=True):
+        if residual is None:
+            continue
+        change = (residual - base)[:rows]
+        if len(group) == 1:
+            yield group[0], change / steps[group[0]]
+            continue
+        own = problem.coloured(change)
+        for k, (i, begin, end) in enumerate(
+            zip(group, [0, *ends], ends, strict=False)
+        ):
+            column = np.zeros(rows)
+            column[begin:end] = own[begin:end] / steps[i]
+            yield group[k], problem.whitened(column)
