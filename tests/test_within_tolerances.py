@@ -45,6 +45,19 @@ class TestTolerances(unittest.TestCase):
             self.known.whiten(half.T), np.eye(60), atol=1e-9
         )
 
+    def test_beside_other_noise_numbers_weigh_as_their_prior_does_there(self):
+        # Squares of the whitened residual times the noise are those of the
+        # joint problem |r + J t|^2 / v + |t|^2, at its best t.
+        noise, residual = 7.0, self.rng.normal(size=60)
+        known = self.known.beside_noise(noise)
+        whitened = known.whiten(residual)
+        off = known.estimate(whitened, noise)
+        rest = residual + self.columns @ off
+        joint = rest @ rest / noise + off @ off
+        self.assertAlmostEqual(whitened @ whitened / noise, joint, places=9)
+        again = known.beside_noise(1.0)
+        np.testing.assert_allclose(again.root, self.known.root, atol=1e-12)
+
     def test_colouring_takes_whitening_back(self):
         residual = self.rng.normal(size=(60, 3))
         back = self.known.colour(self.known.whiten(residual))
