@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,6 +23,14 @@ _ROUGH = 10.0
 _LITTLE = 4.0
 # Spread at which a search over many alike parameters begins.
 _FIRST_SPREAD = 2.0
+
+
+def without_dither(uses: Sequence[Use], off: Sequence[Use]) -> tuple[Use, ...]:
+    """Effects but those that noise dithers, and numbers that are off: these
+    leave dry friction as it is.
+    """
+    smooth = tuple(u for u in uses if not u[0].dithered)
+    return (*smooth, *((replace(e, dithered=False), v) for e, v in off))
 
 
 class CandidateProblem:
@@ -246,9 +255,9 @@ class CandidateProblem:
         tasks = []
         for z in points:
             subject, uses = self.split(z)
-            uses = (*uses, *self.off)
-            if smooth:
-                uses = tuple(u for u in uses if not u[0].dithered)
+            uses = (
+                without_dither(uses, self.off) if smooth else (*uses, *self.off)
+            )
             tasks += [(p, subject, uses, step) for p in evaluator.prepared]
         evaluator.replays += len(points)
         found = evaluator.map(evaluator.weighted_residual, tasks)

@@ -23,7 +23,9 @@ def strained(excess: float, stretch: float, count: int) -> float:
     """
     factor = max(1.0, stretch / thresholds.WITHIN) ** thresholds.TAIL
     trust = thresholds.TRUST * count
-    return excess if factor == 1.0 else (excess + trust) * factor - trust
+    if factor == 1.0:
+        return excess
+    return (max(0.0, excess) + trust) * factor - trust
 
 
 def left_by(fit: CandidateFit, count: int) -> float:

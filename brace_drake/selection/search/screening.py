@@ -13,6 +13,7 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.candidate import Candidate, with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
@@ -161,6 +162,21 @@ def _search(base: Linearisation, candidate: Candidate, least: float) -> bool:
     return True
 
 
+def _stretched(base: Linearisation, effect: Effect) -> list[np.ndarray]:
+    """Where the effect begins that stands for a number which the base has off
+    beyond its tolerance.
+    """
+    if effect.is_flexible or effect.dithered:
+        return []
+    off = estimate_off(base.evaluator, base.base)
+    return [
+        np.clip(values * t, effect.lower, effect.upper)
+        for nuisance, t in off
+        for card, values in nuisance.uses
+        if card is effect and abs(t) > thresholds.WITHIN
+    ]
+
+
 def predict(base: Linearisation, effect: Effect) -> list[Candidate]:
     """An effect beside the base's, at each of its starts, with predictions.
 
@@ -173,7 +189,7 @@ def predict(base: Linearisation, effect: Effect) -> list[Candidate]:
     """
     found: list[Candidate] = []
     most = _most(base)
-    for values in effect.starts():
+    for values in [*_stretched(base, effect), *effect.starts()]:
         start = tuple(values[effect.has_several_starts])
         for _ in range(thresholds.RESCALED + 1):
             candidate = with_one_more(base, effect, values)
