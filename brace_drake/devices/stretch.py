@@ -20,7 +20,9 @@ _MEDIAN = float(chi2.median(1))
 _TOLD = 1e-3
 
 
-def stretch_of(known: LinearTolerances, whitened: np.ndarray) -> float:
+def stretch_of(
+    known: LinearTolerances, whitened: np.ndarray, least: float = 1.0
+) -> float:
     """The most standard deviations that an estimate of a number has moved.
 
     An estimate with the posterior deviation s, in tolerances, has the prior
@@ -29,8 +31,10 @@ def stretch_of(known: LinearTolerances, whitened: np.ndarray) -> float:
     Args:
         known: The numbers and what they change.
         whitened: Residual after `LinearTolerances.whiten` (rows,).
+        least: Variance of the noise along the numbers at least.
     """
-    moved = _moved(known, whitened, noise_along(known, whitened))
+    noise = max(least, noise_along(known, whitened))
+    moved = _moved(known, whitened, noise)
     return float(np.max(np.abs(moved)))
 
 

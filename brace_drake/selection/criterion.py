@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
+from brace_drake.devices.stretch import stretch_of
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
@@ -85,10 +86,21 @@ class Criterion:
         """Of a fit; the least one is the best explanation."""
         found = self.findings(fit)
         richer = sum(bool(e.generalises) for e in found)
-        stretch = max(1.0, fit.stretch / thresholds.WITHIN)
+        stretch = max(1.0, self.stretch(fit) / thresholds.WITHIN)
         cost = thresholds.COST_OF_EFFECT * len(found)
         cost += thresholds.TIED * richer + thresholds.TAIL * np.log(stretch)
         return float(np.log(self.left(fit, self.trust)) + cost)
+
+    def stretch(self, fit: CandidateFit) -> float:
+        """Of the numbers of a fit, where what a right twin leaves beyond the
+        noise may all lie along them.
+        """
+        known, more = fit.tolerances, self.trust - thresholds.TRUST
+        if known is None or more <= 0.0:
+            return fit.stretch
+        rows = len(fit.solution.residual) - fit.num_prior
+        least = 1.0 + more * self.count / len(known.nuisances)
+        return stretch_of(known, fit.solution.residual[:rows], least)
 
     def findings(self, fit: CandidateFit) -> list[Effect]:
         """A fit's effects that are not within tolerances."""

@@ -81,23 +81,16 @@ class Linearisation:
         moved = self.residual + self.sensitivities @ np.where(inside, 0, step)
         self.unreachable = self.beyond(moved)
         self.excess = float(self.unreachable @ self.unreachable) - self.noise
-        self.remaining = max(0.0, self._strained(self.excess, step))
+        self._stretch = self._stretch_at(self.sensitivities @ step)
+        count = self.evaluator.count
+        left = strained(self.excess, self._stretch, count)
+        self.remaining = max(0.0, left)
 
-    def _strained(
-        self, excess: float, x: np.ndarray, way: np.ndarray | None = None
-    ) -> float:
-        """An excess, strained by what tolerances are stretched to where the
-        fit's parameters have moved by x; of the last one along a way.
-        """
-        known = self.tolerances
-        if known is None:
-            return excess
-        n = self.sensitivities.shape[1]
-        there = self.residual + self.sensitivities @ x[:n]
-        if way is not None:
-            there += x[n] * way
-        stretch = stretch_of(known, there)
-        return strained(excess, stretch, self.evaluator.count)
+    def _stretch_at(self, change: np.ndarray) -> float:
+        """Of tolerances, where the residual has changed by so much."""
+        if self.tolerances is None:
+            return 0.0
+        return stretch_of(self.tolerances, self.residual + change)
 
     def beyond(self, vectors: np.ndarray) -> np.ndarray:
         """What of residuals or columns no change of the fit takes."""
@@ -171,7 +164,12 @@ class Linearisation:
         if left < -thresholds.COARSE_PREDICTION * self.evaluator.count:
             # More than there is: what the way is made of is mostly noise.
             left, x = self._best_on(way, whole, either_way)
-        return self._strained(left, x, way), float(x[-1])
+        # Far on a straight way tolerances tell nothing: they are stretched no
+        # more than at its beginning.
+        change = self.sensitivities @ x[:-1] + way * x[-1]
+        stretch = min(self._stretch, self._stretch_at(change))
+        left = strained(left, stretch, self.evaluator.count)
+        return left, float(x[-1])
 
     def _way_to(
         self, problem: CandidateProblem, z: np.ndarray, residual: np.ndarray

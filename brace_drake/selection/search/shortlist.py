@@ -11,7 +11,7 @@ from brace_drake.core.errors import BraceError
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.held_out import check_fit
-from brace_drake.identification.reweigh import noise_left, reweigh
+from brace_drake.identification.numbers.reweigh import noise_left, reweigh
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate

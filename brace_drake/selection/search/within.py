@@ -18,8 +18,8 @@ from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import linearise_tolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.numbers_along import fit_numbers_along
-from brace_drake.identification.reweigh import noise_left, reweigh
+from brace_drake.identification.numbers.numbers_along import fit_numbers_along
+from brace_drake.identification.numbers.reweigh import noise_left, reweigh
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.shortlist import try_refine
 
