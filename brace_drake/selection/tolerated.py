@@ -13,8 +13,8 @@ from brace_drake.selection import thresholds
 
 
 def strained(excess: float, stretch: float, count: int) -> float:
-    """The excess that costs as much, in a criterion's score, as one beside
-    tolerances that are stretched.
+    """An excess, and what stretched tolerances cost where next to nothing is
+    left beside them: the excess that would cost as much in a score.
 
     Args:
         excess: Sum of squares above noise.
@@ -22,10 +22,7 @@ def strained(excess: float, stretch: float, count: int) -> float:
         count: Number of independent values.
     """
     factor = max(1.0, stretch / thresholds.WITHIN) ** thresholds.TAIL
-    trust = thresholds.TRUST * count
-    if factor == 1.0:
-        return excess
-    return (max(0.0, excess) + trust) * factor - trust
+    return excess + thresholds.TRUST * count * (factor - 1.0)
 
 
 def left_by(fit: CandidateFit, count: int) -> float:
