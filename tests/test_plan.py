@@ -207,13 +207,17 @@ class TestLibrary(unittest.TestCase):
             cls.plan = json.loads((Path(folder) / "plan.json").read_text())
 
     def cosine(self, first, second):
-        """The largest |cos| over the forms of two effects."""
-        rows = [r["effect"].split(" (")[0] for r in self.plan["effects"]]
+        """The largest |cos| over the forms of two effects, of which none has
+        the other in it.
+        """
+        forms = [find_effect(r["effect"]) for r in self.plan["effects"]]
         return max(
             self.plan["cosines"][i][j]
-            for i, a in enumerate(rows)
-            for j, b in enumerate(rows)
-            if (a, b) == (first, second)
+            for i, a in enumerate(forms)
+            for j, b in enumerate(forms)
+            if (a.name, b.name) == (first, second)
+            and a.name not in b.contains
+            and b.name not in a.contains
         )
 
     def test_every_effect_is_in_the_plan_and_can_be_seen(self):
@@ -244,6 +248,13 @@ class TestLibrary(unittest.TestCase):
             self.assertLessEqual(pair, names)
             first, second = (find_effect(name) for name in pair)
             self.assertEqual(reason_of(first, second), reason)
+
+    def test_an_effect_that_has_another_in_it_says_so(self):
+        for effect in all_effects().values():
+            for name in effect.contains:
+                reason = reason_of(effect, find_effect(name))
+                self.assertIn(f"{name} is a part of", reason)
+                self.assertEqual(reason, reason_of(find_effect(name), effect))
 
     def test_a_hold_without_torso_cannot_tell_gain_from_mass(self):
         # Either changes the force that carries the ring, and nothing else.

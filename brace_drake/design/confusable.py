@@ -41,6 +41,11 @@ def reason_of(first: Effect, second: Effect) -> str:
     if listed:
         return listed
     for one, other in ((first, second), (second, first)):
+        if other.name in one.contains:
+            return (
+                f"{other.name} is a part of {one.title}: what the rest of it"
+                f" does tells them apart; shown best by: {one.experiment}"
+            )
         told = one.impostors.get(other.name)
         if told:
             return f"seen from {one.name}, {other.name}: {told}"
