@@ -61,7 +61,8 @@ def fit_friction(
     if best.excess > thresholds.GAINED * max(0.0, lines.excess):
         return []
     # What it does bends what tolerances do.
-    return [refit_within(lines.evaluator, best, criterion.nuisances)]
+    fit = refit_within(lines.evaluator, best, criterion.nuisances)
+    return [fit] if fit.excess < lines.base.excess else []
 
 
 def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:
