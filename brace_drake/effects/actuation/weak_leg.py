@@ -1,6 +1,7 @@
 """One leg that gives less than it is asked for."""
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.one_leg import ONE_LEG
 from brace_drake.laws.hooks import delivered, plug
 
 
@@ -18,16 +19,7 @@ CARD = Effect(
     source="Blanke, Kinnaert, Lunze, Staroswiecki, Diagnosis and"
     " Fault-Tolerant Control, section 4 (loss of effectiveness)",
     parameters=(
-        EffectParameter(
-            "leg",
-            "1",
-            1.0,
-            6.0,
-            (1.0,),
-            "number of the leg",
-            off=None,
-            choices=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
-        ),
+        ONE_LEG,
         EffectParameter(
             "force_loss", "1", -0.5, 0.95, (0.1,), "share s that is missing"
         ),

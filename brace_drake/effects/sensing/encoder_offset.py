@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.one_leg import ONE_LEG
 from brace_drake.laws.hooks import plug
 
 
@@ -44,16 +45,7 @@ ONE = replace(
     title="constant offset of the length of one leg",
     equation="l_k,read = l_k + o of one leg k",
     parameters=(
-        EffectParameter(
-            "leg",
-            "1",
-            1.0,
-            6.0,
-            (1.0,),
-            "leg k whose encoder is off",
-            off=None,
-            choices=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0),
-        ),
+        ONE_LEG,
         EffectParameter(
             "offset_m", "m", -0.01, 0.01, (5e-4,), "offset of that leg"
         ),

@@ -45,7 +45,7 @@ def fit_friction(
         ((card, values),) = nuisance.uses
         if not card.dithered:
             continue
-        start = _start(card, values, t)
+        start = np.minimum(values * max(t, 1.0), card.upper)
         candidates = _behind_joints(lines, card, start) or [
             with_one_more(lines, form, start)
             for form in effects
@@ -63,14 +63,6 @@ def fit_friction(
     # What it does bends what tolerances do.
     fit = refit_within(lines.evaluator, best, criterion.nuisances)
     return [fit] if fit.excess < lines.base.excess else []
-
-
-def _start(card: Effect, values: np.ndarray, t: float) -> np.ndarray:
-    """Where an effect sets out that a number off by t stands for."""
-    start = values * (max(abs(t), 1.0) * np.sign(t or 1.0))
-    start = np.clip(start, np.minimum(card.lower, 0.0), card.upper)
-    start = np.where(card.lower < 0.0, start, np.abs(start))
-    return start if np.any(start) else values
 
 
 def _behind_joints(
