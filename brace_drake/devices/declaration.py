@@ -134,14 +134,23 @@ class ControlLaw(ABC):
     Attributes:
         outputs: Channels that the controller has computed.
         by_output: Readings that each of them answers to.
+        is_exact: Whether its numbers are known beyond doubt, so that a run
+            which does not follow it is wrong.
     """
 
     outputs: tuple[str, ...]
     by_output: tuple[tuple[str, ...], ...]
+    is_exact: bool = True
 
     @abstractmethod
     def recompute(self, run: Run) -> np.ndarray:
         """The outputs (N, n) that follow from a run's other channels."""
+
+    def refitted(self, run: Run) -> np.ndarray:
+        """The outputs (N, n) of the nearest controller of this kind, its
+        numbers fitted to a run where they are not exact.
+        """
+        return self.recompute(run)
 
     def rest_error(self, run: Run) -> np.ndarray:
         """What a run begins with less what the scenario's geometry has at
@@ -178,11 +187,16 @@ class Device(ABC):
             hides what answers to it; None where the device has none.
         control_law: Of its controller; None where it has none that is known.
         torso_law: Of the torso that it pushes; None where there is none.
+        presses: Channels of a force that can press alone, and of the way that
+            it answers to; None without them.
+        takes_subjects: Whether another subject may be in some of the runs.
     """
 
     imposed: Any = None
     control_law: ControlLaw | None = None
     torso_law: TorsoLaw | None = None
+    presses: tuple[str, str] | None = None
+    takes_subjects: bool = False
 
     def __init__(self, twin, rate: float, block_tests: Sequence[BlockTest]):
         self.twin, self.rate = twin, rate

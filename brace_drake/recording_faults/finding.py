@@ -68,10 +68,12 @@ class Finding:
         """As the verdict says it."""
         p = f"p {self.probability:.2f}".replace("0.", ".", 1)
         seen = f"; {self.detail}" if self.detail else ""
-        return (
-            f"The recording, not the machine: {self.what()} in {self.place}"
-            f" ({p}){seen}."
+        whose = (
+            "The recording, not the machine"
+            if self.is_certain
+            else "Perhaps the recording"
         )
+        return f"{whose}: {self.what()} in {self.place} ({p}){seen}."
 
     def row_of_verdict(self) -> dict:
         """As `verdict.recording` lists it."""

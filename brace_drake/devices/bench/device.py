@@ -39,6 +39,8 @@ from brace_drake.scenario.brace import BenchScenario
 class Bench(Device):
     """Device of bench campaigns."""
 
+    takes_subjects = True
+
     def __init__(self, campaign: Campaign, scenario=None):
         twin = BenchTwin(scenario or BenchScenario())
         rate = campaign.rate_hz

@@ -8,6 +8,7 @@ import numpy as np
 
 from brace_drake.devices.declaration import Device, MotionSignals
 from brace_drake.devices.leg_bench.block_tests import leg_tests
+from brace_drake.devices.leg_bench.control_law import DriveControlLaw
 from brace_drake.devices.leg_bench.twin import LegBenchTwin
 from brace_drake.devices.motions.library import MotionSet
 from brace_drake.devices.motions.limits import leg_motions
@@ -21,6 +22,8 @@ class LegBench(Device):
     def __init__(self, campaign: Campaign, scenario=None):
         twin = LegBenchTwin(scenario or MakeLegBenchScenario(campaign))
         super().__init__(twin, campaign.rate_hz, leg_tests(twin))
+        if twin.numbers.is_closed_loop:
+            self.control_law = DriveControlLaw(twin)
 
     def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:
         """What users ask for: command, N, and position, mm."""

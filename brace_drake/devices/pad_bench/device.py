@@ -18,6 +18,9 @@ from brace_drake.scenario.pad_bench import MakePadBenchScenario
 class PadBench(Device):
     """Device of pad bench campaigns."""
 
+    presses = ("force_N", "displacement_m")
+    takes_subjects = True
+
     def __init__(self, campaign: Campaign, scenario=None):
         twin = PadBenchTwin(scenario or MakePadBenchScenario(campaign))
         super().__init__(twin, campaign.rate_hz, pad_tests(twin))

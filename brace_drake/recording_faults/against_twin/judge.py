@@ -52,9 +52,8 @@ def find_recording_faults(
     """
     # Numbers within their tolerances are no fault of the recording.
     subject, uses = fit.subject, (*fit.uses, *fit.within)
-    # What each run has of its own would have to be estimated anew; and without
-    # a torso there is no subject.
-    if fit.has_run_parameters or device.torso_law is None:
+    # What each run has of its own would have to be estimated anew.
+    if fit.has_run_parameters or not device.takes_subjects:
         return []
     evaluator = Evaluator(device.twin, fit_runs, jobs)
     evaluator.tolerances = fit.tolerances

@@ -21,8 +21,6 @@ from brace_drake.recording_faults.library.runs import other_subject
 
 # Misfit that two subjects may leave, and by how many times less than one.
 NEAR, TIMES = 0.5, 10.0
-# Relative difference of a parameter that makes another subject.
-_DIFFERENT = 0.03
 # More runs are not divided in all ways.
 _MOST_RUNS = 12
 
@@ -141,7 +139,10 @@ def find_other_subjects(
 
 def _finding(device, others, first, second, found: Division) -> Finding:
     names = [p.name for p in device.twin.subject]
-    ratio = second.subject / first.subject
+    # Of what is above zero in any subject.
+    size = [p.lower > 0.0 for p in device.twin.subject]
+    ratio = np.where(size, second.subject, 1.0)
+    ratio = ratio / np.where(size, first.subject, 1.0)
     k = int(np.argmax(np.abs(np.log(ratio))))
     detail = (
         f"one subject leaves a misfit of {found.one:.3g} noise variances, two"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from brace_drake.devices.declaration import ControlLaw
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import RecordingFault
 from brace_drake.recording_faults.channels import desired_channels
@@ -47,11 +48,17 @@ def groups_of(run: Run, kind: str) -> list[str]:
     return [n for n in names if n in run.channels]
 
 
-def exchanges(run: Run, outputs: Sequence[str]) -> Iterator[Hypothesis]:
+def channels_of(law: ControlLaw, run: Run) -> list[str]:
+    """Recorded channels that a law computes or reads, each once."""
+    names = dict.fromkeys((*law.outputs, *itertools.chain(*law.by_output)))
+    return [n for n in names if n in run.channels]
+
+
+def exchanges(run: Run, law: ControlLaw) -> Iterator[Hypothesis]:
     """Pairs of channels in each other's column.
 
     Lengths, commands and whole legs; forces among themselves; the virtual
-    position and the reference.
+    position and the reference; where there is one output alone, any two.
     """
     card = exchanged_channels.CARD
     for kind in (_LENGTH, _COMMAND):
@@ -80,6 +87,10 @@ def exchanges(run: Run, outputs: Sequence[str]) -> Iterator[Hypothesis]:
         groups_of(run, _LENGTH), commands, strict=False
     ):
         yield Hypothesis(card, (leg_length, leg_command), {})
+    if len(law.outputs) == 1:
+        alone = [*channels_of(law, run), *desired_channels(run)]
+        for pair in itertools.combinations(alone, 2):
+            yield Hypothesis(card, pair, {})
 
 
 def permutations(run: Run) -> Iterator[Hypothesis]:
@@ -97,18 +108,15 @@ def permutations(run: Run) -> Iterator[Hypothesis]:
                     yield Hypothesis(card, names, values)
 
 
-def singles(run: Run, outputs: Sequence[str]) -> list[tuple[str, ...]]:
+def singles(run: Run, law: ControlLaw) -> list[tuple[str, ...]]:
     """Channels, and groups of them, that one fault may have alike."""
-    lengths, commands = groups_of(run, _LENGTH), groups_of(run, _COMMAND)
-    forces = [n for n in run.channels if "_force_y_" in n]
-    virtual = [n for n in outputs if n not in commands and n in run.channels]
-    found = [(n,) for n in (*lengths, *commands, *forces, *virtual)]
-    found += [tuple(g) for g in (lengths, commands) if len(g) > 1]
-    return found
+    groups = [groups_of(run, kind) for kind in (_LENGTH, _COMMAND)]
+    found: list[tuple[str, ...]] = [(n,) for n in channels_of(law, run)]
+    return found + [tuple(g) for g in groups if len(g) > 1]
 
 
-def late_groups(run: Run, outputs: Sequence[str]) -> list[tuple[str, ...]]:
+def late_groups(run: Run, law: ControlLaw) -> list[tuple[str, ...]]:
     """Channels that one recorder may have written late."""
-    found = singles(run, outputs)
+    found = singles(run, law)
     asked = desired_channels(run)
     return [*found, tuple(asked)] if asked else found

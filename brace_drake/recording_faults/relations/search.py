@@ -93,19 +93,18 @@ class FaultSearch:
             for t in [self.try_one(h)]
             if t is not None
         ]
-        outputs = self._checker.law.outputs
         searches = (self._affine, singles), (self._late, late_groups)
         for look, groups in searches:
             if any(t.mismatch.is_sound for t in tried):
                 break
-            names = groups(self._run, outputs)
+            names = groups(self._run, self._checker.law)
             tried += look([n for n in names if self._is_possible(n)])
         return sorted(tried, key=lambda t: t.mismatch.total)
 
     def _discrete(self) -> Iterator[Hypothesis]:
-        yield from exchanges(self._run, self._checker.law.outputs)
+        yield from exchanges(self._run, self._checker.law)
         yield from permutations(self._run)
-        for channels in singles(self._run, self._checker.law.outputs):
+        for channels in singles(self._run, self._checker.law):
             yield Hypothesis(reversed_sign.CARD, channels, {"zero": 0.0})
 
     def try_one(self, hypothesis: Hypothesis) -> Tried | None:

@@ -1,0 +1,135 @@
+"""Faults put into recordings of one drive, and of a pad on tissue."""
+
+import unittest
+
+import numpy as np
+
+from brace_drake.devices.device import MakeDevice
+from brace_drake.recording import LoadCampaign
+from brace_drake.recording_faults import check_recording
+from tests import pad_recordings, test_leg_bench
+from tests.shared_data import SHARED
+from tests.test_recording_faults import spoil
+
+COMMAND, POSITION = "force_command_N", "position_m"
+DESIRED = "position_desired_m"
+_EMPS = SHARED / "real" / "emps"
+
+
+def changed(name, law):
+    """A spoiler that puts a law over one channel."""
+    return lambda columns: {**columns, name: law(columns[name])}
+
+
+def late(samples: int):
+    return lambda v: np.concatenate([np.full(samples, v[0]), v[:-samples]])
+
+
+def swapped(a: str, b: str):
+    return lambda c: {**c, a: c[b], b: c[a]}
+
+
+# What is done to a drive's columns, and the fault and channels that it is.
+FAULTS = (
+    (changed(POSITION, np.negative), "reversed_sign", [POSITION]),
+    (changed(COMMAND, np.negative), "reversed_sign", [COMMAND]),
+    (changed(POSITION, lambda v: 1.1 * v), "wrong_scale", [POSITION]),
+    (changed(DESIRED, lambda v: 1.05 * v), "wrong_scale", [DESIRED]),
+    (changed(COMMAND, lambda v: v / 4.448), "wrong_scale", [COMMAND]),
+    (changed(COMMAND, late(20)), "skewed_channel", [COMMAND]),
+    (swapped(POSITION, DESIRED), "exchanged_channels", [POSITION, DESIRED]),
+)
+# What a controller of other gains, or of another velocity, does as well.
+NUMBERS = (
+    changed(COMMAND, lambda v: 1.1 * v),
+    changed(COMMAND, late(2)),
+)
+
+
+class DriveCases:
+    """Faults of a drive's recorder, on any sound campaign of one."""
+
+    def found(self, change=dict):
+        campaign = spoil(self.sound, change)
+        return check_recording(campaign, MakeDevice(campaign))
+
+    def test_a_sound_recording_has_no_fault(self):
+        self.assertEqual(self.found(), [])
+
+    def test_each_fault_is_named_with_its_channels(self):
+        for change, name, channels in FAULTS:
+            with self.subTest(name=name, channels=channels):
+                found = self.found(change)
+                told = [f.sentence() for f in found]
+                self.assertEqual([f.fault.name for f in found], [name], told)
+                self.assertEqual(set(found[0].channels), set(channels), told)
+                self.assertTrue(found[0].is_certain)
+
+    def test_a_controller_of_other_numbers_leaves_the_verdict_alone(self):
+        for change in NUMBERS:
+            found = self.found(change)
+            self.assertEqual([f.fault.name for f in found], ["contradiction"])
+            self.assertFalse(found[0].is_certain)
+
+
+class TestDrive(DriveCases, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.sound = test_leg_bench.make_campaign()
+
+
+@unittest.skipUnless(_EMPS.is_dir(), f"no recordings of EMPS in {_EMPS}")
+class TestRealDrive(DriveCases, unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.sound = LoadCampaign(_EMPS)
+
+    def test_forces_that_are_not_told_are_no_fault_that_has_a_name(self):
+        found = self.found(
+            lambda c: {n: v for n, v in c.items() if n != "external_force_N"}
+        )
+        self.assertEqual([f.fault.name for f in found], ["contradiction"])
+        self.assertEqual(found[0].runs, ("tracking_with_pulses.csv",))
+        self.assertFalse(found[0].is_certain)
+
+
+class TestPad(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        def force(motion, time):
+            return pad_recordings.standard_linear_solid(
+                motion, time, 900.0, 20.0, 1e-3
+            )
+
+        cls.sound = pad_recordings.make_campaign(force)
+
+    def found(self, change=dict, only=lambda run: True):
+        campaign = spoil(self.sound, change, only)
+        return check_recording(campaign, MakeDevice(campaign))
+
+    def test_a_sound_recording_has_no_fault(self):
+        self.assertEqual(self.found(), [])
+
+    def test_a_pad_that_pulls_alone_has_its_sign_turned(self):
+        for name in ("force_N", "displacement_m"):
+            with self.subTest(name=name):
+                (found,) = self.found(changed(name, np.negative))
+                self.assertEqual(found.fault.name, "reversed_sign")
+                self.assertEqual(found.channels, (name,))
+                self.assertTrue(found.of_all)
+
+    def test_one_run_of_the_other_sign_is_named(self):
+        (found,) = self.found(
+            changed("force_N", np.negative),
+            lambda run: run.file == "stairs.csv",
+        )
+        self.assertEqual(found.runs, ("stairs.csv",))
+
+    def test_a_zero_that_is_off_is_a_warning(self):
+        (found,) = self.found(changed("force_N", lambda v: v - 5.0))
+        self.assertEqual(found.fault.name, "contradiction")
+        self.assertFalse(found.is_certain)
+
+
+if __name__ == "__main__":
+    unittest.main()
