@@ -18,7 +18,6 @@ from brace_drake.design.signature import (
 )
 from brace_drake.devices.device import check_room
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.recording.recording import Run
 
@@ -68,7 +67,7 @@ def plan_campaign(
     prepared = planned_runs(twin, runs, floors, rate, seed)
     maker = SignatureMaker(Evaluator(twin, prepared, jobs), subject)
     if effects is None:
-        effects = list(effects_for(twin.device).values())
+        effects = list(twin.effects().values())
     signatures, broken = [], []
     for i, effect in enumerate(effects):
         say(f"effect {effect.key}", (i + 0.5) / (len(effects) + 1))

@@ -189,6 +189,8 @@ class Device(ABC):
         torso_law: Of the torso that it pushes; None where there is none.
         presses: Channels of a force that can press alone, and of the way that
             it answers to; None without them.
+        takes_work: Channels of a force on a machine that nothing else drives,
+            and of the way along it; None without them.
         takes_subjects: Whether another subject may be in some of the runs.
     """
 
@@ -196,6 +198,7 @@ class Device(ABC):
     control_law: ControlLaw | None = None
     torso_law: TorsoLaw | None = None
     presses: tuple[str, str] | None = None
+    takes_work: tuple[str, str] | None = None
     takes_subjects: bool = False
 
     def __init__(self, twin, rate: float, block_tests: Sequence[BlockTest]):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from brace_drake.core.errors import CampaignError, ScenarioError
+from brace_drake.devices.axis.device import Axis
 from brace_drake.devices.bench.device import Bench
 from brace_drake.devices.declaration import Device
 from brace_drake.devices.leg_bench.device import LegBench
@@ -14,6 +15,7 @@ DEVICES: dict[str, type[Device]] = {
     "bench stage 2": Bench,
     "leg bench": LegBench,
     "pad bench": PadBench,
+    "axis": Axis,
 }
 
 

@@ -9,6 +9,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from brace_drake.devices.subject import SubjectParameter
+from brace_drake.effects.card import Effect
+from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import Use, modify_numbers
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.effects import scenario_uses
@@ -45,6 +47,10 @@ class ReplayTwin(ABC):
         self.numbers = numbers
         self.time_step = time_step or scenario.time_step
         self.carried = scenario_uses(scenario)
+
+    def effects(self) -> dict[str, Effect]:
+        """Effects that the device can have, by key."""
+        return effects_for(self.device)
 
     @abstractmethod
     def coarse(self) -> Self:

@@ -167,7 +167,7 @@ class Effect:
         vanishes = np.array([p.off == 0.0 for p in parameters], dtype=bool)
         lower = np.array([p.lower for p in parameters])
         signs = lower[moved & vanishes]
-        places = [*self.laws, *self.needs]
+        places = [*self.laws, *self.needs, *["command"] * self.on_command]
         if self.modify is not None or self.constants is not None:
             places.append("brace")
         either = bool(signs.size and np.all(signs < 0.0))

@@ -24,11 +24,26 @@ PLACES = {
     "bench stage 2": {
         *PLUG_POINTS,
         "brace",
+        "command",
         "force reading",
         "length reading",
     },
-    "leg bench": {"drive", "sensing", "length reading"},
+    "leg bench": {
+        "drive",
+        "sensing",
+        "length reading",
+        "command",
+        "one joint",
+    },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
+    "axis": {
+        "drive",
+        "sensing",
+        "force reading",
+        "one joint",
+        "imposed motion",
+        "extra input",
+    },
 }
 
 ENTRY_POINTS = "brace_drake.effects"

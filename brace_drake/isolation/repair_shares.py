@@ -18,7 +18,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.whitening import in_pieces
@@ -79,7 +78,7 @@ def share_repairs(
         for i in range(len(blocks))
     ]
     left = float(np.clip(pieces[everyone].sum() / gap, 0.0, 1.0))
-    cards = effects_for(evaluator.twin.device).values()
+    cards = evaluator.twin.effects().values()
     named = set(itertools.chain.from_iterable(r.split("+") for r in rivals))
     others = dict.fromkeys(c.block for c in cards if c.name in named)
     return share_rows(

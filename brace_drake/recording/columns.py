@@ -125,18 +125,21 @@ class Device:
         nominal: Its nominal numbers, and whether each must be there.
         control: Numbers of its controller, likewise where one is described.
         stages: Those of which a campaign may name some, from the lowest up.
+        may_be_none: Whether a number may be stated as 0: it is not there.
     """
 
     channels: dict[str, Channel]
     nominal: dict[str, bool] = field(default_factory=dict)
     control: dict[str, bool] = field(default_factory=dict)
     stages: tuple[int, ...] = ()
+    may_be_none: bool = False
 
 
 BENCH = "bench stage 2"
 BRACE = "brace"
 LEG_BENCH = "leg bench"
 PAD_BENCH = "pad bench"
+AXIS = "axis"
 BRACE_STAGES = (1, 2, 3)
 # Ring i sits above stage i; the bench has the middle one.
 BENCH_RINGS = (2,)
@@ -153,6 +156,15 @@ _PAD_BENCH = (
     Channel("displacement_m", -0.2, 0.2),
     Channel("force_N", -1e3, 1e3),
 )
+# An axis is as large as it is: only what is no number at all is refused.
+_ANY = {"low": -1e12, "high": 1e12, "required": False, "is_optional": True}
+_AXIS = (
+    _TIME,
+    Channel("position_m", **_ANY),
+    Channel("position_rad", **_ANY),
+    Channel("force_N", constant="always", **_ANY),
+    Channel("torque_N_m", constant="always", **_ANY),
+)
 DEVICES = {
     BENCH: Device(_stages(range(1, 7), BENCH_RINGS)),
     BRACE: Device(_stages(range(1, 19), BRACE_STAGES), stages=BRACE_STAGES),
@@ -165,7 +177,21 @@ DEVICES = {
         {channel.name: channel for channel in _PAD_BENCH},
         nominal={"stiffness_N_m": False, "damping_N_s_m": False},
     ),
+    AXIS: Device(
+        {channel.name: channel for channel in _AXIS},
+        nominal=dict.fromkeys(
+            ("mass_kg", "viscous_N_s_m", "stiffness_N_m"), False
+        ),
+        may_be_none=True,
+    ),
 }
+
+
+def axis_columns(kind: str) -> tuple[str, str]:
+    """Columns of an axis' position and force; kind: linear or rotary."""
+    if kind == "rotary":
+        return "position_rad", "torque_N_m"
+    return "position_m", "force_N"
 
 
 def device_channels(

@@ -42,6 +42,7 @@ def number_from(low: float, high: float, required: bool = True) -> Field:
 # Far beyond any quantity of a bench in SI units, and far from overflow.
 HUGE = 1e12
 POSITIVE = number_from(1 / HUGE, HUGE)
+NOT_NEGATIVE = number_from(0.0, HUGE)
 RATE = number_from(1e-3, 1e6)
 DURATION = number_from(0.0, 1e6, required=False)
 TEXT = Field(

@@ -11,6 +11,7 @@ from brace_drake.core.reading import parse_yaml
 from brace_drake.recording.columns import DEVICES, Device
 from brace_drake.recording.fields import (
     DURATION,
+    NOT_NEGATIVE,
     POSITIVE,
     RATE,
     SWITCH,
@@ -75,7 +76,10 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         declared = getattr(device, section)
         # A controller need not be described.
         if declared and not (section == "control" and not content.get(section)):
-            numbers[section], found = _take_numbers(content, section, declared)
+            kind = NOT_NEGATIVE if device.may_be_none else POSITIVE
+            numbers[section], found = _take_numbers(
+                content, section, declared, kind
+            )
             faults += found
     stages: list[int] = []
     if device.stages:
@@ -106,13 +110,13 @@ def _error_of(fault: Fault, place: str = "") -> Problem:
 
 
 def _take_numbers(
-    content: dict, section: str, declared: dict[str, bool]
+    content: dict, section: str, declared: dict[str, bool], kind: Field
 ) -> tuple[dict[str, float], list[Fault]]:
     """The numbers of a section, as a device declares them."""
     values = content.get(section) or {}
     if not isinstance(values, dict):
         return {}, [Fault(section, "a mapping", values)]
-    fields = {k: POSITIVE._replace(required=r) for k, r in declared.items()}
+    fields = {k: kind._replace(required=r) for k, r in declared.items()}
     taken, faults = take(values, fields)
     named = [fault._replace(name=f"{section}.{fault.name}") for fault in faults]
     return {name: float(value) for name, value in taken.items()}, named

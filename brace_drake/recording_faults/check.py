@@ -31,6 +31,7 @@ from brace_drake.recording_faults.library.time.repeated_samples import (
 )
 from brace_drake.recording_faults.relations.control_law import find_law_faults
 from brace_drake.recording_faults.relations.mismatch import LawChecker
+from brace_drake.recording_faults.relations.passive import find_given_work
 from brace_drake.recording_faults.relations.pressing import find_press_faults
 from brace_drake.recording_faults.relations.reference import (
     find_reference_faults,
@@ -147,6 +148,7 @@ def _without(
 def _of_contact(device: Device, runs: Sequence[Run]) -> list[Finding]:
     """What forces say of contact and markers, in runs where they are sound."""
     found = find_wrong_contact(device, runs) + find_press_faults(device, runs)
+    found += find_given_work(device, runs)
     wrong = _files(found)
     return found + find_torso_faults(
         device, [r for r in runs if r.file not in wrong]

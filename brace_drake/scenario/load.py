@@ -12,7 +12,14 @@ from pydrake.common.yaml import yaml_dump_typed
 from brace_drake.core.errors import OutputError, ScenarioError
 from brace_drake.core.output import WriteText
 from brace_drake.core.reading import LoadYaml, in_file, parse_yaml
-from brace_drake.recording.columns import BENCH, BRACE, LEG_BENCH, PAD_BENCH
+from brace_drake.recording.columns import (
+    AXIS,
+    BENCH,
+    BRACE,
+    LEG_BENCH,
+    PAD_BENCH,
+)
+from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.brace import BenchScenario, BraceScenario, Contact
 from brace_drake.scenario.check import CheckScenario
 from brace_drake.scenario.fields import fail, merge
@@ -25,6 +32,7 @@ SCHEMAS = {
     BENCH: BenchScenario,
     LEG_BENCH: LegBenchScenario,
     PAD_BENCH: PadBenchScenario,
+    AXIS: AxisScenario,
     BRACE: BraceScenario,
 }
 

@@ -43,9 +43,23 @@ def estimate_force_noise(runs: Sequence[Run], rate_hz: float) -> np.ndarray:
         (B,), N: standard deviation, in each band of NOISE_EDGES_HZ, of white
         noise that is as strong at all frequencies as this noise is there.
     """
-    forces = [run.channels["force_N"] for run in runs]
+    columns = "force_N", "displacement_m"
+    return estimate_noise_by_band(runs, columns, rate_hz)
+
+
+def estimate_noise_by_band(
+    runs: Sequence[Run], columns: tuple[str, str], rate_hz: float
+) -> np.ndarray:
+    """`estimate_force_noise` of any force (B,), in its unit.
+
+    Args:
+        columns: Of the force, and of the motion that it answers to.
+    """
+    forces = [run.channels[columns[0]] for run in runs]
     least = _FINEST * max((np.ptp(f) for f in forces), default=0.0)
-    sigma = np.full(len(NOISE_EDGES_HZ), max(_pooled(forces), least))
+    sigma = np.full(
+        len(NOISE_EDGES_HZ), max(estimate_white_noise(forces), least)
+    )
     by_file = {run.file: run for run in runs}
     pairs = [
         (by_file[run.repeat_of], run)
@@ -54,15 +68,15 @@ def estimate_force_noise(runs: Sequence[Run], rate_hz: float) -> np.ndarray:
     ]
     if not pairs:
         return sigma
-    return np.maximum(sigma, _repeat_noise(pairs, rate_hz))
+    return np.maximum(sigma, _repeat_noise(pairs, columns, rate_hz))
 
 
 def estimate_displacement_noise(runs: Sequence[Run]) -> float:
     """Noise of the displacement readings of all runs, m."""
-    return _pooled([run.channels["displacement_m"] for run in runs])
+    return estimate_white_noise([r.channels["displacement_m"] for r in runs])
 
 
-def _pooled(signals: Sequence[np.ndarray]) -> float:
+def estimate_white_noise(signals: Sequence[np.ndarray]) -> float:
     """White noise of several signals: the upper end of what they allow.
 
     Their mean square and twice its standard error, so that a short recording
@@ -117,11 +131,11 @@ def _rounding(signal: np.ndarray, differences: np.ndarray) -> float:
     return float(steps.min()) / np.sqrt(12.0)
 
 
-def _repeat_noise(pairs, rate_hz: float) -> np.ndarray:
+def _repeat_noise(pairs, columns, rate_hz: float) -> np.ndarray:
     """Noise by band from the differences of repeated runs (B,), N."""
     frequency, power = [], []
     for first, second in pairs:
-        rest = repeat_difference(first, second) / np.sqrt(2.0)
+        rest = repeat_difference(first, second, columns) / np.sqrt(2.0)
         transform = np.fft.rfft(rest)
         # The mean shows as the first bin.
         frequency.append(np.fft.rfftfreq(len(rest), 1.0 / rate_hz))
@@ -140,7 +154,9 @@ def _repeat_noise(pairs, rate_hz: float) -> np.ndarray:
     return sigma
 
 
-def repeat_difference(first: Run, second: Run) -> np.ndarray:
+def repeat_difference(
+    first: Run, second: Run, columns: tuple[str, str]
+) -> np.ndarray:
     """Difference of the forces of two runs that should be the same (N,), N.
 
     What the difference of their displacements explains, by a stiffness and a
@@ -149,7 +165,7 @@ def repeat_difference(first: Run, second: Run) -> np.ndarray:
     samples = min(len(first.time_s), len(second.time_s))
     force, d = (
         second.channels[name][:samples] - first.channels[name][:samples]
-        for name in ("force_N", "displacement_m")
+        for name in columns
     )
     step = float(np.median(np.diff(first.time_s)))
     basis = np.column_stack([d, np.gradient(d, step)])

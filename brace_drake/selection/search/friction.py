@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import effects_for
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
@@ -72,7 +71,7 @@ def _behind_joints(
     behind a joint that gives way does not stick to the ring.
     """
     base, found = lines.base, []
-    forms = effects_for(lines.evaluator.twin.device).values()
+    forms = lines.evaluator.twin.effects().values()
     for place, (effect, values) in enumerate(base.uses):
         for form in forms:
             if form.name != effect.name or card.name not in form.contains:

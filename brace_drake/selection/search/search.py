@@ -14,7 +14,6 @@ from collections.abc import Sequence
 
 from brace_drake.core.errors import BraceError
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import effects_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
@@ -54,7 +53,7 @@ def search_causes(
         criterion: With the nominal fit.
         say: Progress.
     """
-    effects = list(effects_for(evaluator.twin.device).values())
+    effects = list(evaluator.twin.effects().values())
     few = [e for e in effects if not e.is_flexible]
     known: list[CandidateFit] = []
     beam, ranked = [criterion.nominal], [criterion.nominal]
@@ -189,7 +188,7 @@ def _untried(
 ) -> list[Effect]:
     """Effects that were not led to their end beside a fit yet."""
     done, base = {f.kinds for f in known if f.refined}, lines.base
-    effects = effects_for(lines.evaluator.twin.device).values()
+    effects = lines.evaluator.twin.effects().values()
     return [
         e for e in others(effects, base) if base.kinds | {e.name} not in done
     ]

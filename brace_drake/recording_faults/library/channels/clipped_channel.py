@@ -15,6 +15,7 @@ from brace_drake.recording_faults.statistics import (
     local_error,
     quantum_of,
     robust_deviation,
+    stretches,
 )
 
 CARD = RecordingFault(
@@ -32,6 +33,9 @@ CARD = RecordingFault(
     is_of_run=True,
 )
 _LEAST = 20
+# A reading that is at its greatest value where it turns repeats itself in so
+# many samples before and after, so often.
+_BESIDE, _OFTEN = 8, 0.3
 # Samples at the level over those within this many deviations below.
 _PILED, _BAND = 3.0, 3.0
 
@@ -78,7 +82,21 @@ def _share_at_top(values: np.ndarray) -> float | None:
         return None
     step = quantum_of(values)
     noise = max(robust_deviation(local_error(values)), step)
+    if _rests_beside(values, top):
+        return None
     below = values[(values < top) & (values > top - _BAND * noise - step)]
     if at_top <= _PILED * len(below):
         return None
     return at_top / len(values)
+
+
+def _rests_beside(values: np.ndarray, top: float) -> bool:
+    """Whether a reading also repeats itself before and after it is at the top,
+    as one without noise does where it turns.
+    """
+    alike = np.diff(values) == 0.0
+    beside = []
+    for begin, end in stretches(values == top):
+        beside += [*alike[max(0, begin - _BESIDE) : max(0, begin - 1)]]
+        beside += [*alike[end : end + _BESIDE - 1]]
+    return bool(beside) and float(np.mean(beside)) > _OFTEN

@@ -26,8 +26,12 @@ from brace_drake.recording_faults.statistics import (
 _TAILS = 1.5
 # Of a spike its neighbours know nothing: they differ by less than this part.
 _ALONE = 0.5
-# A few samples do not spoil a campaign.
-_FEW = 3
+# A reading that shakes is rough around a sample: so many beside it tell how
+# much, those next to it aside.
+_BESIDE, _NEXT = 15, 2
+# What spikes make of a channel's amplitude before they spoil a campaign, and so
+# few of them never do.
+_SPOILT, _FEW = 0.01, 3
 
 
 def _undo(columns, channels, values):
@@ -64,9 +68,11 @@ def outliers_of(values: np.ndarray, number: int = 500_000) -> np.ndarray:
     """
     error = local_error(values)
     noise = max(robust_deviation(error), 0.5 * quantum_of(values))
-    far = np.abs(error) > _TAILS * largest_normal(number) * noise
+    clear = _TAILS * largest_normal(number)
     marks = np.zeros(len(values), dtype=bool)
-    for i in np.flatnonzero(far):
+    for i in np.flatnonzero(np.abs(error) > clear * noise):
+        if abs(error[i]) <= clear * _roughness(error, i):
+            continue
         near = values[max(0, i - 1)], values[min(len(values) - 1, i + 1)]
         # What a spike leaves of its own in the errors beside it is less.
         beside = np.abs(error[max(0, i - 1) : i + 2]).max()
@@ -74,6 +80,20 @@ def outliers_of(values: np.ndarray, number: int = 500_000) -> np.ndarray:
         alone = abs(near[1] - near[0]) < _ALONE * away
         marks[i] = alone and abs(error[i]) >= beside
     return marks
+
+
+def _roughness(error: np.ndarray, i: int) -> float:
+    """Standard deviation of the errors around a sample, without its own."""
+    before = error[max(0, i - _BESIDE) : max(0, i - _NEXT)]
+    after = error[i + _NEXT + 1 : i + _BESIDE + 1]
+    return robust_deviation(np.concatenate([before, after]))
+
+
+def _spoils(values: np.ndarray, marks: np.ndarray) -> bool:
+    """Whether spikes make a part of a channel that counts."""
+    size = np.linalg.norm(local_error(values)[marks])
+    whole = np.linalg.norm(values - values.mean())
+    return bool(marks.sum() > _FEW and size > _SPOILT * whole)
 
 
 def find_outliers(
@@ -86,6 +106,7 @@ def find_outliers(
         count = int(marks.sum())
         if not count:
             continue
+        spoils = _spoils(run.channels[name], marks)
         row = int(np.argmax(marks)) + 1
         detail = f"{count} of its samples stand out from their neighbours"
         found.append(
@@ -96,7 +117,7 @@ def find_outliers(
                 {"share": count / len(marks)},
                 detail=detail,
                 row=row,
-                severity="error" if count > _FEW else "warning",
+                severity="error" if spoils else "warning",
             )
         )
     return found

@@ -1,0 +1,156 @@
+"""The nominal axis of a campaign: what it states, and what its runs show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from brace_drake.core.errors import CampaignError
+from brace_drake.devices.axis.motion import INPUT, MakeAxisMotion
+from brace_drake.recording.columns import axis_columns
+from brace_drake.recording.recording import Campaign
+from brace_drake.scenario.axis import AxisScenario
+from brace_drake.scenario.pad_noise import (
+    estimate_noise_by_band,
+    estimate_white_noise,
+)
+
+_TERMS = ("mass", "viscous", "stiffness", "offset")
+# A number counts where it is this many times what scatter alone makes of it.
+_SHOWN = 2.0
+# Motions of less than a hundredth of a force's size tell no number.
+_STEP_PARTS = 4.0
+
+
+def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
+    """The nominal axis of a campaign.
+
+    Mass, viscous friction and stiffness are the campaign's `nominal` where it
+    has them, and a number that is stated as 0 is not there; the others are those that its fit runs show by least squares, and
+    none where they show none. All of these are fitted to a machine, and with
+    them the offset and the gain of each extra input.
+
+    Raises:
+        CampaignError: Runs are not of one kind, or have no column of motion
+            or force.
+    """
+    kind = _kind_of(campaign)
+    position, force = axis_columns(kind)
+    runs = campaign.split("fit")
+    inputs = tuple(
+        n
+        for n in runs[0].channels
+        if n.startswith(INPUT) and all(n in r.channels for r in campaign.runs)
+    )
+    sigma = estimate_white_noise([r.channels[position] for r in runs])
+    scenario = AxisScenario(
+        kind=kind,
+        position_noise=sigma,
+        force_noise=estimate_noise_by_band(
+            runs, (force, position), campaign.rate_hz
+        ),
+        time_step=1.0 / campaign.rate_hz / _STEP_PARTS,
+        gains=dict.fromkeys(inputs, 0.0),
+    )
+    paths = [MakeAxisMotion(r, position, inputs, sigma) for r in runs]
+    path = np.vstack([m.path() for m in paths])
+    beside = np.vstack([m.inputs for m in paths])
+    measured = np.concatenate([r.channels[force] for r in runs])
+    scenario.length_scale = _half_range(path[:, 0])
+    scenario.speed_scale = _size(path[:, 1])
+    scenario.acceleration_scale = _size(path[:, 2])
+    scenario.force_scale = _half_range(measured)
+    scenario.input_scales = {
+        n: 10.0 ** np.floor(np.log10(_size(v)))
+        for n, v in zip(inputs, beside.T, strict=True)
+    }
+    _estimate(scenario, campaign.nominal, path, beside, measured)
+    return scenario
+
+
+def _kind_of(campaign: Campaign) -> str:
+    """Linear or rotary, by the columns that all runs have."""
+    for kind in ("linear", "rotary"):
+        wanted = set(axis_columns(kind))
+        if all(wanted <= set(r.channels) for r in campaign.runs):
+            return kind
+    pairs = " or ".join(
+        " and ".join(axis_columns(kind)) for kind in ("linear", "rotary")
+    )
+    raise CampaignError(f"{campaign.path}: an axis needs {pairs} in all runs")
+
+
+def _half_range(values: np.ndarray) -> float:
+    return 0.5 * float(np.ptp(values)) or 1.0
+
+
+def _size(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values**2))) or 1.0
+
+
+def _estimate(scenario, stated, path, beside, measured) -> None:
+    """Numbers of the machine by least squares; those that are not seen stay
+    out of what is fitted.
+    """
+    names = [*_TERMS, *scenario.gains]
+    terms = np.column_stack(
+        [path[:, 2], path[:, 1], path[:, 0], np.ones(len(path)), beside]
+    )
+    known = {
+        "mass": stated.get("mass_kg"),
+        "viscous": stated.get("viscous_N_s_m"),
+        "stiffness": stated.get("stiffness_N_m"),
+    }
+    values = dict(zip(names, np.zeros(len(names)), strict=True))
+    values |= {n: v for n, v in known.items() if v is not None}
+    able = [n for n in names if known.get(n) is None]
+    shown = _shown(names, able, terms, measured)
+    fitted = [n for n in names if n in shown or values[n]]
+    open_ = [n for n in fitted if known.get(n) is None]
+    rest = measured - terms @ np.array([values[n] for n in names])
+    found = _solve(names, open_, terms, rest)
+    values |= dict(zip(open_, found, strict=True))
+    for name, value in values.items():
+        if name in scenario.gains:
+            scenario.gains[name] = float(value)
+        else:
+            setattr(scenario, name, float(value))
+    scenario.fitted = fitted
+
+
+def _shown(names, able, terms, measured) -> set[str]:
+    """Numbers of those that are not stated that the force shows; the offset
+    always is one.
+    """
+    shown = list(able)
+    while True:
+        columns = terms[:, [names.index(n) for n in shown]]
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
+        values = _solve(names, shown, terms, measured) * size
+        rest = measured - columns @ (values / size)
+        # Neighbours are not independent: as many values as the rest has turns.
+        turns = max(2, np.count_nonzero(np.diff(np.sign(rest))))
+        covariance = np.linalg.pinv((columns / size).T @ (columns / size))
+        error = np.sqrt(np.diag(covariance) * (rest @ rest) / turns)
+        weight = np.abs(values) / np.maximum(error, 1e-30)
+        weight[shown.index("offset")] = np.inf
+        worst = int(np.argmin(weight))
+        if weight[worst] > _SHOWN:
+            return set(shown)
+        del shown[worst]
+
+
+def _solve(names, chosen: Sequence[str], terms, measured) -> np.ndarray:
+    """Least squares with no mass, damper or spring below zero."""
+    if not chosen:
+        return np.zeros(0)
+    columns = terms[:, [names.index(n) for n in chosen]]
+    size = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
+    least = [
+        0.0 if n in ("mass", "viscous", "stiffness") else -np.inf
+        for n in chosen
+    ]
+    found = lsq_linear(columns / size, measured, (least, np.inf))
+    return found.x / size

@@ -1,0 +1,263 @@
+"""The axis' twin as fits and diagnoses see it."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from brace_drake.core.errors import BraceError
+from brace_drake.devices.axis.motion import AxisMotion, MakeAxisMotion
+from brace_drake.devices.axis.units import (
+    FORCE_N,
+    LENGTH_M,
+    AxisUnits,
+    scales,
+)
+from brace_drake.devices.pad_bench.twin import (
+    draw_force_noise,
+    steps_per_sample,
+)
+from brace_drake.devices.subject import SubjectParameter
+from brace_drake.devices.twin import ReplayTwin
+from brace_drake.effects.card import Effect
+from brace_drake.effects.registry import effects_for
+from brace_drake.effects.stack import stack_effects
+from brace_drake.laws.loop.axis_rollout import GAINS, WORK, rollout_axis
+from brace_drake.laws.plug_in import idle
+from brace_drake.recording.columns import AXIS, axis_columns
+from brace_drake.recording.recording import Run
+from brace_drake.scenario.axis import AxisNumbers, AxisScenario, pack_axis
+from brace_drake.scenario.pad_noise import white_noise
+
+# Plug points that an axis has.
+POINTS = ("drive", "sensing")
+# Longer steps that suffice for differences between points.
+_COARSE = 2.0
+# A number of the machine is at most so many times what would make all of the
+# force.
+_MOST = 10.0
+
+
+class AxisTwin(ReplayTwin):
+    """Moves one axis along recorded positions."""
+
+    device = AXIS
+    has_loop = False
+
+    def __init__(self, scenario: AxisScenario, time_step: float | None = None):
+        rotary = scenario.kind == "rotary"
+        self.position, force = axis_columns(scenario.kind)
+        self.channels = (force,)
+        self.inputs = tuple(scenario.gains)
+        self.units = AxisUnits(
+            scenario.length_scale / LENGTH_M,
+            scenario.force_scale / FORCE_N,
+            rotary,
+        )
+        super().__init__(scenario, pack_axis(scenario), time_step)
+        self.subject = axis_subject(scenario, self.units)
+
+    def effects(self) -> dict[str, Effect]:
+        """Effects that an axis can have, in its own units, by key."""
+        return {key: card for key, (card, _) in self._cards().items()}
+
+    def _cards(self):
+        return _cards_of(self.units, self.inputs)
+
+    def coarse(self) -> AxisTwin:
+        """The same twin with longer steps of the effects' states."""
+        return AxisTwin(self.scenario, self.time_step * _COARSE)
+
+    def scenario_of(self, subject: np.ndarray) -> AxisScenario:
+        """The scenario with a machine's fitted numbers, a copy."""
+        out = copy.deepcopy(self.scenario)
+        for name, value in zip(self._fitted(), subject, strict=True):
+            if name in out.gains:
+                out.gains[name] = float(value)
+            else:
+                setattr(out, name, float(value))
+        return out
+
+    def with_subject(self, values: np.ndarray) -> AxisNumbers:
+        """The numbers of a machine, values in the order of `subject`."""
+        law = self.numbers.law.copy()
+        for name, value in zip(self._fitted(), values, strict=True):
+            law[_place(self.scenario, name)] = value
+        return self.numbers.with_changes(law=law)
+
+    def _fitted(self) -> list[str]:
+        return self.scenario.fitted
+
+    def motion(self, run: Run) -> AxisMotion:
+        """The run's path and extra inputs."""
+        sigma = self.numbers.position_noise[0]
+        return MakeAxisMotion(run, self.position, self.inputs, sigma)
+
+    def active(self, run: Run) -> np.ndarray:
+        """Which channels carry information in a run, bool (1,)."""
+        return np.array([True])
+
+    def _replay(self, numbers, motion, subject, uses, generator):
+        """The noise of position goes through the motion's smoothing."""
+        noise, force_noise = None, 0.0
+        if generator is not None:
+            noise = generator.standard_normal(len(motion.time))
+            noise = noise * numbers.position_noise[0]
+            force_noise = draw_force_noise(
+                numbers.force_noise, motion.time, generator
+            )
+        length, force = self.units.length, self.units.force
+        sizes = [self.scenario.input_scales[n] for n in self.inputs]
+        readings = simulate_axis(
+            self._law_of_reference(numbers.law),
+            motion.time,
+            motion.path(noise) / length,
+            motion.inputs / np.array(sizes),
+            self.time_step,
+            self._uses_of_reference(uses),
+        )
+        return (force * readings + force_noise)[:, None]
+
+    def _law_of_reference(self, law: np.ndarray) -> np.ndarray:
+        """The law of the machine of reference, see `units`."""
+        inertia = self.units.force / self.units.length
+        out = law / self.units.force
+        out[:3] = law[:3] / inertia
+        out[GAINS:] *= [self.scenario.input_scales[n] for n in self.inputs]
+        return out
+
+    def _uses_of_reference(self, uses):
+        cards = self._cards()
+        return [(e, values / cards[e.key][1]) for e, values in uses]
+
+    def estimate_noise(self, runs: Sequence[Run]) -> float:
+        """White noise of the force readings of recordings, N or N m."""
+        forces = [run.channels[self.channels[0]] for run in runs]
+        return max((white_noise(f) for f in forces), default=0.0)
+
+
+@cache
+def _cards_of(units: AxisUnits, inputs: tuple[str, ...]):
+    """Cards of an axis, by key, with the reference unit of each parameter."""
+    found = {}
+    for key, effect in effects_for(AXIS).items():
+        if "extra input" in effect.places and not inputs:
+            continue
+        card = _with_inputs(units.card(effect), inputs)
+        found[key] = card, scales(effect, units)
+    return found
+
+
+def _with_inputs(card: Effect, inputs: tuple[str, ...]) -> Effect:
+    """A card whose `input` is any of the extra inputs there are."""
+    choices = tuple(float(j) for j in range(len(inputs)))
+    return replace(
+        card,
+        parameters=tuple(
+            replace(p, choices=choices, words=inputs)
+            if p.name == "input"
+            else p
+            for p in card.parameters
+        ),
+    )
+
+
+def simulate_axis(
+    law: np.ndarray,
+    time: np.ndarray,
+    path: np.ndarray,
+    inputs: np.ndarray,
+    time_step: float,
+    uses=(),
+) -> np.ndarray:
+    """Simulates one run with the compiled rollout.
+
+    Args:
+        law: Mass, viscous, stiffness, offset, gains (4 + J,).
+        time: Sample times from 0 (N,), s.
+        path: Position, rate and acceleration at the samples (N, 3).
+        inputs: Extra inputs (N, J).
+        time_step: Longest step of the effects' states, s.
+        uses: Effects with their parameters.
+
+    Returns:
+        Force readings (N,).
+
+    Raises:
+        BraceError: The run broke down (the message says when).
+    """
+    plug_ins = stack_effects(uses)
+    plugs = [plug_ins.get(point) or idle(point) for point in POINTS]
+    work = np.zeros(len(time) + WORK + inputs.shape[1])
+    broke_at = rollout_axis(
+        steps_per_sample(time, time_step),
+        time,
+        np.ascontiguousarray(path),
+        np.ascontiguousarray(inputs),
+        law,
+        *(p.laws for p in plugs),
+        plugs[0].parameters,
+        *(p.fresh_memory() for p in plugs),
+        np.array([p.active for p in plugs]),
+        work,
+    )
+    if broke_at >= 0:
+        raise BraceError(
+            f"the simulated run broke down at {time[broke_at]:.3f} s"
+        )
+    return work[: len(time)].copy()
+
+
+def _place(scenario: AxisScenario, name: str) -> int:
+    """Where a number of the machine stands in the law."""
+    names = ["mass", "viscous", "stiffness", "offset", *scenario.gains]
+    return names.index(name)
+
+
+# Name and unit of each number of the machine.
+_NAMED = {
+    "mass": ("mass_kg", "kg"),
+    "viscous": ("viscous_N_s_m", "N s/m"),
+    "stiffness": ("stiffness_N_m", "N/m"),
+    "offset": ("offset_N", "N"),
+}
+
+
+def axis_subject(
+    scenario: AxisScenario, units: AxisUnits
+) -> tuple[SubjectParameter, ...]:
+    """Numbers of the machine that are fitted, with nominal values and limits.
+
+    Each is counted in what makes all of the force by itself.
+    """
+    force = scenario.force_scale
+    sizes = {
+        "mass": force / scenario.acceleration_scale,
+        "viscous": force / scenario.speed_scale,
+        "stiffness": force / scenario.length_scale,
+        "offset": force,
+    }
+    law, found = pack_axis(scenario).law, []
+    for name in scenario.fitted:
+        value = float(law[_place(scenario, name)])
+        named, unit = _NAMED.get(name, (f"per_{name}", "N"))
+        size = sizes.get(name) or force / scenario.input_scales[name]
+        most = _MOST * max(size, abs(value))
+        either = name == "offset" or name in scenario.gains
+        found.append(
+            SubjectParameter(
+                units.name(named, unit),
+                units.unit(unit),
+                value,
+                -most if either else 0.0,
+                most,
+                size,
+            )
+        )
+    if not found:
+        raise BraceError("an axis of which nothing is fitted")
+    return tuple(found)

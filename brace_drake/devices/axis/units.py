@@ -1,0 +1,111 @@
+"""The sizes that an axis counts in, and effects in them.
+
+Laws of effects have lengths of their own, such as that of bristles. They are
+those of a machine of reference, with travels of 10 mm and forces of 10 N. An
+axis is simulated as if it were that machine: its own lengths and forces are a
+number of times the reference's. Times stay what they are.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from brace_drake.effects.card import Effect, EffectParameter
+
+# The machine of reference.
+LENGTH_M, FORCE_N = 0.01, 10.0
+
+_FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d))?")
+
+
+@dataclass(frozen=True)
+class AxisUnits:
+    """How many times the machine of reference an axis is.
+
+    Attributes:
+        length: Of its lengths, or angles in rad.
+        force: Of its forces, or torques in N m.
+        is_rotary: Whether m stands for rad and N for N m.
+    """
+
+    length: float = 1.0
+    force: float = 1.0
+    is_rotary: bool = False
+
+    def scale(self, unit: str) -> float:
+        """Value in SI of one unit of the machine of reference.
+
+        Args:
+            unit: SI, such as "N s/m"; units other than m, N and kg are left
+                as they are.
+        """
+        above, _, below = unit.partition("/")
+        return self._product(above) / self._product(below)
+
+    def _product(self, units: str) -> float:
+        sizes = {
+            "m": self.length,
+            "N": self.force,
+            "kg": self.force / self.length,
+        }
+        return float(
+            np.prod(
+                [
+                    sizes.get(name, 1.0) ** int(power or 1)
+                    for name, power in _FACTOR.findall(units)
+                ]
+            )
+        )
+
+    def unit(self, unit: str) -> str:
+        """A unit as this axis has it: "N m s/rad" for "N s/m" if rotary."""
+        if not self.is_rotary:
+            return unit
+        words = {"m": "rad", "N": "N m", "kg": "kg m^2"}
+
+        def turned(match: re.Match) -> str:
+            name, power = match.groups()
+            word = words.get(name, name)
+            return f"{word}^{power}" if power else word
+
+        return _FACTOR.sub(turned, unit)
+
+    def name(self, name: str, unit: str) -> str:
+        """A parameter's name, the unit at its end as this axis has it."""
+        old, new = _suffix(unit), _suffix(self.unit(unit))
+        return name.removesuffix(old) + new if name.endswith(old) else name
+
+    def card(self, effect: Effect) -> Effect:
+        """An effect with names, limits and starts for this axis."""
+        return replace(
+            effect,
+            parameters=tuple(self._parameter(p) for p in effect.parameters),
+        )
+
+    def _parameter(self, parameter: EffectParameter) -> EffectParameter:
+        scale = self.scale(parameter.unit)
+        deviation = parameter.deviation
+        return replace(
+            parameter,
+            name=self.name(parameter.name, parameter.unit),
+            unit=self.unit(parameter.unit),
+            lower=scale * parameter.lower,
+            upper=scale * parameter.upper,
+            starts=tuple(scale * s for s in parameter.starts),
+            choices=tuple(scale * c for c in parameter.choices),
+            off=None if parameter.off is None else scale * parameter.off,
+            deviation=None if deviation is None else scale * deviation,
+        )
+
+
+def _suffix(unit: str) -> str:
+    """A unit as the end of a name: "N s/m" is "_N_s_m"."""
+    return "_" + re.sub(r"[ /]+", "_", unit).replace("^", "")
+
+
+def scales(effect: Effect, units: AxisUnits) -> np.ndarray:
+    """Values in SI of one reference unit of each parameter of a card (n,)."""
+    return np.array([units.scale(p.unit) for p in effect.parameters])

@@ -1,0 +1,1 @@
+"""Laws of one joint alone, whatever machine it is of."""

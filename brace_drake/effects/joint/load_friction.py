@@ -1,0 +1,60 @@
+"""Dry friction that grows with a measured load, pressure or tension."""
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.joint.friction_behind_play import (
+    JOINT_STIFFNESS,
+    held_force,
+)
+from brace_drake.laws.hooks import plug
+
+
+@plug("drive")
+def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: position)
+    # law holds the viscous friction of each joint, then the extra inputs.
+    n = f.shape[0]
+    level = p[0] + p[1] * abs(law[n + int(p[3])])
+    for k in range(n):
+        f[k] -= held_force(l[k], level, p[2], 0.0, k, n, x)
+    x[n] = 1.0
+
+
+CARD = Effect(
+    name="load_friction",
+    block="actuation",
+    title="dry friction that grows with a load",
+    equation="F = k (y - s); s slides where |F| would pass F_c + g |i|, i an"
+    " extra input in its power of ten",
+    source="Bona and Indri, Friction compensation in robotics, an overview,"
+    " IEEE Conference on Decision and Control, 2005",
+    parameters=(
+        EffectParameter(
+            "coulomb_N", "N", 0.0, 60.0, (1.0,), "friction F_c without load"
+        ),
+        EffectParameter(
+            "growth_N",
+            "N",
+            0.0,
+            60.0,
+            (1.0,),
+            "friction g that the load adds, for each of its power of ten",
+        ),
+        JOINT_STIFFNESS,
+        EffectParameter(
+            "input",
+            "1",
+            0.0,
+            20.0,
+            (0.0,),
+            "the extra input that is the load",
+            off=None,
+            choices=(0.0,),
+        ),
+    ),
+    laws={"drive": _law},
+    num_states={"drive": 7},
+    generalises=("coulomb_friction",),
+    needs=("one joint", "extra input"),
+    signature="half of the loop between both directions grows with the load",
+    impostors={"coulomb_friction": "the same at every load"},
+    experiment="the same strokes at three loads",
+)

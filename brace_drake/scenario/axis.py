@@ -1,0 +1,81 @@
+"""The axis' scenario: any machine of one degree of freedom, by its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from brace_drake.recording.columns import AXIS
+from brace_drake.scenario.brace import EffectUse
+from brace_drake.scenario.fields import items, number, vector, word
+from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ
+
+
+@dataclass(slots=True)
+class AxisScenario:
+    """One axis: F = m a + b v + k y + F_0 + gains . extra inputs.
+
+    A rotary axis has rad for m and N m for N in all numbers.
+    """
+
+    device: str = AXIS
+    kind: str = word("linear", "rotary")
+    # Longest step of the effects' states.
+    time_step: float = number(0.001, "s", above=0.0)
+    mass: float = number(0.0, "kg", least=0.0)
+    viscous: float = number(0.0, "N s/m", least=0.0)
+    stiffness: float = number(0.0, "N/m", least=0.0)
+    offset: float = number(0.0, "N")
+    # Force for each unit of an extra input, by its column.
+    gains: dict[str, float] = field(default_factory=dict)
+    # Numbers of the machine that every recording is fitted anew.
+    fitted: list[str] = items("offset")
+    # Standard deviation that a reading would have were its noise at all
+    # frequencies as strong as from this one of NOISE_EDGES_HZ on.
+    force_noise: np.ndarray = vector(
+        *[0.0] * len(NOISE_EDGES_HZ), unit="N", least=0.0
+    )
+    # Standard deviation of a reading.
+    position_noise: float = number(0.0, "m", least=0.0)
+    # Sizes of motion, force and extra inputs, by which ranges of effects go.
+    length_scale: float = number(0.01, "m", above=0.0)
+    speed_scale: float = number(0.01, "m/s", above=0.0)
+    acceleration_scale: float = number(0.01, "m/s^2", above=0.0)
+    force_scale: float = number(10.0, "N", above=0.0)
+    input_scales: dict[str, float] = field(default_factory=dict)
+    effects: list[EffectUse] = items()
+
+
+@dataclass(frozen=True)
+class AxisNumbers:
+    """The scenario's numbers as the laws take them, SI.
+
+    Attributes:
+        law: Mass, viscous, stiffness, offset, then the gains (4 + J,).
+        force_noise: In the bands of NOISE_EDGES_HZ (B,), N.
+        position_noise: (1,), m.
+    """
+
+    law: np.ndarray
+    force_noise: np.ndarray
+    position_noise: np.ndarray
+
+    def with_changes(self, **arrays: np.ndarray) -> AxisNumbers:
+        """A copy with some arrays replaced."""
+        return replace(self, **arrays)
+
+
+def pack_axis(scenario: AxisScenario) -> AxisNumbers:
+    """Arrays of the nominal twin that a scenario describes."""
+    named = (
+        scenario.mass,
+        scenario.viscous,
+        scenario.stiffness,
+        scenario.offset,
+    )
+    return AxisNumbers(
+        law=np.array([*named, *scenario.gains.values()], dtype=float),
+        force_noise=np.array(scenario.force_noise, dtype=float),
+        position_noise=np.array([scenario.position_noise]),
+    )
