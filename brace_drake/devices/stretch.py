@@ -33,7 +33,9 @@ def stretch_of(
         whitened: Residual after `LinearTolerances.whiten` (rows,).
         least: Variance of the noise along the numbers at least.
     """
-    noise = max(least, noise_along(known, whitened))
+    # What a residual is on average it is along the numbers at least.
+    average = float(np.mean(whitened**2))
+    noise = max(least, average, noise_along(known, whitened))
     moved = _moved(known, whitened, noise)
     return float(np.max(np.abs(moved)))
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
 _UNITS = (
-    *("mm_s2", "cm_s2", "m_s2", "mm_s", "cm_s", "m_s"),
+    *("mm_s2", "cm_s2", "m_s2", "rad_s", "mm_s", "cm_s", "m_s", "N_m"),
     *("kgf", "lbf", "min", "deg", "rad", "ms", "us", "mm", "cm", "um"),
     *("mN", "kN", "cN", "s", "m", "N", "g"),
 )
@@ -126,6 +126,8 @@ class Device:
         control: Numbers of its controller, likewise where one is described.
         stages: Those of which a campaign may name some, from the lowest up.
         may_be_none: Whether a number may be stated as 0: it is not there.
+        inputs: What names of extra inputs, of any unit, begin with; empty
+            where there are none.
     """
 
     channels: dict[str, Channel]
@@ -133,6 +135,12 @@ class Device:
     control: dict[str, bool] = field(default_factory=dict)
     stages: tuple[int, ...] = ()
     may_be_none: bool = False
+    inputs: str = ""
+
+    def has_channel(self, name: str) -> bool:
+        """Whether a recording may have a channel of that name."""
+        is_input = self.inputs and name.startswith(self.inputs)
+        return name in self.channels or bool(is_input)
 
 
 BENCH = "bench stage 2"
@@ -183,6 +191,7 @@ DEVICES = {
             ("mass_kg", "viscous_N_s_m", "stiffness_N_m"), False
         ),
         may_be_none=True,
+        inputs="input_",
     ),
 }
 

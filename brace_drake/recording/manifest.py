@@ -76,10 +76,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         declared = getattr(device, section)
         # A controller need not be described.
         if declared and not (section == "control" and not content.get(section)):
-            kind = NOT_NEGATIVE if device.may_be_none else POSITIVE
-            numbers[section], found = _take_numbers(
-                content, section, declared, kind
-            )
+            numbers[section], found = take_numbers(content, section, device)
             faults += found
     stages: list[int] = []
     if device.stages:
@@ -109,10 +106,14 @@ def _error_of(fault: Fault, place: str = "") -> Problem:
     return error(MANIFEST, place + message)
 
 
-def _take_numbers(
-    content: dict, section: str, declared: dict[str, bool], kind: Field
+def take_numbers(
+    content: dict, section: str, device: Device
 ) -> tuple[dict[str, float], list[Fault]]:
-    """The numbers of a section, as a device declares them."""
+    """The numbers of a section, "nominal" or "control", as a device declares
+    them, and what is wrong with them.
+    """
+    declared = getattr(device, section)
+    kind = NOT_NEGATIVE if device.may_be_none else POSITIVE
     values = content.get(section) or {}
     if not isinstance(values, dict):
         return {}, [Fault(section, "a mapping", values)]

@@ -16,7 +16,7 @@ where monday.map.yaml says which column is which channel:
   subject: phantom 2
   columns:
     time_s: Time
-    displacement_m: {from: "Travel (mm)", scale: 0.001}
+    displacement_m: {from: "Travel (mm)", unit: mm}
     force_N: {from: Load, offset: -0.2}
   options: {delimiter: ";", decimal: ","}
   runs:
@@ -24,8 +24,9 @@ where monday.map.yaml says which column is which channel:
   - {file: second.tdms, motion: push, split: validation}
 
 Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS, JSON messages of MCAP (options:
-{group: TOPIC}). `rate_hz` resamples them. What `brace-drake export` has written
-(*.mcap) needs no map.
+{group: TOPIC}). `rate_hz` resamples them; `gaps: split` makes a run of each
+part of a file with gaps in time; `nominal` and `control` go to campaign.yaml.
+What `brace-drake export` has written (*.mcap) needs no map.
 """
 
 

@@ -9,9 +9,6 @@ import numpy as np
 from brace_drake.devices.pad_bench.motion import MakePadMotion, PadMotion
 from brace_drake.recording.recording import Run
 
-# Columns of extra inputs begin so.
-INPUT = "input_"
-
 
 @dataclass(frozen=True)
 class AxisMotion:

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from brace_drake.core.errors import CampaignError
-from brace_drake.devices.axis.motion import INPUT, MakeAxisMotion
-from brace_drake.recording.columns import axis_columns
+from brace_drake.devices.axis.motion import MakeAxisMotion
+from brace_drake.recording.columns import AXIS, DEVICES, axis_columns
 from brace_drake.recording.recording import Campaign
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import (
@@ -28,9 +28,9 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
     """The nominal axis of a campaign.
 
     Mass, viscous friction and stiffness are the campaign's `nominal` where it
-    has them, and a number that is stated as 0 is not there; the others are those that its fit runs show by least squares, and
-    none where they show none. All of these are fitted to a machine, and with
-    them the offset and the gain of each extra input.
+    has them, and one that is stated as 0 is not there; the others are those
+    that its fit runs show by least squares. All of these are fitted to a
+    machine, and with them the offset and the gain of each extra input.
 
     Raises:
         CampaignError: Runs are not of one kind, or have no column of motion
@@ -39,11 +39,9 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
     kind = _kind_of(campaign)
     position, force = axis_columns(kind)
     runs = campaign.split("fit")
-    inputs = tuple(
-        n
-        for n in runs[0].channels
-        if n.startswith(INPUT) and all(n in r.channels for r in campaign.runs)
-    )
+    shared = set.intersection(*(set(r.channels) for r in campaign.runs))
+    extra = [n for n in runs[0].channels if n.startswith(DEVICES[AXIS].inputs)]
+    inputs = tuple(n for n in extra if n in shared)
     sigma = estimate_white_noise([r.channels[position] for r in runs])
     scenario = AxisScenario(
         kind=kind,

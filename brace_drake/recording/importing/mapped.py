@@ -2,30 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, quoted, suggest
 from brace_drake.core.reading import LoadYaml
-from brace_drake.recording.columns import DEVICES
+from brace_drake.recording.columns import DEVICES, Device
 from brace_drake.recording.fields import (
     DURATION,
-    HUGE,
     RATE,
     SWITCH,
     TEXT,
     Field,
-    number_from,
-    take,
+)
+from brace_drake.recording.importing.gaps import (
+    REFUSE,
+    SPLIT,
+    without_gaps,
+)
+from brace_drake.recording.importing.rules import (
+    parse_rule,
+    read_channels,
+    resample,
+    take_map,
 )
 from brace_drake.recording.importing.tables import OPTIONS, LoadTable
+from brace_drake.recording.manifest import take_numbers
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.table import Columns
 
 FORMAT = "brace-import/1"
-_LEAST_RATE_DEVIATION = 0.02
 
 _HEAD = {
     "format": Field(repr(FORMAT), lambda v: v == FORMAT),
@@ -39,6 +46,13 @@ _HEAD = {
     ),
     "rate_hz": RATE._replace(required=False),
     "settled_s": DURATION,
+    "gaps": Field(
+        f"{SPLIT} or {REFUSE}", lambda v: v in (SPLIT, REFUSE), required=False
+    ),
+    **dict.fromkeys(
+        ("nominal", "control"),
+        Field("a map of numbers", lambda v: isinstance(v, dict), False),
+    ),
     "subject": Field(
         "text", lambda v: isinstance(v, str | int | float), required=False
     ),
@@ -48,140 +62,98 @@ _RUN = {
     "contact": SWITCH,
     **dict.fromkeys(("motion", "repeat_of", "split", "name"), TEXT),
 }
-_NUMBER = number_from(-HUGE, HUGE, required=False)
-_RULE = {"from": TEXT, "scale": _NUMBER, "offset": _NUMBER, "constant": _NUMBER}
 
 
 def ImportCampaign(path: str | Path) -> Campaign:
     """Reads a map and all files that it names.
 
     The map is YAML: `format: brace-import/1`, `device`, `subject`, `columns`
-    (channel: name of the file's column, or {from, scale, offset}, or
+    (channel: name of the file's column, or {from, unit, scale, offset}, or
     {constant}), `runs` (items of campaign.yaml, with the foreign `file`),
-    `options` for the reader, `rate_hz` where the files are to be resampled, and
-    `settled_s`, how long the first reference had been held before each run.
+    `options` for the reader, `rate_hz` where the files are to be resampled,
+    `gaps: split` where a file with gaps in time is to be several runs,
+    `nominal` and `control` as campaign.yaml has them, and `settled_s`, how long
+    the first reference had been held before each run.
 
     Raises:
         CampaignError: One line: file, key or column, and what is allowed.
     """
     path = Path(path)
-    head = _take(LoadYaml(path, CampaignError), _HEAD, f"{path}: ")
-    channels = DEVICES[head["device"]].channels
+    head = take_map(LoadYaml(path, CampaignError), _HEAD, f"{path}: ")
+    device = DEVICES[head["device"]]
+    channels = device.channels
     rules = {
-        name: _parse_rule(path, name, rule)
+        name: parse_rule(path, name, rule)
         for name, rule in head["columns"].items()
     }
     for name in rules:
-        if name not in channels:
+        if not device.has_channel(name):
             hint = suggest(name, channels)
             raise CampaignError(f"{path}: no channel {quoted(name)}{hint}")
     missing = [n for n, c in channels.items() if c.required and n not in rules]
     if missing:
         raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
-    options = _take(head.get("options", {}), OPTIONS, f"{path}: options.")
+    options = take_map(head.get("options", {}), OPTIONS, f"{path}: options.")
     items = [
-        _take(item, _RUN, f"{path}: run {number}: ")
+        take_map(item, _RUN, f"{path}: run {number}: ")
         for number, item in enumerate(head["runs"], 1)
     ]
     _name_runs(path, items)
     rate = head.get("rate_hz")
     settled = float(head.get("settled_s", 0.0))
+    numbers = _numbers(path, head, device)
+    gaps = head.get("gaps", REFUSE)
     runs = []
     for item in items:
         source = path.parent / item["file"]
-        columns = _read_channels(source, rules, LoadTable(source, options))
-        if rate is not None:
-            columns = _resample(source, columns, float(rate))
-        runs.append(_make_run(item, columns, settled))
+        columns = read_channels(source, rules, LoadTable(source, options))
+        parts = without_gaps(source, columns, gaps, rate)
+        for number, part in enumerate(parts, 1):
+            if rate is not None:
+                part = resample(source, part, float(rate))
+            name = item["name"] + f"_{number}" * (len(parts) > 1)
+            runs.append(_make_run({**item, "name": name}, part, settled))
+    _check_repeats(path, runs)
     found = 1.0 / float(np.median(np.diff(runs[0].time_s)))
-    subject = str(head.get("subject") or "")
     return Campaign(
-        path, head["device"], float(rate or found), subject, tuple(runs)
+        path,
+        head["device"],
+        float(rate or found),
+        str(head.get("subject") or ""),
+        tuple(runs),
+        **numbers,
     )
 
 
-def _take(values: object, fields: Mapping[str, Field], place: str) -> dict:
-    """The declared fields of a mapping; refuses any other, and bad values."""
-    if not isinstance(values, dict):
-        raise CampaignError(
-            f"{place}is {quoted(values)}; allowed: a map of names"
-        )
-    for key in values:
-        if key not in fields:
-            hint = suggest(key, fields) or f"; allowed: {', '.join(fields)}"
-            raise CampaignError(f"{place}no key {quoted(key)}{hint}")
-    taken, faults = take(values, fields)
-    for name, wanted, value in faults:
-        raise CampaignError(
-            f"{place}{name} is {quoted(value)}; allowed: {wanted}"
-        )
-    return taken
+def _numbers(path: Path, head: dict, device: Device) -> dict:
+    """`nominal` and `control` of the map, where it has them."""
+    found = {}
+    for section in ("nominal", "control"):
+        if section not in head:
+            continue
+        for name in head[section]:
+            known = getattr(device, section)
+            if name not in known:
+                allowed = f"; allowed: {', '.join(known) or 'none'}"
+                hint = suggest(name, known) or allowed
+                raise CampaignError(f"{path}: {section}: no {name!r}{hint}")
+        found[section], faults = take_numbers(head, section, device)
+        for name, wanted, value in faults:
+            raise CampaignError(
+                f"{path}: {name} is {quoted(value)}; allowed: {wanted}"
+            )
+    return found
 
 
-def _parse_rule(path: Path, name: str, rule: object) -> dict:
-    """Where a channel's values come from; see `ImportCampaign`."""
-    if isinstance(rule, str):
-        rule = {"from": rule}
-    place = f"{path}: columns.{name}"
-    taken = _take(rule, _RULE, f"{place}.") if isinstance(rule, dict) else {}
-    if ("from" in taken) == ("constant" in taken):
-        raise CampaignError(
-            f"{place} must be a column's name, or from (with scale, offset),"
-            " or constant"
-        )
-    return taken
-
-
-def _read_channels(
-    source: Path, rules: dict[str, dict], table: Columns
-) -> Columns:
-    """Channels of a file by their rules, the time from 0."""
-    rows = len(next(iter(table.values())))
-    channels = {}
-    for name, rule in rules.items():
-        column = rule.get("from")
-        if column is None:
-            channels[name] = np.full(rows, float(rule["constant"]))
-        elif column not in table:
-            hint = suggest(column, table)
-            raise CampaignError(f"{source}: no column {quoted(column)}{hint}")
-        else:
-            scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
-            with np.errstate(over="ignore", invalid="ignore"):
-                channels[name] = scale * table[column] + offset
-    lengths = {len(values) for values in channels.values()}
-    if len(lengths) > 1:
-        raise CampaignError(
-            f"{source}: the columns differ in length: {sorted(lengths)}"
-        )
-    (samples,) = lengths
-    if samples < 2:
-        raise CampaignError(
-            f"{source}: it has {samples} samples; allowed: two or more"
-        )
-    for name, values in channels.items():
-        bad = ~(np.abs(values) <= HUGE)
-        if name != "time_s":
-            bad &= ~np.isnan(values)
-        _refuse_rows(source, name, values, bad, f"numbers up to {HUGE:g}")
-    time = channels["time_s"] - channels["time_s"][0]
-    falls = np.diff(time, prepend=-1.0) < 1.0 / HUGE
-    _refuse_rows(
-        source, "time_s", channels["time_s"], falls, "more than before"
-    )
-    channels["time_s"] = time
-    return channels
-
-
-def _refuse_rows(
-    source: Path, name: str, values: np.ndarray, bad: np.ndarray, allowed: str
-) -> None:
-    if bad.any():
-        row = int(np.argmax(bad))
-        raise CampaignError(
-            f"{source}: row {row + 1}: {name} is {values[row]:g}; allowed:"
-            f" {allowed}"
-        )
+def _check_repeats(path: Path, runs: list[Run]) -> None:
+    """A run that was split repeats none, and none repeats it."""
+    files = {run.file for run in runs}
+    for run in runs:
+        if run.repeat_of is not None and run.repeat_of not in files:
+            raise CampaignError(
+                f"{path}: {run.file} repeats {run.repeat_of}, which has gaps"
+                " and was split"
+            )
 
 
 def _name_runs(path: Path, items: list[dict]) -> None:
@@ -225,25 +197,3 @@ def _make_run(item: dict, channels: Columns, settled_s: float) -> Run:
         channels=channels,
         settled_s=settled_s,
     )
-
-
-def _resample(source: Path, channels: Columns, rate: float) -> Columns:
-    """Channels at even times, linearly between their samples."""
-    time = channels["time_s"]
-    steps = np.diff(time)
-    if np.abs(steps * rate - 1.0).max() < _LEAST_RATE_DEVIATION:
-        return channels
-    if 1.0 / np.median(steps) < 0.9 * rate:
-        raise CampaignError(
-            f"{source}: sampled at {1.0 / np.median(steps):.4g} Hz, which"
-            f" cannot be made {rate:g} Hz"
-        )
-    samples = int(time[-1] * rate + 1e-6) + 1
-    if samples > 10 * len(time):
-        raise CampaignError(
-            f"{source}: {len(time)} samples over {time[-1]:g} s cannot be made"
-            f" {samples}: the time jumps"
-        )
-    even = np.arange(samples) / rate
-    out = {n: np.interp(even, time, values) for n, values in channels.items()}
-    return {**out, "time_s": even}

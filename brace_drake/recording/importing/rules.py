@@ -1,0 +1,132 @@
+"""Rules of a map: from a file's columns to a device's channels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.core.errors import CampaignError, quoted, suggest
+from brace_drake.recording.fields import HUGE, TEXT, Field, number_from, take
+from brace_drake.recording.importing.units import scale_of
+from brace_drake.recording.table import Columns
+
+_LEAST_RATE_DEVIATION = 0.02
+_NUMBER = number_from(-HUGE, HUGE, required=False)
+_RULE = {
+    **dict.fromkeys(("from", "unit"), TEXT),
+    **dict.fromkeys(("scale", "offset", "constant"), _NUMBER),
+}
+
+
+def take_map(values: object, fields: Mapping[str, Field], place: str) -> dict:
+    """The declared fields of a mapping; refuses any other, and bad values."""
+    if not isinstance(values, dict):
+        raise CampaignError(
+            f"{place}is {quoted(values)}; allowed: a map of names"
+        )
+    for key in values:
+        if key not in fields:
+            hint = suggest(key, fields) or f"; allowed: {', '.join(fields)}"
+            raise CampaignError(f"{place}no key {quoted(key)}{hint}")
+    taken, faults = take(values, fields)
+    for name, wanted, value in faults:
+        raise CampaignError(
+            f"{place}{name} is {quoted(value)}; allowed: {wanted}"
+        )
+    return taken
+
+
+def parse_rule(path: Path, name: str, rule: object) -> dict:
+    """Where a channel's values come from; see `ImportCampaign`."""
+    if isinstance(rule, str):
+        rule = {"from": rule}
+    place = f"{path}: columns.{name}"
+    taken = take_map(rule, _RULE, f"{place}.") if isinstance(rule, dict) else {}
+    if ("from" in taken) == ("constant" in taken):
+        raise CampaignError(
+            f"{place} must be a column's name, or from (with scale, offset),"
+            " or constant"
+        )
+    if "unit" in taken:
+        scale = scale_of(taken["unit"], name)
+        if isinstance(scale, str):
+            unit = quoted(taken["unit"])
+            raise CampaignError(f"{place}.unit is {unit}; allowed: {scale}")
+        taken["scale"] = scale * taken.get("scale", 1.0)
+    return taken
+
+
+def read_channels(
+    source: Path, rules: dict[str, dict], table: Columns
+) -> Columns:
+    """Channels of a file by their rules, the time from 0."""
+    rows = len(next(iter(table.values())))
+    channels = {}
+    for name, rule in rules.items():
+        column = rule.get("from")
+        if column is None:
+            channels[name] = np.full(rows, float(rule["constant"]))
+        elif column not in table:
+            hint = suggest(column, table)
+            raise CampaignError(f"{source}: no column {quoted(column)}{hint}")
+        else:
+            scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
+            with np.errstate(over="ignore", invalid="ignore"):
+                channels[name] = scale * table[column] + offset
+    lengths = {len(values) for values in channels.values()}
+    if len(lengths) > 1:
+        raise CampaignError(
+            f"{source}: the columns differ in length: {sorted(lengths)}"
+        )
+    (samples,) = lengths
+    if samples < 2:
+        raise CampaignError(
+            f"{source}: it has {samples} samples; allowed: two or more"
+        )
+    for name, values in channels.items():
+        bad = ~(np.abs(values) <= HUGE)
+        if name != "time_s":
+            bad &= ~np.isnan(values)
+        _refuse_rows(source, name, values, bad, f"numbers up to {HUGE:g}")
+    time = channels["time_s"] - channels["time_s"][0]
+    falls = np.diff(time, prepend=-1.0) < 1.0 / HUGE
+    _refuse_rows(
+        source, "time_s", channels["time_s"], falls, "more than before"
+    )
+    channels["time_s"] = time
+    return channels
+
+
+def _refuse_rows(
+    source: Path, name: str, values: np.ndarray, bad: np.ndarray, allowed: str
+) -> None:
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise CampaignError(
+            f"{source}: row {row + 1}: {name} is {values[row]:g}; allowed:"
+            f" {allowed}"
+        )
+
+
+def resample(source: Path, channels: Columns, rate: float) -> Columns:
+    """Channels at even times, linearly between their samples."""
+    time = channels["time_s"]
+    steps = np.diff(time)
+    if np.abs(steps * rate - 1.0).max() < _LEAST_RATE_DEVIATION:
+        return channels
+    if 1.0 / np.median(steps) < 0.9 * rate:
+        raise CampaignError(
+            f"{source}: sampled at {1.0 / np.median(steps):.4g} Hz, which"
+            f" cannot be made {rate:g} Hz"
+        )
+    samples = int(time[-1] * rate + 1e-6) + 1
+    if samples > 10 * len(time):
+        raise CampaignError(
+            f"{source}: {len(time)} samples over {time[-1]:g} s cannot be made"
+            f" {samples}: the time jumps"
+        )
+    even = np.arange(samples) / rate
+    out = {n: np.interp(even, time, values) for n, values in channels.items()}
+    return {**out, "time_s": even}
