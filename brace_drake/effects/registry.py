@@ -121,7 +121,8 @@ def effects_for(device: str) -> dict[str, Effect]:
 
 
 def find_effect(key: str) -> Effect:
-    """The card of a key, or of a name: then its first form.
+    """The card of a key, or of a name: then its first form. A device may have
+    forms of its own, as for each of its inputs: they have the card they are of.
 
     Raises:
         EffectError: No such effect; the message offers the closest.
@@ -129,6 +130,9 @@ def find_effect(key: str) -> Effect:
     cards = all_effects()
     for card in cards.values():
         if key in (card.key, card.name):
+            return card
+    for card in cards.values():
+        if not card.form and key.startswith(f"{card.name} ("):
             return card
     hint = suggest(key, cards)
     there = " There" if hint else "; there"

@@ -29,7 +29,7 @@ def CheckScenario(scenario, source: str = "scenario") -> None:
         ScenarioError: One line: source, key path, value, what is allowed.
     """
     check_fields(scenario, source, num_rings=_num_rings(scenario))
-    check_effects(source, scenario.effects, scenario.device)
+    check_effects(source, scenario)
     if hasattr(scenario, "control"):
         period = 1.0 / scenario.control.rate
         _check_period(source, "time_step", scenario.time_step, period)

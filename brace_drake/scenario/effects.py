@@ -27,7 +27,7 @@ def scenario_uses(scenario) -> tuple[Use, ...]:
     """
     uses = []
     for use in scenario.effects:
-        card = _cards(use.name, scenario.device)[use.form]
+        card = _cards(use.name, scenario)[use.form]
         values = [float(use.parameters[n]) for n in card.parameter_names]
         uses.append((card, card.in_run(np.array(values), 0)))
     return tuple(uses)
@@ -44,26 +44,33 @@ def describe_use(effect: Effect, values: np.ndarray) -> EffectUse:
     return EffectUse(effect.name, {n: float(v) for n, v in named}, effect.form)
 
 
-def check_effects(
-    source: str, effects: Sequence[EffectUse], device: str
-) -> None:
+def effects_of(scenario) -> dict[str, Effect]:
+    """Cards of the effects that a scenario's device can have, by key; in its
+    own units where it has such.
+    """
+    own = getattr(scenario, "own_effects", None)
+    return own() if own else effects_for(scenario.device)
+
+
+def check_effects(source: str, scenario) -> None:
     """Checks names, forms and parameters of a scenario's effects.
 
     Raises:
         ScenarioError: One line: source, key path, value, what is allowed.
     """
+    effects: Sequence[EffectUse] = scenario.effects
     if len(effects) > MAX_EFFECTS:
         names = [use.name for use in effects]
         fail(source, "effects", names, f"at most {MAX_EFFECTS} effects")
     for i, use in enumerate(effects):
-        _check_use(source, f"effects[{i}]", use, device)
+        _check_use(source, f"effects[{i}]", use, scenario)
 
 
-def _check_use(source: str, at: str, use: EffectUse, device: str) -> None:
-    forms = _cards(use.name, device)
+def _check_use(source: str, at: str, use: EffectUse, scenario) -> None:
+    forms = _cards(use.name, scenario)
     if not forms:
-        names = {c.name for c in effects_for(device).values()}
-        allowed = f"an effect of a {device}{suggest(use.name, names)}"
+        names = {c.name for c in effects_of(scenario).values()}
+        allowed = f"an effect of a {scenario.device}{suggest(use.name, names)}"
         fail(source, f"{at}.name", use.name, allowed)
     if use.form not in forms:
         allowed = " or ".join(repr(f) for f in forms if f)
@@ -92,15 +99,16 @@ def _check_value(source: str, path: str, value: float, parameter) -> None:
         fail(source, path, value, f"{low:g} to {high:g} {parameter.unit}")
 
 
-def _cards(name: str, device: str) -> dict[str, Effect]:
+def _cards(name: str, scenario) -> dict[str, Effect]:
     """Cards of a name by form; the first also stands for no form at all.
 
     A machine off within its tolerances is none of the library's, and may be
     carried all the same.
     """
-    cards = [c for c in effects_for(device).values() if c.name == name]
+    cards = [c for c in effects_of(scenario).values() if c.name == name]
+    known = PLACES.get(scenario.device, frozenset())
     off = WITHIN_TOLERANCES
-    if name == off.name and off.places <= PLACES.get(device, frozenset()):
+    if name == off.name and off.places <= known:
         cards.append(off)
     forms = {card.form: card for card in cards}
     if cards:

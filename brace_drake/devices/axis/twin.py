@@ -4,19 +4,11 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import cache
 
 import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.axis.motion import AxisMotion, MakeAxisMotion
-from brace_drake.devices.axis.units import (
-    FORCE_N,
-    LENGTH_M,
-    AxisUnits,
-    scales,
-)
 from brace_drake.devices.pad_bench.twin import (
     draw_force_noise,
     steps_per_sample,
@@ -24,13 +16,18 @@ from brace_drake.devices.pad_bench.twin import (
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.loop.axis_rollout import GAINS, WORK, rollout_axis
 from brace_drake.laws.plug_in import idle
 from brace_drake.recording.columns import AXIS, axis_columns
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.axis import AxisNumbers, AxisScenario, pack_axis
+from brace_drake.scenario.axis import (
+    AxisNumbers,
+    AxisScenario,
+    AxisUnits,
+    input_unit,
+    pack_axis,
+)
 from brace_drake.scenario.pad_noise import white_noise
 
 # Plug points that an axis has.
@@ -49,24 +46,16 @@ class AxisTwin(ReplayTwin):
     has_loop = False
 
     def __init__(self, scenario: AxisScenario, time_step: float | None = None):
-        rotary = scenario.kind == "rotary"
         self.position, force = axis_columns(scenario.kind)
         self.channels = (force,)
         self.inputs = tuple(scenario.gains)
-        self.units = AxisUnits(
-            scenario.length_scale / LENGTH_M,
-            scenario.force_scale / FORCE_N,
-            rotary,
-        )
+        self.units = scenario.units
         super().__init__(scenario, pack_axis(scenario), time_step)
         self.subject = axis_subject(scenario, self.units)
 
     def effects(self) -> dict[str, Effect]:
         """Effects that an axis can have, in its own units, by key."""
-        return {key: card for key, (card, _) in self._cards().items()}
-
-    def _cards(self):
-        return _cards_of(self.units, self.inputs)
+        return self.scenario.own_effects()
 
     def coarse(self) -> AxisTwin:
         """The same twin with longer steps of the effects' states."""
@@ -131,39 +120,13 @@ class AxisTwin(ReplayTwin):
         return out
 
     def _uses_of_reference(self, uses):
-        cards = self._cards()
-        return [(e, values / cards[e.key][1]) for e, values in uses]
+        cards = self.scenario.own_cards()
+        return [(e, cards[e.key].of_reference(values)) for e, values in uses]
 
     def estimate_noise(self, runs: Sequence[Run]) -> float:
         """White noise of the force readings of recordings, N or N m."""
         forces = [run.channels[self.channels[0]] for run in runs]
         return max((white_noise(f) for f in forces), default=0.0)
-
-
-@cache
-def _cards_of(units: AxisUnits, inputs: tuple[str, ...]):
-    """Cards of an axis, by key, with the reference unit of each parameter."""
-    found = {}
-    for key, effect in effects_for(AXIS).items():
-        if "extra input" in effect.places and not inputs:
-            continue
-        card = _with_inputs(units.card(effect), inputs)
-        found[key] = card, scales(effect, units)
-    return found
-
-
-def _with_inputs(card: Effect, inputs: tuple[str, ...]) -> Effect:
-    """A card whose `input` is any of the extra inputs there are."""
-    choices = tuple(float(j) for j in range(len(inputs)))
-    return replace(
-        card,
-        parameters=tuple(
-            replace(p, choices=choices, words=inputs)
-            if p.name == "input"
-            else p
-            for p in card.parameters
-        ),
-    )
 
 
 def simulate_axis(
@@ -227,6 +190,17 @@ _NAMED = {
 }
 
 
+def _named(name: str, units: AxisUnits) -> tuple[str, str]:
+    """Name and unit of a number of the machine, as its axis has them."""
+    if name in _NAMED:
+        known, unit = _NAMED[name]
+        return units.name(known, unit), units.unit(unit)
+    quantity, of_input = input_unit(name)
+    force = units.unit("N")
+    whole = f"per_{quantity}_{force}_{of_input}"
+    return whole.replace(" ", "_"), f"{force}/({of_input})"
+
+
 def axis_subject(
     scenario: AxisScenario, units: AxisUnits
 ) -> tuple[SubjectParameter, ...]:
@@ -244,14 +218,14 @@ def axis_subject(
     law, found = pack_axis(scenario).law, []
     for name in scenario.fitted:
         value = float(law[_place(scenario, name)])
-        named, unit = _NAMED.get(name, (f"per_{name}", "N"))
+        named, unit = _named(name, units)
         size = sizes.get(name) or force / scenario.input_scales[name]
         most = _MOST * max(size, abs(value))
         either = name == "offset" or name in scenario.gains
         found.append(
             SubjectParameter(
-                units.name(named, unit),
-                units.unit(unit),
+                named,
+                unit,
                 value,
                 -most if either else 0.0,
                 most,

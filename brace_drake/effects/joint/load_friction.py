@@ -10,7 +10,8 @@ from brace_drake.laws.hooks import plug
 
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: position)
-    # law holds the viscous friction of each joint, then the extra inputs.
+    # law holds the viscous friction of each joint, then the extra inputs; the
+    # axis puts the input's place behind the parameters.
     n = f.shape[0]
     level = p[0] + p[1] * abs(law[n + int(p[3])])
     for k in range(n):
@@ -23,7 +24,7 @@ CARD = Effect(
     block="actuation",
     title="dry friction that grows with a load",
     equation="F = k (y - s); s slides where |F| would pass F_c + g |i|, i an"
-    " extra input in its power of ten",
+    " extra input",
     source="Bona and Indri, Friction compensation in robotics, an overview,"
     " IEEE Conference on Decision and Control, 2005",
     parameters=(
@@ -31,24 +32,14 @@ CARD = Effect(
             "coulomb_N", "N", 0.0, 60.0, (1.0,), "friction F_c without load"
         ),
         EffectParameter(
-            "growth_N",
-            "N",
+            "growth_N_input",
+            "N/input",
             0.0,
             60.0,
             (1.0,),
-            "friction g that the load adds, for each of its power of ten",
+            "friction g that each unit of the load adds",
         ),
         JOINT_STIFFNESS,
-        EffectParameter(
-            "input",
-            "1",
-            0.0,
-            20.0,
-            (0.0,),
-            "the extra input that is the load",
-            off=None,
-            choices=(0.0,),
-        ),
     ),
     laws={"drive": _law},
     num_states={"drive": 7},

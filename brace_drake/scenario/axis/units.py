@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.recording.columns import AXIS, DEVICES, split_unit
 
 # The machine of reference.
 LENGTH_M, FORCE_N = 0.01, 10.0
@@ -99,6 +100,17 @@ class AxisUnits:
             off=None if parameter.off is None else scale * parameter.off,
             deviation=None if deviation is None else scale * deviation,
         )
+
+
+def input_unit(name: str) -> tuple[str, str]:
+    """Quantity and unit of an extra input: of "input_pressure_bar" "pressure"
+    and "bar".
+    """
+    own = name.removeprefix(DEVICES[AXIS].inputs)
+    quantity, unit = split_unit(own)
+    if not unit:
+        quantity, _, unit = own.rpartition("_")
+    return quantity or own, unit.replace("_", " ") or "1"
 
 
 def _suffix(unit: str) -> str:

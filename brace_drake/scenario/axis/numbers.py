@@ -1,12 +1,13 @@
 """The axis' scenario: any machine of one degree of freedom, by its numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from brace_drake.effects.card import Effect
 from brace_drake.recording.columns import AXIS
+from brace_drake.scenario.axis.cards import OwnCard, own_cards
+from brace_drake.scenario.axis.units import FORCE_N, LENGTH_M, AxisUnits
 from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.fields import items, number, vector, word
 from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ
@@ -46,6 +47,24 @@ class AxisScenario:
     input_scales: dict[str, float] = field(default_factory=dict)
     effects: list[EffectUse] = items()
 
+    @property
+    def units(self) -> AxisUnits:
+        """What the axis counts in."""
+        return AxisUnits(
+            self.length_scale / LENGTH_M,
+            self.force_scale / FORCE_N,
+            self.kind == "rotary",
+        )
+
+    def own_cards(self) -> dict[str, OwnCard]:
+        """Effects that it can have, in its own units, by key."""
+        sizes = tuple(self.input_scales.get(n, 1.0) for n in self.gains)
+        return own_cards(self.units, tuple(self.gains), sizes)
+
+    def own_effects(self) -> dict[str, Effect]:
+        """Cards of those, by key."""
+        return {key: own.card for key, own in self.own_cards().items()}
+
 
 @dataclass(frozen=True)
 class AxisNumbers:
@@ -61,12 +80,12 @@ class AxisNumbers:
     force_noise: np.ndarray
     position_noise: np.ndarray
 
-    def with_changes(self, **arrays: np.ndarray) -> AxisNumbers:
+    def with_changes(self, **arrays: np.ndarray) -> "AxisNumbers":
         """A copy with some arrays replaced."""
         return replace(self, **arrays)
 
 
-def pack_axis(scenario: AxisScenario) -> AxisNumbers:
+def pack_axis(scenario: AxisScenario) -> "AxisNumbers":
     """Arrays of the nominal twin that a scenario describes."""
     named = (
         scenario.mass,

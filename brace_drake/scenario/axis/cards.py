@@ -1,0 +1,92 @@
+"""The library's effects as one axis has them: in its units, for its inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.registry import effects_for
+from brace_drake.recording.columns import AXIS
+from brace_drake.scenario.axis.units import AxisUnits, input_unit, scales
+
+# Unit of a parameter that is for each unit of an extra input.
+_OF_INPUT = "/input"
+
+
+@dataclass(frozen=True)
+class OwnCard:
+    """A card in the units of an axis.
+
+    Attributes:
+        card: With names, limits and starts in SI.
+        unit: Value in SI of each parameter's unit of reference (n,).
+        behind: What its laws are given behind the parameters: the place of
+            the extra input that it takes.
+    """
+
+    card: Effect
+    unit: np.ndarray
+    behind: tuple[float, ...] = ()
+
+    def of_reference(self, values: np.ndarray) -> np.ndarray:
+        """The laws' parameters from those in SI."""
+        return np.array([*(values / self.unit), *self.behind])
+
+
+@cache
+def own_cards(
+    units: AxisUnits, inputs: tuple[str, ...], sizes: tuple[float, ...]
+) -> dict[str, OwnCard]:
+    """Cards of an axis by key; those that take a load once for each input.
+
+    Args:
+        units: Of the axis.
+        inputs: Columns of its extra inputs.
+        sizes: What each of these is counted in.
+    """
+    found = {}
+    for effect in effects_for(AXIS).values():
+        card, unit = units.card(effect), scales(effect, units)
+        if "extra input" not in effect.places:
+            found[card.key] = OwnCard(card, unit)
+            continue
+        for own in _of_inputs(card, unit, inputs, sizes):
+            found[own.card.key] = own
+    return found
+
+
+def _of_inputs(card, unit, inputs, sizes) -> Iterator[OwnCard]:
+    is_own = np.array([p.unit.endswith(_OF_INPUT) for p in card.parameters])
+    for place, (name, size) in enumerate(zip(inputs, sizes, strict=True)):
+        quantity, of_input = input_unit(name)
+        parameters = tuple(
+            _for_each(p, of_input, size) if own else p
+            for p, own in zip(card.parameters, is_own, strict=True)
+        )
+        mine = replace(
+            card,
+            form=quantity.replace("_", " "),
+            title=f"{card.title}: {quantity.replace('_', ' ')}",
+            parameters=parameters,
+        )
+        yield OwnCard(mine, unit / np.where(is_own, size, 1.0), (float(place),))
+
+
+def _for_each(
+    parameter: EffectParameter, of_input: str, size: float
+) -> EffectParameter:
+    """A parameter for each unit of an input that is counted in a size."""
+    return replace(
+        parameter,
+        name=parameter.name.removesuffix("_input")
+        + "_"
+        + of_input.replace(" ", "_"),
+        unit=parameter.unit.replace("input", f"({of_input})"),
+        lower=parameter.lower / size,
+        upper=parameter.upper / size,
+        starts=tuple(s / size for s in parameter.starts),
+    )
