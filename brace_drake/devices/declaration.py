@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -187,6 +188,7 @@ class Device(ABC):
             hides what answers to it; None where the device has none.
         control_law: Of its controller; None where it has none that is known.
         torso_law: Of the torso that it pushes; None where there is none.
+        words: Title and unit of each of its `quantities`.
         presses: Channels of a force that can press alone, and of the way that
             it answers to; None without them.
         takes_work: Channels of a force on a machine that nothing else drives,
@@ -197,6 +199,7 @@ class Device(ABC):
     imposed: Any = None
     control_law: ControlLaw | None = None
     torso_law: TorsoLaw | None = None
+    words: Mapping[str, tuple[str, str]] = MappingProxyType({})
     presses: tuple[str, str] | None = None
     takes_work: tuple[str, str] | None = None
     takes_subjects: bool = False

@@ -112,16 +112,13 @@ def _how_far(shrink: dict | None) -> dict | None:
         | {"column": row["channel"]}
         for row in shrink["channels"]
     ]
-    therapist = [
-        error_row(label, unit, shrink[key])
-        for key, label, unit in (
-            ("force_error_N", "Force on the torso", "N"),
-            ("ring_error_mm", "Position of the ring", "mm"),
-        )
-        if key in shrink
+    told = [
+        error_row(row["title"], row["unit"], row)
+        for row in shrink.values()
+        if isinstance(row, dict) and "title" in row
     ]
     if not repaired:
-        for row in (*channels, *therapist):
+        for row in (*channels, *told):
             row |= {"after": NOTHING, "interval": ""}
     return {
         "repaired": repaired,
@@ -131,7 +128,7 @@ def _how_far(shrink: dict | None) -> dict | None:
         "closed": closed,
         "interval": interval,
         "channels": channels,
-        "therapist": therapist,
+        "quantities": told,
     }
 
 

@@ -131,4 +131,6 @@ def _quantities(device, compared, subject, seed) -> dict:
         for which in ("before", "after"):
             interval = interval_of_rms(compared, [row[which]], seed)
             found[name][f"{which}_interval"] = interval
+        title, unit = device.words[name]
+        found[name] |= {"title": title, "unit": unit}
     return found

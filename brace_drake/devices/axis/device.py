@@ -25,6 +25,8 @@ class Axis(Device):
             lambda prepared, x: _residual_of_drive(twin, prepared, x),
         )
         super().__init__(twin, campaign.rate_hz, [test])
+        title = ("Torque", "N m") if twin.units.is_rotary else ("Force", "N")
+        self.words = {"force_error_N": title}
         self.takes_work = twin.channels[0], twin.position
 
     def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:

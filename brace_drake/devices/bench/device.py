@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -38,6 +39,13 @@ from brace_drake.scenario.brace import BenchScenario
 
 class Bench(Device):
     """Device of bench campaigns."""
+
+    words = MappingProxyType(
+        {
+            "force_error_N": ("Force on the torso", "N"),
+            "ring_error_mm": ("Position of the ring", "mm"),
+        }
+    )
 
     takes_subjects = True
 

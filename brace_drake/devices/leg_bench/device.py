@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -18,6 +19,13 @@ from brace_drake.scenario.leg_bench import MakeLegBenchScenario
 
 class LegBench(Device):
     """Device of leg bench campaigns."""
+
+    words = MappingProxyType(
+        {
+            "force_error_N": ("Command", "N"),
+            "position_error_mm": ("Position", "mm"),
+        }
+    )
 
     def __init__(self, campaign: Campaign, scenario=None):
         twin = LegBenchTwin(scenario or MakeLegBenchScenario(campaign))

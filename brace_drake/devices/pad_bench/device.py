@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from brace_drake.scenario.pad_bench import MakePadBenchScenario
 
 class PadBench(Device):
     """Device of pad bench campaigns."""
+
+    words = MappingProxyType({"force_error_N": ("Force of the pad", "N")})
 
     presses = ("force_N", "displacement_m")
     takes_subjects = True

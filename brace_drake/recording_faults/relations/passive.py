@@ -11,8 +11,11 @@ from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.channels import reversed_sign
 
-# Part of the work, taken without its sign, that has to come back in all.
-_GIVEN = 0.3
+# What a passive machine gives back is no more than it took: work that is never
+# above this part of what has come out says that the force is the wrong way
+# round. Only where the run ends near where it began, in parts of its range, is
+# that not what a spring had in store.
+_TAKEN, _NEAR = 0.1, 0.2
 
 
 def find_given_work(device: Device, runs: Sequence[Run]) -> list[Finding]:
@@ -26,11 +29,13 @@ def find_given_work(device: Device, runs: Sequence[Run]) -> list[Finding]:
             continue
         F, y = run.channels[force], run.channels[way]
         # What a constant load does over a way and back is none of it.
-        work = 0.5 * ((F - F.mean())[1:] + (F - F.mean())[:-1]) * np.diff(y)
-        given, moved = float(work.sum()), float(np.abs(work).sum())
-        if moved > 0.0 and given < -_GIVEN * moved:
+        F = F - F.mean()
+        work = np.cumsum(0.5 * (F[1:] + F[:-1]) * np.diff(y))
+        returns = abs(y[-1] - y[0]) < _NEAR * float(np.ptp(y))
+        given, taken = -float(work.min()), float(work.max())
+        if returns and taken < _TAKEN * given and work[-1] < 0.0:
             detail = (
-                f"over the run it takes {-given:.3g} J out of the machine,"
+                f"it takes {given:.3g} J out of the machine,"
                 " which nothing else drives"
             )
             found.append(
