@@ -65,17 +65,24 @@ class TestCards(unittest.TestCase):
     def test_devices_have_the_effects_whose_places_they_have(self):
         names = {
             device: {card.name for card in effects_for(device).values()}
-            for device in ("bench stage 2", "leg bench", "pad bench")
+            for device in ("bench stage 2", "leg bench", "pad bench", "axis")
         }
+        every = all_effects().values()
+        of_joint = {e.name for e in every if "one joint" in e.needs}
         self.assertEqual(
-            names["bench stage 2"], {e.name for e in all_effects().values()}
+            names["bench stage 2"], {e.name for e in every} - of_joint
         )
-        actuation = {
+        alone = {
             e.name
-            for e in all_effects().values()
-            if e.block == "actuation" and e.name != "weak_leg"
+            for e in every
+            if e.block == "actuation"
+            and e.name != "weak_leg"
+            and not {"imposed motion", "extra input"} & set(e.needs)
         }
-        self.assertEqual(names["leg bench"], actuation)
+        self.assertEqual(names["leg bench"], alone)
+        self.assertLessEqual(of_joint, names["axis"])
+        # Nothing is commanded where a motion is imposed.
+        self.assertNotIn("command_delay", names["axis"])
         self.assertEqual(
             {e.block for e in effects_for("pad bench").values()},
             {"contact", "sensing"},
@@ -150,7 +157,8 @@ OWN_BIAS = TestOwnEffects.card
 
 class TestLibrary(unittest.TestCase):
     def test_the_blind_test_draws_every_effect_in_its_block(self):
-        blocks = {card.name: card.block for card in all_effects().values()}
+        known = effects_for("bench stage 2").values()
+        blocks = {card.name: card.block for card in known}
         self.assertEqual(blocks, {f.name: f.block for f in FAULTS})
 
     def test_impostors_are_effects_too(self):

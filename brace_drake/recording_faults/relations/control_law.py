@@ -195,8 +195,7 @@ def _findings(checker, chain, probability, members, sound, number):
         files += [r.file for r in sound]
     detail = (
         "commands and readings contradict the control law by"
-        f" {np.sqrt(before):.3g} noise floors, {np.sqrt(after):.3g} with it"
-        " undone"
+        f" {before**0.5:.3g} noise floors, {after**0.5:.3g} with it undone"
     )
     return [
         Finding(
@@ -251,9 +250,10 @@ def _is_elsewhere(checker: LawChecker, run: Run, chain) -> bool:
 
 def _has_other_numbers(checker: LawChecker, run: Run, before: Mismatch) -> bool:
     """Whether a run follows a controller of the declared kind."""
-    if checker.law.is_exact:
+    law = checker.law
+    if law.is_exact:
         return False
-    other = run.stack(checker.law.outputs) - checker.law.refitted(run)
+    other = run.stack(law.outputs) - law.refitted(run)
     return _is_restored(before, checker.weigh(run, other))
 
 
@@ -273,9 +273,8 @@ def _of_other_numbers(checker: LawChecker, run: Run, before: Mismatch):
 
 def _unexplained(checker: LawChecker, run: Run, before: Mismatch) -> Finding:
     """Another geometry where the lengths at rest say so, else no name."""
-    size = np.sqrt(before.squares)
-    worst = int(np.nanargmax(size))
-    name = checker.law.outputs[worst]
+    worst = int(np.nanargmax(before.squares))
+    name, size = checker.law.outputs[worst], before.squares[worst] ** 0.5
     if _is_moved(checker, run):
         largest = float(np.abs(checker.law.rest_error(run)).max())
         return Finding(
@@ -293,7 +292,7 @@ def _unexplained(checker: LawChecker, run: Run, before: Mismatch) -> Finding:
         (name,),
         {},
         0.8,
-        f"it is {size[worst]:.3g} noise floors off what the controller makes of"
+        f"it is {size:.3g} noise floors off what the controller makes of"
         " the recorded readings and reference",
         severity="warning",
         is_decisive=checker.law.is_exact,
