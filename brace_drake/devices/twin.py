@@ -76,6 +76,10 @@ class ReplayTwin(ABC):
         """The run's recorded channels, shape (N, C)."""
         return run.stack(self.channels)
 
+    def recorded(self, run: Run) -> np.ndarray:
+        """Which channels a run has, bool (C,)."""
+        return run.has(self.channels)
+
     @abstractmethod
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (C,)."""

@@ -14,7 +14,7 @@ def MakeTraces(d: Diagnosis) -> list[RunTrace]:
     for c in d.validation_runs or d.fit_runs:
         signals = d.device.motion_signals(c.prepared, d.nominal.subject)
         floor = c.prepared.floor
-        recorded = c.prepared.run.has(d.device.twin.channels)
+        recorded = d.device.twin.recorded(c.prepared.run)
         traces.append(
             RunTrace(
                 c.prepared.run.name,

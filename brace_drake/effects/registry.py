@@ -36,6 +36,7 @@ PLACES = {
         "one joint",
     },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
+    "axis under command": {"drive", "command", "commanded motion"},
     "axis": {
         "drive",
         "sensing",

@@ -109,7 +109,7 @@ def _checked_with_repeats(twin, campaign, floors):
             samples = min(len(first), len(second))
             difference = first[:samples] - second[:samples]
             ratio = repeat_ratio(difference, floor, campaign.rate_hz)
-            both = original.has(twin.channels) & run.has(twin.channels)
+            both = twin.recorded(original) & twin.recorded(run)
             # What is the same to the last digit is a copy, not a repeat.
             both &= np.any(difference != 0.0, axis=0)
             ratios.append(np.where(both, ratio, np.nan))
@@ -139,7 +139,7 @@ def prepare_runs(
     for i, run in enumerate(runs):
         measured = twin.measured(run)
         one = prepare_run(twin, run, measured, floors, rate, seed, i)
-        recorded = one.weights * run.has(twin.channels)
+        recorded = one.weights * twin.recorded(run)
         prepared.append(replace(one, weights=recorded))
     return prepared
 

@@ -172,6 +172,13 @@ _AXIS = (
     Channel("position_rad", **_ANY),
     Channel("force_N", constant="always", **_ANY),
     Channel("torque_N_m", constant="always", **_ANY),
+    *(
+        Channel(name, constant="always", is_input=True, **_ANY)
+        for name in (
+            *("speed_command_m_s", "speed_command_rad_s"),
+            *("position_command_m", "position_command_rad"),
+        )
+    ),
 )
 DEVICES = {
     BENCH: Device(_stages(range(1, 7), BENCH_RINGS)),
@@ -196,11 +203,21 @@ DEVICES = {
 }
 
 
-def axis_columns(kind: str) -> tuple[str, str]:
-    """Columns of an axis' position and force; kind: linear or rotary."""
-    if kind == "rotary":
-        return "position_rad", "torque_N_m"
-    return "position_m", "force_N"
+def axis_columns(kind: str, command: str = "motion") -> tuple[str, str]:
+    """Columns of an axis' position, and of the force that moves it or of what
+    it is commanded.
+
+    Args:
+        kind: linear or rotary.
+        command: motion where that is imposed, else speed or position.
+    """
+    length, force = ("rad", "torque_N_m"), ("m", "force_N")
+    unit, moved_by = length if kind == "rotary" else force
+    if command == "speed":
+        moved_by = f"speed_command_{unit}_s"
+    elif command == "position":
+        moved_by = f"position_command_{unit}"
+    return f"position_{unit}", moved_by
 
 
 def device_channels(

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import lsq_linear, minimize
 
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import BraceError, CampaignError
+from brace_drake.devices.axis.follower import AxisFollower
 from brace_drake.devices.axis.motion import MakeAxisMotion
 from brace_drake.recording.columns import AXIS, DEVICES, axis_columns
-from brace_drake.recording.recording import Campaign
+from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import (
     estimate_noise_by_band,
@@ -20,8 +21,16 @@ from brace_drake.scenario.pad_noise import (
 _TERMS = ("mass", "viscous", "stiffness", "offset")
 # A number counts where it is this many times what scatter alone makes of it.
 _SHOWN = 2.0
-# Motions of less than a hundredth of a force's size tell no number.
+# Steps of an effect between two samples.
 _STEP_PARTS = 4.0
+# Lags, s, and damping ratios that a follower's fit may begin with, and its
+# longest step, s.
+_LAGS_S = tuple(0.005 * 2.0**i for i in range(9))
+_RATIOS = (0.3, 0.7, 1.2)
+_COMMAND_STEP_S = 1e-3
+_ROUGH = {"maxfev": 60, "xatol": 1e-3, "fatol": 0.0}
+# Steps of a lag, as effects act on what a step begins with, and the shortest.
+_LAG_STEPS, _SHORTEST_STEP_S = 40.0, 2e-4
 
 
 def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
@@ -36,47 +45,111 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
         CampaignError: Runs are not of one kind, or have no column of motion
             or force.
     """
-    kind = _kind_of(campaign)
-    position, force = axis_columns(kind)
+    kind, command = _kind_of(campaign)
+    runs = campaign.split("fit")
+    position, moved_by = axis_columns(kind, command)
+    sigma = estimate_white_noise([r.channels[position] for r in runs])
+    scenario = AxisScenario(
+        kind=kind,
+        command=command,
+        position_noise=sigma,
+        time_step=1.0 / campaign.rate_hz / _STEP_PARTS,
+    )
+    if command == "motion":
+        _take_forces(scenario, campaign, position, moved_by)
+    else:
+        _take_answers(scenario, runs, position)
+    return scenario
+
+
+def _take_forces(
+    scenario: AxisScenario, campaign: Campaign, position: str, force: str
+) -> None:
+    """Numbers and sizes of an axis whose motion is imposed."""
     runs = campaign.split("fit")
     shared = set.intersection(*(set(r.channels) for r in campaign.runs))
     extra = [n for n in runs[0].channels if n.startswith(DEVICES[AXIS].inputs)]
     inputs = tuple(n for n in extra if n in shared)
-    sigma = estimate_white_noise([r.channels[position] for r in runs])
-    scenario = AxisScenario(
-        kind=kind,
-        position_noise=sigma,
-        force_noise=estimate_noise_by_band(
-            runs, (force, position), campaign.rate_hz
-        ),
-        time_step=1.0 / campaign.rate_hz / _STEP_PARTS,
-        gains=dict.fromkeys(inputs, 0.0),
+    scenario.gains = dict.fromkeys(inputs, 0.0)
+    scenario.force_noise = estimate_noise_by_band(
+        runs, (force, position), campaign.rate_hz
     )
+    sigma = scenario.position_noise
     paths = [MakeAxisMotion(r, position, inputs, sigma) for r in runs]
     path = np.vstack([m.path() for m in paths])
     beside = np.vstack([m.inputs for m in paths])
     measured = np.concatenate([r.channels[force] for r in runs])
-    scenario.length_scale = _half_range(path[:, 0])
-    scenario.speed_scale = _size(path[:, 1])
-    scenario.acceleration_scale = _size(path[:, 2])
+    _take_sizes(scenario, path)
     scenario.force_scale = _half_range(measured)
     scenario.input_scales = {
-        n: 10.0 ** np.floor(np.log10(_size(v)))
+        n: float(10.0 ** np.floor(np.log10(_size(v))))
         for n, v in zip(inputs, beside.T, strict=True)
     }
     _estimate(scenario, campaign.nominal, path, beside, measured)
-    return scenario
 
 
-def _kind_of(campaign: Campaign) -> str:
-    """Linear or rotary, by the columns that all runs have."""
-    for kind in ("linear", "rotary"):
-        wanted = set(axis_columns(kind))
-        if all(wanted <= set(r.channels) for r in campaign.runs):
-            return kind
-    pairs = " or ".join(
-        " and ".join(axis_columns(kind)) for kind in ("linear", "rotary")
+def _take_sizes(scenario: AxisScenario, path: np.ndarray) -> None:
+    """Sizes of the motions of a path (N, 3)."""
+    scenario.length_scale = _half_range(path[:, 0])
+    scenario.speed_scale = _size(path[:, 1])
+    scenario.acceleration_scale = _size(path[:, 2])
+
+
+def _take_answers(
+    scenario: AxisScenario, runs: Sequence[Run], position: str
+) -> None:
+    """Numbers and sizes of an axis that follows a command: the best of a few,
+    as a fit goes on from there.
+    """
+    sigma = scenario.position_noise
+    paths = [MakeAxisMotion(r, position, (), sigma).path() for r in runs]
+    _take_sizes(scenario, np.vstack(paths))
+    scenario.time_step = min(scenario.time_step, _COMMAND_STEP_S)
+    ratios = _RATIOS if scenario.command == "position" else (1.0,)
+    begins = [np.log([lag, z]) for lag in _LAGS_S for z in ratios]
+
+    def left(x):
+        scenario.lag, scenario.damping_ratio = map(float, np.exp(x))
+        scenario.frequency = 1.0 / scenario.lag
+        return _left(scenario, runs)
+
+    # From a rough grid to the nearest least; of a speed the ratio is no number.
+    best = minimize(
+        left, min(begins, key=left), method="Nelder-Mead", options=_ROUGH
     )
+    left(best.x)
+    step = scenario.lag / _LAG_STEPS
+    scenario.time_step = min(scenario.time_step, max(step, _SHORTEST_STEP_S))
+
+
+def _left(scenario: AxisScenario, runs: Sequence[Run]) -> float:
+    """Squares that a follower leaves of its runs."""
+    twin = AxisFollower(scenario)
+    subject = np.array([p.nominal for p in twin.subject])
+    try:
+        rest = [
+            twin.measured(r) - twin.simulate(twin.motion(r), subject)
+            for r in runs
+        ]
+    except BraceError:
+        return np.inf
+    return float(sum(np.sum(e**2) for e in rest))
+
+
+def _kind_of(campaign: Campaign) -> tuple[str, str]:
+    """Linear or rotary, and what it is given, by columns that all runs have;
+    a command comes before a force that was measured beside it.
+    """
+    ways = [
+        (kind, command)
+        for command in ("speed", "position", "motion")
+        for kind in ("linear", "rotary")
+    ]
+    for kind, command in ways:
+        wanted = set(axis_columns(kind, command))
+        if all(wanted <= set(r.channels) for r in campaign.runs):
+            return kind, command
+    pairs = ", or ".join(" and ".join(axis_columns(*way)) for way in ways)
     raise CampaignError(f"{campaign.path}: an axis needs {pairs} in all runs")
 
 

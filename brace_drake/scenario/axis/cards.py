@@ -10,9 +10,10 @@ import numpy as np
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import effects_for
-from brace_drake.recording.columns import AXIS
 from brace_drake.scenario.axis.units import AxisUnits, input_unit, scales
 
+# Places that an axis has which follows a command: no force is known there.
+COMMANDED = "axis under command"
 # Unit of a parameter that is for each unit of an extra input.
 _OF_INPUT = "/input"
 
@@ -39,17 +40,24 @@ class OwnCard:
 
 @cache
 def own_cards(
-    units: AxisUnits, inputs: tuple[str, ...], sizes: tuple[float, ...]
+    device: str,
+    units: AxisUnits,
+    inputs: tuple[str, ...],
+    sizes: tuple[float, ...],
 ) -> dict[str, OwnCard]:
     """Cards of an axis by key; those that take a load once for each input.
 
     Args:
+        device: AXIS or COMMANDED, where effects with forces are none.
         units: Of the axis.
         inputs: Columns of its extra inputs.
         sizes: What each of these is counted in.
     """
     found = {}
-    for effect in effects_for(AXIS).values():
+    for effect in effects_for(device).values():
+        forces = any("N" in p.unit for p in effect.parameters)
+        if forces and device == COMMANDED:
+            continue
         card, unit = units.card(effect), scales(effect, units)
         if "extra input" not in effect.places:
             found[card.key] = OwnCard(card, unit)

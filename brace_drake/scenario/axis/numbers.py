@@ -6,7 +6,7 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.recording.columns import AXIS
-from brace_drake.scenario.axis.cards import OwnCard, own_cards
+from brace_drake.scenario.axis.cards import COMMANDED, OwnCard, own_cards
 from brace_drake.scenario.axis.units import FORCE_N, LENGTH_M, AxisUnits
 from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.fields import items, number, vector, word
@@ -17,17 +17,25 @@ from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ
 class AxisScenario:
     """One axis: F = m a + b v + k y + F_0 + gains . extra inputs.
 
-    A rotary axis has rad for m and N m for N in all numbers.
+    A rotary axis has rad for m and N m for N in all numbers. Under a command of
+    speed r it is y'' = (r - y') / lag + bias, of position
+    y'' = w^2 (r - y) - 2 z w y' + bias.
     """
 
     device: str = AXIS
     kind: str = word("linear", "rotary")
+    # What it is given: a motion that is imposed, or a command that it follows.
+    command: str = word("motion", "speed", "position")
     # Longest step of the effects' states.
     time_step: float = number(0.001, "s", above=0.0)
     mass: float = number(0.0, "kg", least=0.0)
     viscous: float = number(0.0, "N s/m", least=0.0)
     stiffness: float = number(0.0, "N/m", least=0.0)
     offset: float = number(0.0, "N")
+    lag: float = number(0.05, "s", above=0.0)
+    frequency: float = number(30.0, "rad/s", above=0.0)  # w
+    damping_ratio: float = number(1.0, above=0.0)  # z
+    bias: float = number(0.0, "m/s^2")
     # Force for each unit of an extra input, by its column.
     gains: dict[str, float] = field(default_factory=dict)
     # Numbers of the machine that every recording is fitted anew.
@@ -59,7 +67,8 @@ class AxisScenario:
     def own_cards(self) -> dict[str, OwnCard]:
         """Effects that it can have, in its own units, by key."""
         sizes = tuple(self.input_scales.get(n, 1.0) for n in self.gains)
-        return own_cards(self.units, tuple(self.gains), sizes)
+        device = AXIS if self.command == "motion" else COMMANDED
+        return own_cards(device, self.units, tuple(self.gains), sizes)
 
     def own_effects(self) -> dict[str, Effect]:
         """Cards of those, by key."""

@@ -1,0 +1,236 @@
+"""An axis that follows a commanded speed or position, as fits see it.
+
+Its recorded command is put in. Under a command of speed what it answers is
+compared as speed, since a position would drift with every error of the model.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from brace_drake.core.errors import BraceError
+from brace_drake.devices.pad_bench.twin import steps_per_sample
+from brace_drake.devices.subject import SubjectParameter
+from brace_drake.devices.twin import ReplayTwin
+from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import stack_effects
+from brace_drake.laws.loop.axis_response import WORK, rollout_response
+from brace_drake.recording.columns import AXIS, axis_columns
+from brace_drake.recording.recording import Run
+from brace_drake.scenario.axis import AxisScenario
+from brace_drake.scenario.pad_noise import white_noise
+
+# Samples from which the first position and speed are taken.
+_START = 20
+# Numbers may be so many times less or more than nominal.
+_SPREAD = 20.0
+
+
+@dataclass(frozen=True)
+class Commanded:
+    """What a run is commanded, and from where it starts.
+
+    Attributes:
+        time: Sample times from 0 (N,), s.
+        command: (N,), m/s or m.
+        state: Position and speed at the start (2,).
+    """
+
+    time: np.ndarray
+    command: np.ndarray
+    state: np.ndarray
+
+
+@dataclass(frozen=True)
+class FollowerNumbers:
+    """Law of a follower (4,), see `laws.loop.axis_response`, and the noise of
+    a position reading.
+    """
+
+    law: np.ndarray
+    noise: float
+
+
+class AxisFollower(ReplayTwin):
+    """Replays recorded commands on one axis that follows them."""
+
+    device = AXIS
+    has_loop = False
+
+    def __init__(self, scenario: AxisScenario, time_step: float | None = None):
+        self.is_speed = scenario.command == "speed"
+        self.position, self._command = axis_columns(
+            scenario.kind, scenario.command
+        )
+        speed = self.position.replace("position", "speed") + "_s"
+        self.channels = (speed if self.is_speed else self.position,)
+        self.units = scenario.units
+        super().__init__(scenario, _pack(scenario), time_step)
+        self.subject = follower_subject(scenario)
+
+    def effects(self) -> dict[str, Effect]:
+        """Effects of a follower in its own units, by key."""
+        return self.scenario.own_effects()
+
+    def coarse(self) -> AxisFollower:
+        """The same twin: a run costs milliseconds as it is."""
+        return self
+
+    def scenario_of(self, subject: np.ndarray) -> AxisScenario:
+        """The scenario with a machine's fitted numbers, a copy."""
+        out = copy.deepcopy(self.scenario)
+        for p, value in zip(_fitted(self.scenario), subject, strict=True):
+            setattr(out, p, float(value))
+        return out
+
+    def with_subject(self, values: np.ndarray) -> FollowerNumbers:
+        """The numbers of a machine, values in the order of `subject`."""
+        return _pack(self.scenario_of(values))
+
+    def motion(self, run: Run) -> Commanded:
+        """The run's command and its start."""
+        time = run.time_s - run.time_s[0]
+        command = run.channels[self._command]
+        y = run.channels[self.position]
+        state = self._start(time[:_START], command[:_START], y[:_START])
+        return Commanded(time, command, state)
+
+    def _start(self, time, command, y) -> np.ndarray:
+        """Position and speed from which the nominal follower comes nearest to
+        the first samples (2,).
+        """
+
+        def positions(command, *state):
+            # Linear: any length will do.
+            motion = Commanded(time, command, np.array(state))
+            law = self.numbers.law
+            return simulate_response(law, motion, 1.0, self.time_step)[:, 0]
+
+        none = np.zeros(len(time))
+        free = np.column_stack(
+            [positions(none, 1.0, 0.0), positions(none, 0.0, 1.0)]
+        )
+        rest = y - positions(command, 0.0, 0.0)
+        size = np.maximum(np.linalg.norm(free, axis=0), 1e-30)
+        return np.linalg.lstsq(free / size, rest, rcond=None)[0] / size
+
+    def measured(self, run: Run) -> np.ndarray:
+        """Recorded position, or its rate (N, 1)."""
+        y = run.channels[self.position]
+        return np.array(self._answer(run.time_s, y))[:, None]
+
+    def recorded(self, run: Run) -> np.ndarray:
+        """Whether there is a position, which has the speed in it (1,)."""
+        return run.has([self.position])
+
+    def _answer(self, time: np.ndarray, position: np.ndarray) -> np.ndarray:
+        return np.gradient(position, time) if self.is_speed else position
+
+    def active(self, run: Run) -> np.ndarray:
+        """Which channels carry information in a run, bool (1,)."""
+        return np.array([True])
+
+    def _replay(self, numbers, motion, subject, uses, generator):
+        length, scale = self.units.length, self.units.length
+        cards = self.scenario.own_cards()
+        mine = [(e, cards[e.key].of_reference(v)) for e, v in uses]
+        law = numbers.law.copy()
+        law[3] /= scale
+        log = simulate_response(law, motion, length, self.time_step, mine)
+        position = length * log[:, 0]
+        if generator is not None:
+            noise = generator.standard_normal(len(position))
+            position = position + numbers.noise * noise
+        return self._answer(motion.time, position)[:, None]
+
+    def estimate_noise(self, runs: Sequence[Run]) -> float:
+        """White noise of the position readings of recordings, m or rad."""
+        readings = [run.channels[self.position] for run in runs]
+        return max((white_noise(y) for y in readings), default=0.0)
+
+
+def simulate_response(
+    law: np.ndarray, motion: Commanded, length: float, time_step: float, uses=()
+) -> np.ndarray:
+    """Simulates one run with the compiled rollout.
+
+    Args:
+        law: See `laws.loop.axis_response` (4,).
+        motion: The run.
+        length: That lengths are counted in, m or rad.
+        time_step: Longest plant step, s.
+        uses: Effects with their parameters.
+
+    Returns:
+        Position and speed (N, 2), in that length.
+
+    Raises:
+        BraceError: The run broke down (the message says when).
+    """
+    plug = stack_effects(uses)["drive"]
+    log = np.zeros((len(motion.time), 2))
+    broke_at = rollout_response(
+        steps_per_sample(motion.time, time_step),
+        motion.time,
+        motion.command / length,
+        np.zeros((len(motion.time), 0)),
+        law,
+        plug.laws,
+        plug.parameters,
+        plug.fresh_memory(),
+        np.array(plug.active),
+        motion.state / length,
+        np.zeros(WORK),
+        log,
+    )
+    if broke_at >= 0:
+        raise BraceError(
+            f"the simulated run broke down at {motion.time[broke_at]:.3f} s"
+        )
+    return log
+
+
+def _pack(scenario: AxisScenario) -> FollowerNumbers:
+    if scenario.command == "speed":
+        rate = 1.0 / scenario.lag
+        law = [rate, rate, 0.0, scenario.bias]
+    else:
+        w, z = scenario.frequency, scenario.damping_ratio
+        law = [w * w, 2.0 * z * w, w * w, scenario.bias]
+    return FollowerNumbers(np.array(law), scenario.position_noise)
+
+
+def _fitted(scenario: AxisScenario) -> tuple[str, ...]:
+    """Fields of the scenario that a machine is fitted by."""
+    if scenario.command == "speed":
+        return ("lag", "bias")
+    return ("frequency", "damping_ratio", "bias")
+
+
+def follower_subject(scenario: AxisScenario) -> tuple[SubjectParameter, ...]:
+    """Numbers of a follower that are fitted, with nominal values and limits."""
+    units, found = scenario.units, []
+    named = {
+        "lag": ("lag_s", "s"),
+        "frequency": ("frequency_rad_s", "rad/s"),
+        "damping_ratio": ("damping_ratio", "1"),
+    }
+    for field in _fitted(scenario):
+        value = float(getattr(scenario, field))
+        if field == "bias":
+            size = scenario.acceleration_scale
+            unit = units.unit("m/s^2")
+            name = units.name("bias_m_s2", "m/s^2")
+            found.append(SubjectParameter(name, unit, value, -size, size, size))
+            continue
+        name, unit = named[field]
+        found.append(
+            SubjectParameter(
+                name, unit, value, value / _SPREAD, value * _SPREAD
+            )
+        )
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""Limits of a machine that is commanded a speed or a position."""
