@@ -33,19 +33,9 @@ def stretch_of(
         whitened: Residual after `LinearTolerances.whiten` (rows,).
         least: Variance of the noise along the numbers at least.
     """
-    noise = max(least, typical_power(whitened), noise_along(known, whitened))
+    noise = max(least, noise_along(known, whitened))
     moved = _moved(known, whitened, noise)
     return float(np.max(np.abs(moved)))
-
-
-def typical_power(residual: np.ndarray) -> float:
-    """Square of a value where the power of a residual is, 1 for white noise.
-
-    An unknown law that leaves much in few values may lie along the numbers with
-    as much as it has in each of these: sum r^4 / (3 sum r^2).
-    """
-    squares = residual**2
-    return float(np.sum(squares**2) / (3.0 * max(np.sum(squares), 1e-300)))
 
 
 def noise_along(known: LinearTolerances, whitened: np.ndarray) -> float:

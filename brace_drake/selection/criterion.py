@@ -1,7 +1,7 @@
 """The criterion: what a set of effects leaves, and what each effect costs.
 
     score = ln(misfit + trust) / 2 + ln(predicted + trust) / 2
-            + 4 ln(max(1, stretch / 3)) + cost n + tied m
+            + 4 known ln(max(1, stretch / 3)) + cost n + tied m
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
 same on motions left out in turn (`identification.held_out`), `stretch` how far
@@ -12,7 +12,8 @@ is the log likelihood per value (Gelman et al., Bayesian Data Analysis, section
 3.2) and the second its cross-validated form, which an effect that only imitates
 another does not share (Vehtari, Gelman, Gabry, Practical Bayesian model
 evaluation using leave-one-out cross-validation, Statistics and Computing 27,
-2017); the third is that of the tolerances themselves. Trust is what a right
+2017); the third is that of the tolerances themselves, as far as what is left is
+known: no more than a right twin leaves. Trust is what a right
 twin is exact to: below it less says nothing. A gap that no effect takes has to
 be beyond the level, to which the noise itself is known. Numbers within their
 tolerances are no part of the misfit, see `devices.tolerances`.
@@ -88,8 +89,16 @@ class Criterion:
         richer = sum(bool(e.generalises) for e in found)
         stretch = max(1.0, self.stretch(fit) / thresholds.WITHIN)
         cost = thresholds.COST_OF_EFFECT * len(found)
-        cost += thresholds.TIED * richer + thresholds.TAIL * np.log(stretch)
+        tail = thresholds.TAIL * self._known_share(fit)
+        cost += thresholds.TIED * richer + tail * np.log(stretch)
         return float(np.log(self.left(fit, self.trust)) + cost)
+
+    def _known_share(self, fit: CandidateFit) -> float:
+        """Part of what a fit leaves that a right twin may leave: the rest is of
+        an unknown law, which stretches numbers as it likes.
+        """
+        most = thresholds.BEYOND_LEVEL * self.level
+        return min(1.0, most / self.left(fit))
 
     def stretch(self, fit: CandidateFit) -> float:
         """Of the numbers of a fit, where what a right twin leaves beyond the
