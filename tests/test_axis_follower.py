@@ -1,0 +1,136 @@
+"""One axis under a command: closed forms, and limits that are found again."""
+
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.devices.axis.follower import Commanded, simulate_response
+from brace_drake.devices.device import MakeDevice
+from brace_drake.diagnose import diagnose
+from brace_drake.effects.registry import find_effect
+from brace_drake.recording.recording import Campaign, Run
+
+RATE, NOISE = 100.0, 1e-4
+FINE = 20
+# Outer gain of each run, 1/s, and what it is for.
+GAINS = ((2.0, "fit"), (5.0, "fit"), (9.0, "fit"), (5.0, "validation"))
+
+
+def move(reference, gain, seed, law, lag=0.05, delay=0.0):
+    """A joint under an outer position control: command and reading (N,).
+
+    Args:
+        reference: Asked for (N,), rad.
+        gain: Of the outer control, 1/s.
+        seed: Of the noise of the readings.
+        law: From (commanded, speed, acceleration, step) to the acceleration.
+        lag: Of the speed loop, s.
+        delay: Of the command, s.
+    """
+    step = 1.0 / RATE / FINE
+    generator = np.random.default_rng(seed)
+    late = [0.0] * round(delay / step)
+    y = v = 0.0
+    command, reading = [], []
+    for asked in reference:
+        seen = y + NOISE * generator.standard_normal()
+        command.append(gain * (asked - seen))
+        reading.append(seen)
+        for _ in range(FINE):
+            late.append(command[-1])
+            r = late.pop(0)
+            v += step * law(r, v, (r - v) / lag, step)
+            y += step * v
+    return np.array(command), np.array(reading)
+
+
+def make_campaign(law=lambda r, v, a, h: a, **numbers) -> Campaign:
+    time, runs = np.arange(1200) / RATE, []
+    for i, (gain, split) in enumerate(GAINS):
+        steps = np.random.default_rng(100 + i).uniform(-1.0, 1.0, 8)
+        command, y = move(np.repeat(steps, 150), gain, i, law, **numbers)
+        columns = {
+            "time_s": time,
+            "speed_command_rad_s": command,
+            "position_rad": y,
+        }
+        runs.append(Run(f"run{i}.csv", False, f"{i}", None, split, columns))
+    return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
+
+
+class TestLaws(unittest.TestCase):
+    def test_a_speed_command_is_followed_with_its_lag(self):
+        time, lag, speed = np.arange(200) / RATE, 0.1, 0.7
+        motion = Commanded(time, np.full(200, speed), np.zeros(2))
+        law = np.array([1.0 / lag, 1.0 / lag, 0.0, 0.0])
+        log = simulate_response(law, motion, 1.0, 1e-3)
+        wanted = speed * (1.0 - np.exp(-time / lag))
+        np.testing.assert_allclose(log[:, 1], wanted, atol=1e-12)
+
+    def test_a_position_command_is_followed_as_by_an_oscillator(self):
+        time, w, z = np.arange(300) / RATE, 8.0, 0.3
+        motion = Commanded(time, np.ones(300), np.zeros(2))
+        law = np.array([w * w, 2.0 * z * w, w * w, 0.0])
+        log = simulate_response(law, motion, 1.0, 1e-4)
+        turn = w * np.sqrt(1.0 - z * z)
+        fade = np.exp(-z * w * time)
+        wanted = 1.0 - fade * (
+            np.cos(turn * time) + z * w / turn * np.sin(turn * time)
+        )
+        np.testing.assert_allclose(log[:, 0], wanted, atol=1e-3)
+
+    def test_a_limited_acceleration_makes_straight_lines(self):
+        time, limit = np.arange(100) / RATE, 0.4
+        motion = Commanded(time, np.ones(100), np.zeros(2))
+        law = np.array([100.0, 100.0, 0.0, 0.0])
+        uses = [(find_effect("acceleration_limit"), np.array([limit]))]
+        log = simulate_response(law, motion, 1.0, 1e-4, uses)
+        np.testing.assert_allclose(log[:, 1], limit * time, rtol=0.01)
+
+
+class TestAnswers(unittest.TestCase):
+    def check(self, campaign, name, parameter=None, value=0.0, delta=0.0):
+        """Checks which effect is named, and how large it is."""
+        found = diagnose(campaign, jobs=1)
+        self.assertEqual(found.verdict.effects, (name,) if name else ())
+        if parameter is None:
+            return
+        (effect, values) = found.verdict.winner.uses[0]
+        got = dict(zip(effect.parameter_names, values, strict=True))
+        self.assertAlmostEqual(got[parameter], value, delta=delta)
+
+    def test_a_joint_that_follows_has_no_gap(self):
+        campaign = make_campaign()
+        found = diagnose(campaign, jobs=1)
+        self.assertFalse(found.verdict.gap)
+        lag = found.estimates.parameters[0]
+        self.assertEqual(lag.name, "lag_s")
+        self.assertAlmostEqual(lag.value, 0.05, delta=0.001)
+
+    def test_a_limit_of_acceleration_is_no_lag_and_no_dead_time(self):
+        campaign = make_campaign(lambda r, v, a, h: np.clip(a, -6.0, 6.0))
+        self.check(
+            campaign, "acceleration_limit", "acceleration_rad_s2", 6.0, 0.15
+        )
+
+    def test_a_limit_of_speed_is_named(self):
+        campaign = make_campaign(
+            lambda r, v, a, h: np.clip(v + h * a, -1.5, 1.5) / h - v / h
+        )
+        self.check(campaign, "speed_limit", "speed_rad_s", 1.5, 0.02)
+
+    def test_a_dead_time_is_named(self):
+        campaign = make_campaign(delay=0.03)
+        self.check(campaign, "command_delay", "delay_s", 0.03, 0.002)
+
+    def test_the_command_decides_what_an_axis_is_given(self):
+        device = MakeDevice(make_campaign())
+        self.assertEqual(device.twin.channels, ("speed_rad_s",))
+        names = {e.name for e in device.twin.effects().values()}
+        # No force is known, so that none is added.
+        self.assertNotIn("coulomb_friction", names)
+
+
+if __name__ == "__main__":
+    unittest.main()
