@@ -172,6 +172,8 @@ _AXIS = (
     Channel("position_rad", **_ANY),
     Channel("force_N", constant="always", **_ANY),
     Channel("torque_N_m", constant="always", **_ANY),
+    Channel("force_command_N", constant="always", **_ANY),
+    Channel("torque_command_N_m", constant="always", **_ANY),
     *(
         Channel(name, constant="always", is_input=True, **_ANY)
         for name in (
@@ -209,15 +211,18 @@ def axis_columns(kind: str, command: str = "motion") -> tuple[str, str]:
 
     Args:
         kind: linear or rotary.
-        command: motion where that is imposed, else speed or position.
+        command: motion where that is imposed and a force was measured, force
+            where that was commanded, else speed or position.
     """
-    length, force = ("rad", "torque_N_m"), ("m", "force_N")
-    unit, moved_by = length if kind == "rotary" else force
-    if command == "speed":
-        moved_by = f"speed_command_{unit}_s"
-    elif command == "position":
-        moved_by = f"position_command_{unit}"
-    return f"position_{unit}", moved_by
+    is_rotary = kind == "rotary"
+    unit = "rad" if is_rotary else "m"
+    moved_by = {
+        "motion": "torque_N_m" if is_rotary else "force_N",
+        "force": "torque_command_N_m" if is_rotary else "force_command_N",
+        "speed": f"speed_command_{unit}_s",
+        "position": f"position_command_{unit}",
+    }
+    return f"position_{unit}", moved_by[command]
 
 
 def device_channels(

@@ -20,7 +20,7 @@ class Axis(Device):
 
     def __init__(self, campaign: Campaign, scenario=None):
         scenario = scenario or MakeAxisScenario(campaign)
-        is_imposed = scenario.command == "motion"
+        is_imposed = scenario.is_imposed
         twin = (AxisTwin if is_imposed else AxisFollower)(scenario)
         given, found = "motion", "force that it takes"
         if not is_imposed:

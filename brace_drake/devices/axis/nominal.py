@@ -55,7 +55,7 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
         position_noise=sigma,
         time_step=1.0 / campaign.rate_hz / _STEP_PARTS,
     )
-    if command == "motion":
+    if scenario.is_imposed:
         _take_forces(scenario, campaign, position, moved_by)
     else:
         _take_answers(scenario, runs, position)
@@ -138,11 +138,11 @@ def _left(scenario: AxisScenario, runs: Sequence[Run]) -> float:
 
 def _kind_of(campaign: Campaign) -> tuple[str, str]:
     """Linear or rotary, and what it is given, by columns that all runs have;
-    a command comes before a force that was measured beside it.
+    a command of motion comes before a force that was measured beside it.
     """
     ways = [
         (kind, command)
-        for command in ("speed", "position", "motion")
+        for command in ("speed", "position", "motion", "force")
         for kind in ("linear", "rotary")
     ]
     for kind, command in ways:

@@ -46,7 +46,7 @@ class AxisTwin(ReplayTwin):
     has_loop = False
 
     def __init__(self, scenario: AxisScenario, time_step: float | None = None):
-        self.position, force = axis_columns(scenario.kind)
+        self.position, force = axis_columns(scenario.kind, scenario.command)
         self.channels = (force,)
         self.inputs = tuple(scenario.gains)
         self.units = scenario.units

@@ -24,8 +24,9 @@ class AxisScenario:
 
     device: str = AXIS
     kind: str = word("linear", "rotary")
-    # What it is given: a motion that is imposed, or a command that it follows.
-    command: str = word("motion", "speed", "position")
+    # What it is given: a motion that is imposed, whatever force was measured or
+    # commanded, or a command that it follows.
+    command: str = word("motion", "force", "speed", "position")
     # Longest step of the effects' states.
     time_step: float = number(0.001, "s", above=0.0)
     mass: float = number(0.0, "kg", least=0.0)
@@ -56,6 +57,11 @@ class AxisScenario:
     effects: list[EffectUse] = items()
 
     @property
+    def is_imposed(self) -> bool:
+        """Whether its motion is put in, and a force answers."""
+        return self.command in ("motion", "force")
+
+    @property
     def units(self) -> AxisUnits:
         """What the axis counts in."""
         return AxisUnits(
@@ -67,7 +73,7 @@ class AxisScenario:
     def own_cards(self) -> dict[str, OwnCard]:
         """Effects that it can have, in its own units, by key."""
         sizes = tuple(self.input_scales.get(n, 1.0) for n in self.gains)
-        device = AXIS if self.command == "motion" else COMMANDED
+        device = AXIS if self.is_imposed else COMMANDED
         return own_cards(device, self.units, tuple(self.gains), sizes)
 
     def own_effects(self) -> dict[str, Effect]:
