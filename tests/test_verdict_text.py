@@ -2,7 +2,10 @@
 
 import unittest
 
-from brace_drake.document.verdict_text import verdict_sentence
+from brace_drake.document.verdict_text import (
+    controller_text,
+    verdict_sentence,
+)
 from brace_drake.effects.registry import find_effect
 
 
@@ -94,6 +97,13 @@ class TestVerdictText(unittest.TestCase):
             "There is a gap in case016, and nothing that explains it is"
             " confirmed: it is worse.",
         )
+
+    def test_a_controller_that_does_not_follow_its_law_is_told(self):
+        row = {"block": "controller", "normalised_rms": 6184.2}
+        text = controller_text([row | {"acquitted": False}])
+        self.assertIn("6.18e+03 times their floor", text)
+        self.assertIn("between controller and drive", text)
+        self.assertEqual(controller_text([row | {"acquitted": True}]), "")
 
 
 if __name__ == "__main__":

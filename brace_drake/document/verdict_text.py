@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from brace_drake.effects.registry import choice_words
 from brace_drake.report.words import parameter_text
 
@@ -55,6 +57,21 @@ def verdict_sentence(
         text += f"; adding {them} closes {_share(closed)} of the gap on the"
         text += " validation runs"
     return f"{text}.{withdrawn}"
+
+
+def controller_text(block_tests: Sequence[dict]) -> str:
+    """What is said of a controller that does not follow its own law on recorded
+    inputs: no effect of the machine makes that. Empty where it does.
+    """
+    for row in block_tests:
+        if row["block"] == "controller" and not row["acquitted"]:
+            return (
+                f" The commands are {row['normalised_rms']:.3g} times their"
+                " floor off what the controller makes of the recorded readings:"
+                " something enters between controller and drive, or another"
+                " controller ran."
+            )
+    return ""
 
 
 def _share(share: float) -> str:
