@@ -170,10 +170,10 @@ _AXIS = (
     _TIME,
     Channel("position_m", **_ANY),
     Channel("position_rad", **_ANY),
-    Channel("force_N", constant="always", **_ANY),
-    Channel("torque_N_m", constant="always", **_ANY),
-    Channel("force_command_N", constant="always", **_ANY),
-    Channel("torque_command_N_m", constant="always", **_ANY),
+    Channel("force_N", **_ANY),
+    Channel("torque_N_m", **_ANY),
+    Channel("force_command_N", **_ANY),
+    Channel("torque_command_N_m", **_ANY),
     *(
         Channel(name, constant="always", is_input=True, **_ANY)
         for name in (

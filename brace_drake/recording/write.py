@@ -19,6 +19,8 @@ from brace_drake.recording.recording import Campaign, Run
 DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
 LABEL = "label.yaml"
 _OTHER_UNITS = "%.9g"
+# Of a small machine a column keeps at least so many digits.
+_DIGITS = 3
 
 
 def check_new_folder(path: Path) -> None:
@@ -111,6 +113,11 @@ def describe(campaign: Campaign) -> dict:
     return head
 
 
+def _hides(values: np.ndarray, decimals: int) -> bool:
+    """Whether so many decimals are too few for what a column shows."""
+    return 0.0 < float(np.ptp(values)) < 10.0 ** (_DIGITS - decimals)
+
+
 def format_table(run: Run) -> str:
     """A run as CSV text, with decimals that suit each column's unit."""
     formats, columns = [], []
@@ -119,7 +126,7 @@ def format_table(run: Run) -> str:
         decimals = DECIMALS.get(split_unit(name)[1])
         if values.dtype.kind not in "fiub":
             formats.append("%s")
-        elif decimals is None:
+        elif decimals is None or _hides(values, decimals):
             formats.append(_OTHER_UNITS)
         else:
             formats.append(f"%.{decimals}f")

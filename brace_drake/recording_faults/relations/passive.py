@@ -16,6 +16,8 @@ from brace_drake.recording_faults.library.channels import reversed_sign
 # round. Only where the run ends near where it began, in parts of its range, is
 # that not what a spring had in store.
 _TAKEN, _NEAR = 0.1, 0.2
+# And more than so many deviations of what noise makes of it.
+_CLEAR = 8.0
 
 
 def find_given_work(device: Device, runs: Sequence[Run]) -> list[Finding]:
@@ -33,7 +35,10 @@ def find_given_work(device: Device, runs: Sequence[Run]) -> list[Finding]:
         work = np.cumsum(0.5 * (F[1:] + F[:-1]) * np.diff(y))
         returns = abs(y[-1] - y[0]) < _NEAR * float(np.ptp(y))
         given, taken = -float(work.min()), float(work.max())
-        if returns and taken < _TAKEN * given and work[-1] < 0.0:
+        noise = float(np.std(np.diff(F))) / np.sqrt(2.0)
+        least = _CLEAR * noise * float(np.linalg.norm(np.diff(y)))
+        is_clear = given > max(least, taken / _TAKEN) and work[-1] < 0.0
+        if returns and is_clear:
             detail = (
                 f"it takes {given:.3g} J out of the machine,"
                 " which nothing else drives"
