@@ -31,6 +31,7 @@ class Channel:
         is_input: Whether a repeat must show the same values again.
         required: Whether a recording without it is unusable.
         is_optional: Whether a recording without it misses nothing.
+        is_way: Whether it is the motion that the others answer to.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Channel:
     is_input: bool = False
     required: bool = True
     is_optional: bool = False
+    is_way: bool = False
 
     @property
     def unit(self) -> str:
@@ -161,15 +163,15 @@ _LEG_BENCH = (
 )
 _PAD_BENCH = (
     _TIME,
-    Channel("displacement_m", -0.2, 0.2),
+    Channel("displacement_m", -0.2, 0.2, is_way=True),
     Channel("force_N", -1e3, 1e3),
 )
 # An axis is as large as it is: only what is no number at all is refused.
 _ANY = {"low": -1e12, "high": 1e12, "required": False, "is_optional": True}
 _AXIS = (
     _TIME,
-    Channel("position_m", **_ANY),
-    Channel("position_rad", **_ANY),
+    Channel("position_m", is_way=True, **_ANY),
+    Channel("position_rad", is_way=True, **_ANY),
     Channel("force_N", **_ANY),
     Channel("torque_N_m", **_ANY),
     Channel("force_command_N", **_ANY),

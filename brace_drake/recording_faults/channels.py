@@ -56,7 +56,7 @@ def references(run: Run, known: Mapping[str, Channel]) -> list[str]:
     return [
         n
         for n, c in known.items()
-        if n in run.channels and (c.is_input or n == "displacement_m")
+        if n in run.channels and (c.is_input or c.is_way)
     ]
 
 

@@ -48,6 +48,12 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
     kind, command = _kind_of(campaign)
     runs = campaign.split("fit")
     position, moved_by = axis_columns(kind, command)
+    for name in (position, moved_by):
+        if not any(np.ptp(r.channels[name]) > 0.0 for r in runs):
+            raise CampaignError(
+                f"{campaign.path}: {name} never changes in a fit run: nothing"
+                " can be learned"
+            )
     sigma = estimate_white_noise([r.channels[position] for r in runs])
     scenario = AxisScenario(
         kind=kind,
