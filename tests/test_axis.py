@@ -224,6 +224,28 @@ class TestAnswers(unittest.TestCase):
             estimates(found)["backlash_rad"], 3e-3, delta=1e-4
         )
 
+    def test_a_payload_of_an_arm_shows_as_weight_and_as_mass(self):
+        def force(path, inputs):
+            angle = 40.0 * path[:, 0]
+            weight = 4.0 * np.sin(angle) + 1.5 * np.cos(angle)
+            return 80.0 * path[:, 2] + 120.0 * path[:, 1] + weight
+
+        # Strokes of two radians; the arm was stated with half of its mass.
+        campaign = make_campaign(force, kind="rotary", nominal={"mass_kg": 1.0})
+        runs = [
+            replace(
+                r,
+                channels=r.channels
+                | {"position_rad": 40.0 * r.channels["position_rad"]},
+            )
+            for r in campaign.runs
+        ]
+        found = diagnose(replace(campaign, runs=tuple(runs)), jobs=1)
+        self.assertEqual(found.verdict.effects, ("unbalanced_weight",))
+        values = estimates(found)
+        self.assertAlmostEqual(values["sine_N_m"], 4.0, delta=0.05)
+        self.assertAlmostEqual(values["cosine_N_m"], 1.5, delta=0.1)
+
     def test_a_number_that_is_stated_as_none_is_not_fitted(self):
         campaign = make_campaign(linear, nominal={"viscous_N_s_m": 0.0})
         names = [p.name for p in MakeDevice(campaign).twin.subject]

@@ -1,9 +1,11 @@
 """The verdict's sentence, as it may stand in a paper."""
 
 import unittest
+from types import SimpleNamespace
 
 from brace_drake.document.verdict_text import (
     controller_text,
+    stated_text,
     verdict_sentence,
 )
 from brace_drake.effects.registry import find_effect
@@ -104,6 +106,18 @@ class TestVerdictText(unittest.TestCase):
         self.assertIn("6.18e+03 times their floor", text)
         self.assertIn("between controller and drive", text)
         self.assertEqual(controller_text([row | {"acquitted": True}]), "")
+
+    def test_a_machine_that_is_not_as_stated_is_told(self):
+        mass = SimpleNamespace(name="mass_kg_m2", value=3.0, standard_error=0.1)
+        damper = SimpleNamespace(
+            name="viscous_N_s_m", value=41.0, standard_error=0.1
+        )
+        stated = {"mass_kg": 2.0, "viscous_N_s_m": 40.0}
+        self.assertEqual(
+            stated_text(stated, [mass, damper]),
+            " Fitted anew, it has mass 1.5 times what was stated.",
+        )
+        self.assertEqual(stated_text({"mass_kg": 2.9}, [mass]), "")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,11 @@ from brace_drake.document.rows import (
     supported_rows,
     tolerance_rows,
 )
-from brace_drake.document.verdict_text import controller_text, verdict_sentence
+from brace_drake.document.verdict_text import (
+    controller_text,
+    stated_text,
+    verdict_sentence,
+)
 from brace_drake.identification.gap import is_repaired
 from brace_drake.isolation.block_tests import describe_unchecked
 from brace_drake.recording.recording import Campaign
@@ -49,6 +53,9 @@ def MakeDocument(d: Diagnosis) -> dict:
     name = d.campaign.name
     told["sentence"] = verdict_sentence(name, told, closed, len(moved))
     told["sentence"] += controller_text(d.block_tests)
+    told["sentence"] += stated_text(
+        d.campaign.nominal, d.estimates.parameters[: d.estimates.num_subject]
+    )
     told |= recording_verdict(d.recording)
     return _plain(
         {

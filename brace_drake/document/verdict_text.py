@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from brace_drake.effects.registry import choice_words
 from brace_drake.report.words import parameter_text
+
+# A number that is stated is told where it is off by more than this part, and by
+# so many standard errors.
+_STATED, _CLEAR = 0.1, 4.0
 
 
 def verdict_sentence(
@@ -72,6 +76,28 @@ def controller_text(block_tests: Sequence[dict]) -> str:
                 " controller ran."
             )
     return ""
+
+
+def stated_text(stated: Mapping[str, float], estimates: Sequence) -> str:
+    """Numbers of the machine that are not what was stated; empty where all are.
+
+    Args:
+        stated: `nominal` of the campaign, by name.
+        estimates: With name, value and standard error.
+    """
+    told = []
+    for name, nominal in stated.items():
+        quantity = name.split("_")[0]
+        for p in estimates:
+            if p.name.split("_")[0] != quantity or nominal <= 0.0:
+                continue
+            away = abs(p.value - nominal)
+            error = p.standard_error or 0.0
+            if away > max(_STATED * nominal, _CLEAR * error):
+                told.append(f"{quantity} {p.value / nominal:.3g} times")
+    if not told:
+        return ""
+    return f" Fitted anew, it has {' and '.join(told)} what was stated."
 
 
 def _share(share: float) -> str:

@@ -44,6 +44,7 @@ PLACES = {
         "one joint",
         "imposed motion",
         "extra input",
+        "angle",
     },
 }
 

@@ -26,7 +26,7 @@ class OwnCard:
         card: With names, limits and starts in SI.
         unit: Value in SI of each parameter's unit of reference (n,).
         behind: What its laws are given behind the parameters: the place of
-            the extra input that it takes.
+            the extra input that they take, or what angles are counted in.
     """
 
     card: Effect
@@ -59,6 +59,10 @@ def own_cards(
         if forces and device == COMMANDED:
             continue
         card, unit = units.card(effect), scales(effect, units)
+        if "angle" in effect.places:
+            if units.is_rotary:
+                found[card.key] = OwnCard(card, unit, (units.length,))
+            continue
         if "extra input" not in effect.places:
             found[card.key] = OwnCard(card, unit)
             continue
