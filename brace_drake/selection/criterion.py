@@ -47,6 +47,7 @@ class Criterion:
         level: Misfit of a right twin: the noise is not known better, and its
             laws are not.
         nuisances: Numbers known to a tolerance.
+        is_last: Whether a verdict is decided by it, and no search goes on.
     """
 
     nominal: CandidateFit
@@ -54,6 +55,7 @@ class Criterion:
     recorded: float = 1.0
     level: float = thresholds.LEVEL
     nuisances: tuple[Nuisance, ...] = ()
+    is_last: bool = False
 
     def misfit(self, fit: CandidateFit) -> float:
         """What a fit leaves above the floor on the runs that it was fitted
@@ -87,18 +89,23 @@ class Criterion:
         """Of a fit; the least one is the best explanation."""
         found = self.findings(fit)
         richer = sum(bool(e.generalises) for e in found)
-        stretch = max(1.0, self.stretch(fit) / thresholds.WITHIN)
         cost = thresholds.COST_OF_EFFECT * len(found)
-        tail = thresholds.TAIL * self._known_share(fit)
-        cost += thresholds.TIED * richer + tail * np.log(stretch)
-        return float(np.log(self.left(fit, self.trust)) + cost)
+        cost += thresholds.TIED * richer
+        return float(np.log(self.weighed(fit)) + cost)
 
-    def _known_share(self, fit: CandidateFit) -> float:
-        """Part of what a fit leaves that a right twin may leave: the rest is of
-        an unknown law, which stretches numbers as it likes.
+    def weighed(self, fit: CandidateFit) -> float:
+        """What a fit leaves, and what it stretches: the score without its
+        costs, no logarithm.
+
+        In a verdict stretch counts as far as what is left is known: more than a
+        right twin leaves is of an unknown law, which stretches numbers too. A
+        search goes on from what stretches them less.
         """
-        most = thresholds.BEYOND_LEVEL * self.level
-        return min(1.0, most / self.left(fit))
+        tail, most = thresholds.TAIL, thresholds.BEYOND_LEVEL * self.level
+        if self.is_last:
+            tail *= min(1.0, most / self.left(fit))
+        stretch = max(1.0, self.stretch(fit) / thresholds.WITHIN)
+        return float(self.left(fit, self.trust) * stretch**tail)
 
     def stretch(self, fit: CandidateFit) -> float:
         """Of the numbers of a fit, where what a right twin leaves beyond the

@@ -28,6 +28,7 @@ def settle(
         criterion: Of the search.
         fits: Of the search.
     """
+    criterion = replace(criterion, is_last=True)
     best = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
     if not best.effects:
         return with_level(evaluator, criterion, best), list(fits)

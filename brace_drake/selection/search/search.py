@@ -71,7 +71,7 @@ def search_causes(
             return known
         smaller = [f for f in ranked if len(criterion.findings(f)) < number]
         before, after = (
-            min(criterion.left(f, criterion.trust) for f in fits)
+            min(criterion.weighed(f) for f in fits)
             for fits in (smaller, ranked)
         )
         is_shorter = number > 1 and len(criterion.findings(best)) < number
