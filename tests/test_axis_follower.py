@@ -40,8 +40,9 @@ def move(reference, gain, seed, law, lag=0.05, delay=0.0):
         for _ in range(FINE):
             late.append(command[-1])
             r = late.pop(0)
-            v += step * law(r, v, (r - v) / lag, step)
-            y += step * v
+            rise = step * law(r, v, (r - v) / lag, step)
+            y += step * (v + 0.5 * rise)
+            v += rise
     return np.array(command), np.array(reading)
 
 
@@ -72,13 +73,13 @@ class TestLaws(unittest.TestCase):
         time, w, z = np.arange(300) / RATE, 8.0, 0.3
         motion = Commanded(time, np.ones(300), np.zeros(2))
         law = np.array([w * w, 2.0 * z * w, w * w, 0.0])
-        log = simulate_response(law, motion, 1.0, 1e-4)
+        log = simulate_response(law, motion, 1.0, 1e-3)
         turn = w * np.sqrt(1.0 - z * z)
         fade = np.exp(-z * w * time)
         wanted = 1.0 - fade * (
             np.cos(turn * time) + z * w / turn * np.sin(turn * time)
         )
-        np.testing.assert_allclose(log[:, 0], wanted, atol=1e-3)
+        np.testing.assert_allclose(log[:, 0], wanted, atol=2e-5)
 
     def test_a_limited_acceleration_makes_straight_lines(self):
         time, limit = np.arange(100) / RATE, 0.4

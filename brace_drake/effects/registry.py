@@ -36,7 +36,13 @@ PLACES = {
         "one joint",
     },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
-    "axis under command": {"drive", "command", "commanded motion"},
+    "axis under command": {
+        "drive",
+        "sensing",
+        "length reading",
+        "command",
+        "commanded motion",
+    },
     "axis": {
         "drive",
         "sensing",

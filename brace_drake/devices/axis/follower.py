@@ -171,7 +171,7 @@ def simulate_response(
     Raises:
         BraceError: The run broke down (the message says when).
     """
-    plug = stack_effects(uses)["drive"]
+    plugs = [stack_effects(uses)[point] for point in ("drive", "sensing")]
     log = np.zeros((len(motion.time), 2))
     broke_at = rollout_response(
         steps_per_sample(motion.time, time_step),
@@ -179,10 +179,10 @@ def simulate_response(
         motion.command / length,
         np.zeros((len(motion.time), 0)),
         law,
-        plug.laws,
-        plug.parameters,
-        plug.fresh_memory(),
-        np.array(plug.active),
+        *(p.laws for p in plugs),
+        plugs[0].parameters,
+        *(p.fresh_memory() for p in plugs),
+        np.array([p.active for p in plugs]),
         motion.state / length,
         np.zeros(WORK),
         log,

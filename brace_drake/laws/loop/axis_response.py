@@ -21,7 +21,7 @@ from brace_drake.laws.hooks import (
 # and a constant acceleration.
 COMMAND, DAMPING, POSITION, BIAS = range(4)
 # Places that the rollout needs.
-WORK = 4
+WORK = 7
 
 
 @njit(
@@ -32,9 +32,11 @@ WORK = 4
         matrix,
         vector,
         stack_type("drive"),
+        stack_type("sensing"),
         vectors,
         vectors,
-        boolean[::1],
+        vectors,
+        boolean[:, ::1],
         vector,
         vector,
         matrix,
@@ -49,8 +51,10 @@ def rollout_response(
     inputs,
     law,
     drive,
+    sensing,
     parameters,
     drive_memory,
+    sensing_memory,
     active,
     state,
     work,
@@ -60,7 +64,8 @@ def rollout_response(
 
     y'' = c r - k y - d y' + a_0 + effects; of a speed r with a lag T
     c = d = 1 / T, k = 0, of a position c = k = w^2, d = 2 z w, above 0. The
-    command is held between samples.
+    command is held between samples; half a step of the position, a whole one of
+    the speed, half a step of the position (Strang).
 
     Args:
         steps_per_sample: Plant steps between two samples.
@@ -68,9 +73,10 @@ def rollout_response(
         command: r (N,).
         inputs: Extra inputs (N, J).
         law: c, d, k, a_0 (4,).
-        drive: Laws of the effects; what is commanded is c r - k y + a_0.
-        parameters, drive_memory: Their parameters and states.
-        active: Whether an effect sits at each place (MAX_EFFECTS,).
+        drive, sensing: Laws of the effects; what is commanded is
+            c r - k y + a_0, what is read the position.
+        parameters, drive_memory, sensing_memory: Their parameters and states.
+        active: Whether an effect sits at drive and sensing (2, MAX_EFFECTS).
         state: y and y' at the start (2,), updated.
         work: Work space (WORK + J,).
         log: Output (N, 2): y, y'.
@@ -80,23 +86,33 @@ def rollout_response(
     """
     y, v = state[0:1], state[1:2]
     f, u, more = work[0:1], work[1:2], inputs.shape[1]
-    known = work[2 : 3 + more]
+    read, no_force = work[2:3], work[3:6]
+    known = work[6 : 7 + more]
     known[0] = law[DAMPING]
     samples = time.shape[0]
     for i in range(samples):
-        log[i, 0] = y[0]
+        following = min(i + 1, samples - 1)
+        h = time[following] - time[following - 1]
+        read[0] = y[0]
+        for e in range(MAX_EFFECTS):
+            if active[1, e]:
+                sensing[e](
+                    time[i], h, u, read, no_force,
+                    parameters[e], sensing_memory[e],
+                )  # fmt: skip
+        log[i, 0] = read[0]
         log[i, 1] = v[0]
-        if i + 1 == samples:
+        if following == i:
             break
-        h = time[i + 1] - time[i]
         dt = h / steps_per_sample
         for j in range(more):
             known[1 + j] = inputs[i, j]
         for sub in range(steps_per_sample):
+            y[0] += 0.5 * dt * v[0]
             u[0] = law[COMMAND] * command[i] - law[POSITION] * y[0] + law[BIAS]
             f[0] = u[0] - law[DAMPING] * v[0]
             for e in range(MAX_EFFECTS):
-                if active[e]:
+                if active[0, e]:
                     drive[e](
                         time[i] + sub * dt, dt, u, y, v, known, f,
                         parameters[e], drive_memory[e],
@@ -104,7 +120,7 @@ def rollout_response(
             # Of a constant command this is exact, whatever the lag.
             damped = law[DAMPING] * dt
             v[0] += dt * f[0] * (-math.expm1(-damped) / damped)
-            y[0] += dt * v[0]
+            y[0] += 0.5 * dt * v[0]
         if not abs(v[0]) < 1e9:
             return i
     return -1
