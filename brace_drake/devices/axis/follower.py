@@ -18,7 +18,7 @@ from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import stack_effects
-from brace_drake.laws.loop.axis_response import WORK, rollout_response
+from brace_drake.laws.loop.axis_response import BIAS, WORK, rollout_response
 from brace_drake.recording.columns import AXIS, axis_columns
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.axis import AxisScenario
@@ -135,11 +135,11 @@ class AxisFollower(ReplayTwin):
         return np.array([True])
 
     def _replay(self, numbers, motion, subject, uses, generator):
-        length, scale = self.units.length, self.units.length
+        length = self.units.length
         cards = self.scenario.own_cards()
         mine = [(e, cards[e.key].of_reference(v)) for e, v in uses]
         law = numbers.law.copy()
-        law[3] /= scale
+        law[BIAS] /= length
         log = simulate_response(law, motion, length, self.time_step, mine)
         position = length * log[:, 0]
         if generator is not None:

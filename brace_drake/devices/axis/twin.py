@@ -64,7 +64,7 @@ class AxisTwin(ReplayTwin):
     def scenario_of(self, subject: np.ndarray) -> AxisScenario:
         """The scenario with a machine's fitted numbers, a copy."""
         out = copy.deepcopy(self.scenario)
-        for name, value in zip(self._fitted(), subject, strict=True):
+        for name, value in zip(self.scenario.fitted, subject, strict=True):
             if name in out.gains:
                 out.gains[name] = float(value)
             else:
@@ -74,12 +74,9 @@ class AxisTwin(ReplayTwin):
     def with_subject(self, values: np.ndarray) -> AxisNumbers:
         """The numbers of a machine, values in the order of `subject`."""
         law = self.numbers.law.copy()
-        for name, value in zip(self._fitted(), values, strict=True):
+        for name, value in zip(self.scenario.fitted, values, strict=True):
             law[_place(self.scenario, name)] = value
         return self.numbers.with_changes(law=law)
-
-    def _fitted(self) -> list[str]:
-        return self.scenario.fitted
 
     def motion(self, run: Run) -> AxisMotion:
         """The run's path and extra inputs."""
