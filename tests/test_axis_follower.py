@@ -1,6 +1,7 @@
 """One axis under a command: closed forms, and limits that are found again."""
 
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -113,6 +114,19 @@ class TestAnswers(unittest.TestCase):
         campaign = make_campaign(lambda r, v, a, h: np.clip(a, -6.0, 6.0))
         self.check(
             campaign, "acceleration_limit", "acceleration_rad_s2", 6.0, 0.15
+        )
+
+    def test_a_speed_that_was_recorded_alone_will_do(self):
+        campaign = make_campaign(lambda r, v, a, h: np.clip(a, -6.0, 6.0))
+        runs = []
+        for run in campaign.runs:
+            columns = dict(run.channels)
+            y = columns.pop("position_rad")
+            columns["speed_rad_s"] = np.gradient(y, run.time_s)
+            runs.append(replace(run, channels=columns))
+        campaign = replace(campaign, runs=tuple(runs))
+        self.check(
+            campaign, "acceleration_limit", "acceleration_rad_s2", 6.0, 0.2
         )
 
     def test_a_limit_of_speed_is_named(self):

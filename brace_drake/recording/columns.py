@@ -172,6 +172,8 @@ _AXIS = (
     _TIME,
     Channel("position_m", is_way=True, **_ANY),
     Channel("position_rad", is_way=True, **_ANY),
+    Channel("speed_m_s", **_ANY),
+    Channel("speed_rad_s", **_ANY),
     Channel("force_N", **_ANY),
     Channel("torque_N_m", **_ANY),
     Channel("force_command_N", **_ANY),
@@ -205,6 +207,11 @@ DEVICES = {
         inputs="input_",
     ),
 }
+
+
+def speed_column(kind: str) -> str:
+    """Column of an axis' speed; kind: linear or rotary."""
+    return "speed_rad_s" if kind == "rotary" else "speed_m_s"
 
 
 def axis_columns(kind: str, command: str = "motion") -> tuple[str, str]:

@@ -19,7 +19,7 @@ from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.loop.axis_response import BIAS, WORK, rollout_response
-from brace_drake.recording.columns import AXIS, axis_columns
+from brace_drake.recording.columns import AXIS, axis_columns, speed_column
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import white_noise
@@ -66,7 +66,10 @@ class AxisFollower(ReplayTwin):
         self.position, self._command = axis_columns(
             scenario.kind, scenario.command
         )
-        speed = self.position.replace("position", "speed") + "_s"
+        speed = speed_column(scenario.kind)
+        self.has_speed = scenario.answer == "speed"
+        if self.has_speed:
+            self.position = speed
         self.channels = (speed if self.is_speed else self.position,)
         self.units = scenario.units
         super().__init__(scenario, _pack(scenario), time_step)
@@ -108,7 +111,8 @@ class AxisFollower(ReplayTwin):
             # Linear: any length will do.
             motion = Commanded(time, command, np.array(state))
             law = self.numbers.law
-            return simulate_response(law, motion, 1.0, self.time_step)[:, 0]
+            log = simulate_response(law, motion, 1.0, self.time_step)
+            return log[:, int(self.has_speed)]
 
         none = np.zeros(len(time))
         free = np.column_stack(
@@ -128,7 +132,8 @@ class AxisFollower(ReplayTwin):
         return run.has([self.position])
 
     def _answer(self, time: np.ndarray, position: np.ndarray) -> np.ndarray:
-        return np.gradient(position, time) if self.is_speed else position
+        is_derived = self.is_speed and not self.has_speed
+        return np.gradient(position, time) if is_derived else position
 
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (1,)."""
@@ -141,7 +146,7 @@ class AxisFollower(ReplayTwin):
         law = numbers.law.copy()
         law[BIAS] /= length
         log = simulate_response(law, motion, length, self.time_step, mine)
-        position = length * log[:, 0]
+        position = length * log[:, int(self.has_speed)]
         if generator is not None:
             noise = generator.standard_normal(len(position))
             position = position + numbers.noise * noise

@@ -10,7 +10,12 @@ from scipy.optimize import lsq_linear, minimize
 from brace_drake.core.errors import BraceError, CampaignError
 from brace_drake.devices.axis.follower import AxisFollower
 from brace_drake.devices.axis.motion import MakeAxisMotion
-from brace_drake.recording.columns import AXIS, DEVICES, axis_columns
+from brace_drake.recording.columns import (
+    AXIS,
+    DEVICES,
+    axis_columns,
+    speed_column,
+)
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import (
@@ -45,9 +50,11 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
         CampaignError: Runs are not of one kind, or have no column of motion
             or force.
     """
-    kind, command = _kind_of(campaign)
+    kind, command, answer = _kind_of(campaign)
     runs = campaign.split("fit")
     position, moved_by = axis_columns(kind, command)
+    if answer == "speed":
+        position = speed_column(kind)
     for name in (position, moved_by):
         if not any(np.ptp(r.channels[name]) > 0.0 for r in runs):
             raise CampaignError(
@@ -58,6 +65,7 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
     scenario = AxisScenario(
         kind=kind,
         command=command,
+        answer=answer,
         position_noise=sigma,
         time_step=1.0 / campaign.rate_hz / _STEP_PARTS,
     )
@@ -109,6 +117,11 @@ def _take_answers(
     """
     sigma = scenario.position_noise
     paths = [MakeAxisMotion(r, position, (), sigma).path() for r in runs]
+    if scenario.answer == "speed":
+        paths = [
+            _from_speed(path, r.time_s)
+            for path, r in zip(paths, runs, strict=True)
+        ]
     _take_sizes(scenario, np.vstack(paths))
     scenario.time_step = min(scenario.time_step, _COMMAND_STEP_S)
     ratios = _RATIOS if scenario.command == "position" else (1.0,)
@@ -128,6 +141,12 @@ def _take_answers(
     scenario.time_step = min(scenario.time_step, max(step, _SHORTEST_STEP_S))
 
 
+def _from_speed(path: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """A path (N, 3) whose position is a speed as that of the position."""
+    way = np.cumsum(path[:, 0] * np.gradient(time))
+    return np.column_stack([way, path[:, 0], path[:, 1]])
+
+
 def _left(scenario: AxisScenario, runs: Sequence[Run]) -> float:
     """Squares that a follower leaves of its runs."""
     twin = AxisFollower(scenario)
@@ -142,21 +161,28 @@ def _left(scenario: AxisScenario, runs: Sequence[Run]) -> float:
     return float(sum(np.sum(e**2) for e in rest))
 
 
-def _kind_of(campaign: Campaign) -> tuple[str, str]:
-    """Linear or rotary, and what it is given, by columns that all runs have;
-    a command of motion comes before a force that was measured beside it.
+def _kind_of(campaign: Campaign) -> tuple[str, str, str]:
+    """Linear or rotary, what it is given, and what of its motion was recorded,
+    by columns that all runs have; a command of motion comes before a force that
+    was measured beside it.
     """
     ways = [
-        (kind, command)
+        (kind, command, "position")
         for command in ("speed", "position", "motion", "force")
         for kind in ("linear", "rotary")
     ]
-    for kind, command in ways:
-        wanted = set(axis_columns(kind, command))
-        if all(wanted <= set(r.channels) for r in campaign.runs):
-            return kind, command
-    pairs = ", or ".join(" and ".join(axis_columns(*way)) for way in ways)
+    ways += [(kind, "speed", "speed") for kind in ("linear", "rotary")]
+    shared = set.intersection(*(set(r.channels) for r in campaign.runs))
+    for way in ways:
+        if _columns_of(*way) <= shared:
+            return way
+    pairs = ", or ".join(" and ".join(sorted(_columns_of(*w))) for w in ways)
     raise CampaignError(f"{campaign.path}: an axis needs {pairs} in all runs")
+
+
+def _columns_of(kind: str, command: str, answer: str) -> set[str]:
+    position, moved_by = axis_columns(kind, command)
+    return {speed_column(kind) if answer == "speed" else position, moved_by}
 
 
 def _half_range(values: np.ndarray) -> float:

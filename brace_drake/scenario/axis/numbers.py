@@ -27,6 +27,8 @@ class AxisScenario:
     # What it is given: a motion that is imposed, whatever force was measured or
     # commanded, or a command that it follows.
     command: str = word("motion", "force", "speed", "position")
+    # What of its motion was recorded; a speed alone under a command of speed.
+    answer: str = word("position", "speed")
     # Longest step of the effects' states.
     time_step: float = number(0.001, "s", above=0.0)
     mass: float = number(0.0, "kg", least=0.0)
