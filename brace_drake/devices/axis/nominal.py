@@ -118,10 +118,8 @@ def _take_answers(
     sigma = scenario.position_noise
     paths = [MakeAxisMotion(r, position, (), sigma).path() for r in runs]
     if scenario.answer == "speed":
-        paths = [
-            _from_speed(path, r.time_s)
-            for path, r in zip(paths, runs, strict=True)
-        ]
+        times = [r.time_s for r in runs]
+        paths = [_from_speed(*both) for both in zip(paths, times, strict=True)]
     _take_sizes(scenario, np.vstack(paths))
     scenario.time_step = min(scenario.time_step, _COMMAND_STEP_S)
     ratios = _RATIOS if scenario.command == "position" else (1.0,)
@@ -174,15 +172,15 @@ def _kind_of(campaign: Campaign) -> tuple[str, str, str]:
     ways += [(kind, "speed", "speed") for kind in ("linear", "rotary")]
     shared = set.intersection(*(set(r.channels) for r in campaign.runs))
     for way in ways:
-        if _columns_of(*way) <= shared:
+        if set(_columns_of(*way)) <= shared:
             return way
-    pairs = ", or ".join(" and ".join(sorted(_columns_of(*w))) for w in ways)
+    pairs = ", or ".join(" and ".join(_columns_of(*w)) for w in ways)
     raise CampaignError(f"{campaign.path}: an axis needs {pairs} in all runs")
 
 
-def _columns_of(kind: str, command: str, answer: str) -> set[str]:
+def _columns_of(kind: str, command: str, answer: str) -> tuple[str, str]:
     position, moved_by = axis_columns(kind, command)
-    return {speed_column(kind) if answer == "speed" else position, moved_by}
+    return speed_column(kind) if answer == "speed" else position, moved_by
 
 
 def _half_range(values: np.ndarray) -> float:
