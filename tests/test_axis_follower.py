@@ -82,6 +82,17 @@ class TestLaws(unittest.TestCase):
         )
         np.testing.assert_allclose(log[:, 0], wanted, atol=2e-5)
 
+    def test_a_late_position_command_is_followed_later_and_no_other_way(self):
+        time, w, late = np.arange(200) / RATE, 8.0, 0.03
+        law = np.array([w * w, 2.0 * w, w * w, 0.0])
+        command = np.where(time >= 0.5, 1.0, 0.0)
+        motion = Commanded(time, command, np.zeros(2))
+        uses = [(find_effect("command_delay"), np.array([late]))]
+        log = simulate_response(law, motion, 1.0, 1e-3, uses)
+        t = np.maximum(time - 0.5 - late, 0.0)
+        wanted = 1.0 - np.exp(-w * t) * (1.0 + w * t)
+        np.testing.assert_allclose(log[:, 0], wanted, atol=2e-4)
+
     def test_a_limited_acceleration_makes_straight_lines(self):
         time, limit = np.arange(100) / RATE, 0.4
         motion = Commanded(time, np.ones(100), np.zeros(2))

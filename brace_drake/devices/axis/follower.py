@@ -180,6 +180,7 @@ def simulate_response(
     log = np.zeros((len(motion.time), 2))
     broke_at = rollout_response(
         steps_per_sample(motion.time, time_step),
+        sum(effect.on_command for effect, _ in uses),
         motion.time,
         motion.command / length,
         np.zeros((len(motion.time), 0)),

@@ -9,7 +9,7 @@ from brace_drake.laws.hooks import delivered, plug
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: position)
     for k in range(f.shape[0]):
-        # What is commanded, in the rate that it would hold.
+        # What is asked for, after the feedback of a position.
         asked = delivered(f, law, l_dot, k)
         zone = p[0] * law[k]
         left = math.copysign(max(0.0, abs(asked) - zone), asked)
@@ -35,7 +35,6 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
-    on_command=True,
     needs=("commanded motion",),
     signature="it stands at small commands, and is slow by as much at others",
     impostors={"force_gain": "slow in proportion"},

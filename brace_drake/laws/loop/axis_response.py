@@ -27,6 +27,7 @@ WORK = 7
 @njit(
     int64(
         int64,
+        int64,
         vector,
         vector,
         matrix,
@@ -46,6 +47,7 @@ WORK = 7
 )
 def rollout_response(
     steps_per_sample,
+    num_commands,
     time,
     command,
     inputs,
@@ -69,12 +71,13 @@ def rollout_response(
 
     Args:
         steps_per_sample: Plant steps between two samples.
+        num_commands: Effects, the first ones, that act on c r + a_0, before the
+            position is fed back.
         time: Sample times from 0 (N,), s.
         command: r (N,).
         inputs: Extra inputs (N, J).
         law: c, d, k, a_0 (4,).
-        drive, sensing: Laws of the effects; what is commanded is
-            c r - k y + a_0, what is read the position.
+        drive, sensing: Laws of the effects; what is read is the position.
         parameters, drive_memory, sensing_memory: Their parameters and states.
         active: Whether an effect sits at drive and sensing (2, MAX_EFFECTS).
         state: y and y' at the start (2,), updated.
@@ -109,14 +112,18 @@ def rollout_response(
             known[1 + j] = inputs[i, j]
         for sub in range(steps_per_sample):
             y[0] += 0.5 * dt * v[0]
-            u[0] = law[COMMAND] * command[i] - law[POSITION] * y[0] + law[BIAS]
+            u[0] = law[COMMAND] * command[i] + law[BIAS]
             f[0] = u[0] - law[DAMPING] * v[0]
             for e in range(MAX_EFFECTS):
+                if e == num_commands:
+                    f[0] -= law[POSITION] * y[0]
                 if active[0, e]:
                     drive[e](
                         time[i] + sub * dt, dt, u, y, v, known, f,
                         parameters[e], drive_memory[e],
                     )  # fmt: skip
+            if num_commands == MAX_EFFECTS:
+                f[0] -= law[POSITION] * y[0]
             # Of a constant command this is exact, whatever the lag.
             damped = law[DAMPING] * dt
             v[0] += dt * f[0] * (-math.expm1(-damped) / damped)
