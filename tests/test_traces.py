@@ -36,7 +36,10 @@ class TestTraces(unittest.TestCase):
                 validation_runs=[RunComparison(prepared, before, None)],
                 nominal=SimpleNamespace(subject=None),
                 device=SimpleNamespace(
-                    twin=SimpleNamespace(channels=CHANNELS),
+                    twin=SimpleNamespace(
+                        channels=CHANNELS,
+                        recorded=lambda run: run.has(CHANNELS),
+                    ),
                     motion_signals=lambda prepared, subject: SimpleNamespace(
                         travel=None, travel_name=""
                     ),
