@@ -10,10 +10,9 @@ import numpy as np
 
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.card import Effect
-from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import Use, modify_numbers
 from brace_drake.recording.recording import Run
-from brace_drake.scenario.effects import scenario_uses
+from brace_drake.scenario.effects import effects_of, scenario_uses
 
 # Faster than this a brace and a torso do not move; noise alone is above.
 HIGHEST_HZ = 50.0
@@ -50,7 +49,7 @@ class ReplayTwin(ABC):
 
     def effects(self) -> dict[str, Effect]:
         """Effects that the device can have, by key."""
-        return effects_for(self.device)
+        return effects_of(self.scenario)
 
     @abstractmethod
     def coarse(self) -> Self:
@@ -80,9 +79,9 @@ class ReplayTwin(ABC):
         """Which channels a run has, bool (C,)."""
         return run.has(self.channels)
 
-    @abstractmethod
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (C,)."""
+        return np.ones(len(self.channels), dtype=bool)
 
     def simulate(
         self,

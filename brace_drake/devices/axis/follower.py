@@ -16,7 +16,6 @@ from brace_drake.core.errors import BraceError
 from brace_drake.devices.pad_bench.twin import steps_per_sample
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
-from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.loop.axis_response import BIAS, WORK, rollout_response
 from brace_drake.recording.columns import AXIS, axis_columns, speed_column
@@ -75,10 +74,6 @@ class AxisFollower(ReplayTwin):
         super().__init__(scenario, _pack(scenario), time_step)
         self.subject = follower_subject(scenario)
 
-    def effects(self) -> dict[str, Effect]:
-        """Effects of a follower in its own units, by key."""
-        return self.scenario.own_effects()
-
     def coarse(self) -> AxisFollower:
         """The same twin: a run costs milliseconds as it is."""
         return self
@@ -135,14 +130,9 @@ class AxisFollower(ReplayTwin):
         is_derived = self.is_speed and not self.has_speed
         return np.gradient(position, time) if is_derived else position
 
-    def active(self, run: Run) -> np.ndarray:
-        """Which channels carry information in a run, bool (1,)."""
-        return np.array([True])
-
     def _replay(self, numbers, motion, subject, uses, generator):
         length = self.units.length
-        cards = self.scenario.own_cards()
-        mine = [(e, cards[e.key].of_reference(v)) for e, v in uses]
+        mine = self.scenario.of_reference(uses)
         law = numbers.law.copy()
         law[BIAS] /= length
         log = simulate_response(law, motion, length, self.time_step, mine)

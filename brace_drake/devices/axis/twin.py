@@ -15,7 +15,6 @@ from brace_drake.devices.pad_bench.twin import (
 )
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
-from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.loop.axis_rollout import GAINS, WORK, rollout_axis
 from brace_drake.laws.plug_in import idle
@@ -53,10 +52,6 @@ class AxisTwin(ReplayTwin):
         super().__init__(scenario, pack_axis(scenario), time_step)
         self.subject = axis_subject(scenario, self.units)
 
-    def effects(self) -> dict[str, Effect]:
-        """Effects that an axis can have, in its own units, by key."""
-        return self.scenario.own_effects()
-
     def coarse(self) -> AxisTwin:
         """The same twin with longer steps of the effects' states."""
         return AxisTwin(self.scenario, self.time_step * _COARSE)
@@ -83,10 +78,6 @@ class AxisTwin(ReplayTwin):
         sigma = self.numbers.position_noise[0]
         return MakeAxisMotion(run, self.position, self.inputs, sigma)
 
-    def active(self, run: Run) -> np.ndarray:
-        """Which channels carry information in a run, bool (1,)."""
-        return np.array([True])
-
     def _replay(self, numbers, motion, subject, uses, generator):
         """The noise of position goes through the motion's smoothing."""
         noise, force_noise = None, 0.0
@@ -104,7 +95,7 @@ class AxisTwin(ReplayTwin):
             motion.path(noise) / length,
             motion.inputs / np.array(sizes),
             self.time_step,
-            self._uses_of_reference(uses),
+            self.scenario.of_reference(uses),
         )
         return (force * readings + force_noise)[:, None]
 
@@ -115,10 +106,6 @@ class AxisTwin(ReplayTwin):
         out[:3] = law[:3] / inertia
         out[GAINS:] *= [self.scenario.input_scales[n] for n in self.inputs]
         return out
-
-    def _uses_of_reference(self, uses):
-        cards = self.scenario.own_cards()
-        return [(e, cards[e.key].of_reference(values)) for e, values in uses]
 
     def estimate_noise(self, runs: Sequence[Run]) -> float:
         """White noise of the force readings of recordings, N or N m."""

@@ -124,10 +124,6 @@ class PadBenchTwin(ReplayTwin):
             self.numbers.displacement_noise[0],
         )
 
-    def active(self, run: Run) -> np.ndarray:
-        """Which channels carry information in a run, bool (1,)."""
-        return np.array([True])
-
     def _replay(self, numbers, motion, subject, uses, generator):
         """The noise of displacement goes through the motion's smoothing."""
         noise, force_noise = None, 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from brace_drake.devices.declaration import Device
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.finding import Finding
-from brace_drake.recording_faults.library.channels import reversed_sign
+from brace_drake.recording_faults.relations.pressing import reversed_channel
 
 # What a passive machine gives back is no more than it took: work that is never
 # above this part of what has come out says that the force is the wrong way
@@ -43,14 +43,5 @@ def find_given_work(device: Device, runs: Sequence[Run]) -> list[Finding]:
                 f"it takes {given:.3g} J out of the machine,"
                 " which nothing else drives"
             )
-            found.append(
-                Finding(
-                    reversed_sign.CARD,
-                    (run.file,),
-                    (force,),
-                    {"zero": 0.0},
-                    0.95,
-                    detail,
-                )
-            )
+            found.append(reversed_channel(run, force, detail))
     return found

@@ -42,7 +42,7 @@ def _of_run(run: Run, force: str, way: str, rate: float) -> Finding | None:
     least = max(clear, _PART * max(pull, push))
     detail = f"it pulls with up to {pull:.3g} N, and a pad can only press"
     if pull > least and push < least:
-        return _reversed(run, force, detail)
+        return reversed_channel(run, force, detail)
     if pull > least:
         return Finding(
             contradiction.CARD,
@@ -57,10 +57,13 @@ def _of_run(run: Run, force: str, way: str, rate: float) -> Finding | None:
     if push < clear or not np.std(moved) > 0.0:
         return None
     if float(np.corrcoef(slow, moved)[0, 1]) < _AGAINST:
-        return _reversed(run, way, "the force grows where it is drawn back")
+        return reversed_channel(
+            run, way, "the force grows where it is drawn back"
+        )
     return None
 
 
-def _reversed(run: Run, channel: str, detail: str) -> Finding:
+def reversed_channel(run: Run, channel: str, detail: str) -> Finding:
+    """A channel of a run with its sign turned."""
     card = reversed_sign.CARD
     return Finding(card, (run.file,), (channel,), {"zero": 0.0}, 0.95, detail)

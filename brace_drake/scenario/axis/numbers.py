@@ -1,10 +1,12 @@
 """The axis' scenario: any machine of one degree of freedom, by its numbers."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import Use
 from brace_drake.recording.columns import AXIS
 from brace_drake.scenario.axis.cards import COMMANDED, OwnCard, own_cards
 from brace_drake.scenario.axis.units import FORCE_N, LENGTH_M, AxisUnits
@@ -77,6 +79,11 @@ class AxisScenario:
         sizes = tuple(self.input_scales.get(n, 1.0) for n in self.gains)
         device = AXIS if self.is_imposed else COMMANDED
         return own_cards(device, self.units, tuple(self.gains), sizes)
+
+    def of_reference(self, uses: Sequence[Use]) -> list[Use]:
+        """Effects with the parameters of the machine of reference."""
+        cards = self.own_cards()
+        return [(e, cards[e.key].of_reference(v)) for e, v in uses]
 
     def own_effects(self) -> dict[str, Effect]:
         """Cards of those, by key."""
