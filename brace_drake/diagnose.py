@@ -99,6 +99,7 @@ def diagnose(
     seed: int = 0,
     scenario=None,
     progress: Callable[[str, float], None] | None = None,
+    diagram: Callable | None = None,
 ) -> Diagnosis:
     """Diagnoses a campaign.
 
@@ -109,6 +110,8 @@ def diagnose(
         scenario: Of the device, other than the one that comes with the
             package.
         progress: Called with what is being done and the share that is done.
+        diagram: Makes the nominal Drake diagram from the campaign's numbers,
+            where its device is one.
 
     Raises:
         CampaignError: The campaign has nothing to fit, or an unknown device.
@@ -117,7 +120,7 @@ def diagnose(
     say = progress or (lambda what, share: None)
     if not campaign.split("fit"):
         raise CampaignError(f"{campaign.path}: no run has split: fit")
-    device = MakeDevice(campaign, scenario)
+    device = MakeDevice(campaign, scenario, diagram)
     twin, rate = device.twin, campaign.rate_hz
     check_room(twin)
 

@@ -103,6 +103,25 @@ def AddScenario(
     parser.add_argument("--scenario", metavar="FILE", help=help_text)
 
 
+def AddDiagram(parser: argparse.ArgumentParser) -> None:
+    """Adds --diagram."""
+    parser.add_argument(
+        "--diagram",
+        metavar="MODULE:FUNCTION",
+        help="function that makes the nominal Drake diagram, as in"
+        " arm.py:MakeArm; for campaigns whose device is a diagram",
+    )
+
+
+def find_diagram_option(name: str | None):
+    """The function of --diagram, None without."""
+    if name is None:
+        return None
+    from brace_drake.devices.diagram.factory import find_factory
+
+    return find_factory(name)
+
+
 def AddJson(parser: argparse.ArgumentParser) -> None:
     """Adds --json."""
     parser.add_argument(

@@ -6,10 +6,11 @@ from brace_drake.core.errors import CampaignError, ScenarioError
 from brace_drake.devices.axis.device import Axis
 from brace_drake.devices.bench.device import Bench
 from brace_drake.devices.declaration import Device
+from brace_drake.devices.diagram.device import DiagramDevice
 from brace_drake.devices.leg_bench.device import LegBench
 from brace_drake.devices.pad_bench.device import PadBench
 from brace_drake.laws.hooks import MAX_EFFECTS
-from brace_drake.recording.columns import AXIS, LEG_BENCH
+from brace_drake.recording.columns import AXIS, DIAGRAM, LEG_BENCH
 from brace_drake.recording.recording import Campaign
 
 DEVICES: dict[str, type[Device]] = {
@@ -17,20 +18,28 @@ DEVICES: dict[str, type[Device]] = {
     "leg bench": LegBench,
     "pad bench": PadBench,
     "axis": Axis,
+    DIAGRAM: DiagramDevice,
 }
 
 
-def MakeDevice(campaign: Campaign, scenario=None) -> Device:
+def MakeDevice(campaign: Campaign, scenario=None, diagram=None) -> Device:
     """The device of a campaign.
 
     Args:
         campaign: Whose device and numbers it takes.
         scenario: Of the device, other than the one that comes with the
             package or from the recording itself.
+        diagram: Function that makes the nominal diagram of a campaign whose
+            device is one.
 
     Raises:
         CampaignError: No twin of this device yet, or a scenario of another.
     """
+    if diagram is not None and campaign.device != DIAGRAM:
+        raise CampaignError(
+            f"{campaign.path}: recorded on {campaign.device!r}; a diagram is"
+            f" for device: {DIAGRAM}"
+        )
     if campaign.device not in DEVICES:
         names = ", ".join(repr(name) for name in DEVICES)
         raise CampaignError(
@@ -41,6 +50,8 @@ def MakeDevice(campaign: Campaign, scenario=None) -> Device:
     # The position of a drive without a known loop would drift with every error
     # of the model: its motion is imposed.
     is_open = device == LEG_BENCH and not campaign.control
+    if campaign.device == DIAGRAM:
+        return DiagramDevice(campaign, scenario, diagram)
     if scenario is None:
         return DEVICES[AXIS if is_open else device](campaign)
     if scenario.device != device and not (is_open and scenario.device == AXIS):

@@ -16,19 +16,21 @@ from functools import cache
 import brace_drake.effects
 from brace_drake.core.errors import EffectError, suggest
 from brace_drake.effects.card import Effect
-from brace_drake.laws.hooks import PLUG_POINTS
+from brace_drake.laws.hooks import STAGE_POINTS
 
 # What each device has that an effect may need: plug points of its rollout,
 # what is read at `sensing`, and the numbers and six legs of a brace.
 PLACES = {
     "bench stage 2": {
-        *PLUG_POINTS,
+        *STAGE_POINTS,
         "brace",
         "command",
         "force reading",
         "length reading",
+        "drive of its own",
     },
     "leg bench": {
+        "drive of its own",
         "drive",
         "sensing",
         "length reading",
@@ -37,6 +39,7 @@ PLACES = {
     },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
     "axis under command": {
+        "drive of its own",
         "drive",
         "sensing",
         "length reading",
@@ -44,14 +47,24 @@ PLACES = {
         "commanded motion",
     },
     "axis": {
+        "drive of its own",
         "drive",
         "sensing",
         "force reading",
         "one joint",
-        "imposed motion",
+        "joint position",
         "extra input",
         "angle",
     },
+    "joint of a plant": {
+        "drive",
+        "one joint",
+        "joint position",
+        "joint of a plant",
+        "angle",
+    },
+    "command of a port": {"signal", "command of a port"},
+    "reading of a port": {"signal", "reading of a port"},
 }
 
 ENTRY_POINTS = "brace_drake.effects"

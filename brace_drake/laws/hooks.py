@@ -25,6 +25,8 @@ advances by one step; both belong to the caller.
     sensing      (t, h, u, l, F, p, x)
         Ideal readings, leg lengths l (n,), m, and force F (3,), N, before
         noise and rounding, given the commands u held so far. Every tick.
+    signal       (t, dt, y, p, x)
+        Value y (1,) of one signal of a diagram. Every step of the signal.
 """
 
 import warnings
@@ -46,10 +48,12 @@ SIGNATURES = {
     "torso": types.void(float64, float64, *[vector] * 7),
     "ring": types.void(float64, float64, *[vector] * 6),
     "sensing": types.void(float64, float64, *[vector] * 5),
+    "signal": types.void(float64, float64, *[vector] * 3),
 }
 PLUG_POINTS = tuple(SIGNATURES)
-# Their places among all.
-DRIVE, COMPRESSION, CONTACT, TORSO, RING, SENSING = range(len(PLUG_POINTS))
+# Those of a brace's stage, and their places among them.
+STAGE_POINTS = PLUG_POINTS[:6]
+DRIVE, COMPRESSION, CONTACT, TORSO, RING, SENSING = range(len(STAGE_POINTS))
 
 # The twin carries up to this many effects at once.
 MAX_EFFECTS = 4
@@ -109,6 +113,11 @@ def _no_sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     pass
 
 
+@plug("signal")
+def _no_signal(t, dt, y, p, x):
+    pass
+
+
 NO_LAW = {
     "drive": _no_drive,
     "compression": _no_compression,
@@ -116,6 +125,7 @@ NO_LAW = {
     "torso": _no_torso,
     "ring": _no_ring,
     "sensing": _no_sensing,
+    "signal": _no_signal,
 }
 
 matrix = float64[:, ::1]
@@ -142,9 +152,9 @@ class Effects(NamedTuple):
 
 EFFECTS = types.NamedTuple(
     (
-        types.Tuple(tuple(stack_type(point) for point in PLUG_POINTS)),
+        types.Tuple(tuple(stack_type(point) for point in STAGE_POINTS)),
         matrices,
-        types.UniTuple(matrices, len(PLUG_POINTS)),
+        types.UniTuple(matrices, len(STAGE_POINTS)),
         boolean[:, ::1],
     ),
     Effects,

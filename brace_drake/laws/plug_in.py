@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.laws.hooks import MAX_EFFECTS, NO_LAW, PLUG_POINTS, Effects
+from brace_drake.laws.hooks import MAX_EFFECTS, NO_LAW, STAGE_POINTS, Effects
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def make_effects(plug_ins: Mapping[str, PlugIn], num_stages: int) -> Effects:
         plug_ins: By plug point, of the same effects; idle where absent.
         num_stages: n.
     """
-    plugs = [plug_ins.get(point) or idle(point) for point in PLUG_POINTS]
+    plugs = [plug_ins.get(point) or idle(point) for point in STAGE_POINTS]
     of_effects = next((p for p in plugs if not p.is_idle), plugs[0])
     return Effects(
         laws=tuple(plug.laws for plug in plugs),

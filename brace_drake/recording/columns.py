@@ -130,6 +130,7 @@ class Device:
         may_be_none: Whether a number may be stated as 0: it is not there.
         inputs: What names of extra inputs, of any unit, begin with; empty
             where there are none.
+        has_ports: Whether a campaign says itself which columns there are.
     """
 
     channels: dict[str, Channel]
@@ -138,11 +139,12 @@ class Device:
     stages: tuple[int, ...] = ()
     may_be_none: bool = False
     inputs: str = ""
+    has_ports: bool = False
 
     def has_channel(self, name: str) -> bool:
         """Whether a recording may have a channel of that name."""
         is_input = self.inputs and name.startswith(self.inputs)
-        return name in self.channels or bool(is_input)
+        return name in self.channels or bool(is_input) or self.has_ports
 
 
 BENCH = "bench stage 2"
@@ -150,6 +152,7 @@ BRACE = "brace"
 LEG_BENCH = "leg bench"
 PAD_BENCH = "pad bench"
 AXIS = "axis"
+DIAGRAM = "diagram"
 BRACE_STAGES = (1, 2, 3)
 # Ring i sits above stage i; the bench has the middle one.
 BENCH_RINGS = (2,)
@@ -206,6 +209,8 @@ DEVICES = {
         may_be_none=True,
         inputs="input_",
     ),
+    # Its campaign says which columns there are.
+    DIAGRAM: Device({_TIME.name: _TIME}, has_ports=True),
 }
 
 
@@ -247,3 +252,18 @@ def device_channels(
         return DEVICES[device].channels if device in DEVICES else {}
     legs = [6 * (i - 1) + k for i in stages for k in range(1, 7)]
     return _stages(legs, stages)
+
+
+def port_channels(
+    columns: Iterable[str], commands: Iterable[str]
+) -> dict[str, Channel]:
+    """Channels of a diagram's recordings, of any unit.
+
+    Args:
+        columns: All that its campaign names.
+        commands: Those of them that go in.
+    """
+    sent = set(commands)
+    kind = {"low": -1e12, "high": 1e12, "constant": "always"}
+    own = {n: Channel(n, is_input=n in sent, **kind) for n in columns}
+    return {_TIME.name: _TIME, **own}

@@ -21,6 +21,7 @@ from brace_drake.recording.fields import (
     take,
 )
 from brace_drake.recording.findings import Problem, error, warning
+from brace_drake.recording.ports import parse_ports
 from brace_drake.recording.recording import Campaign, Run
 
 MANIFEST = "campaign.yaml"
@@ -46,7 +47,7 @@ _RUN = {
     "split": Field(" or ".join(SPLITS), lambda v: v in SPLITS, required=False),
 }
 _NEEDED = ("file", "contact", "motion", "split")
-_KEYS = (*_HEAD, "subject", "nominal", "control", "stages")
+_KEYS = (*_HEAD, "subject", "nominal", "control", "stages", "diagram")
 
 
 def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
@@ -82,6 +83,10 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
     if device.stages:
         taken, found = take(content, {"stages": _neighbours(device.stages)})
         stages, faults = taken.get("stages", []), faults + found
+    ports = None
+    if device.has_ports:
+        ports, found = parse_ports(content.get("diagram"))
+        faults += found
     problems += [_error_of(fault) for fault in faults]
     settled_s = float(head.get("settled_s", 0.0))
     campaign = Campaign(
@@ -89,11 +94,19 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         device=name,
         rate_hz=float(head.get("rate_hz", math.nan)),
         subject=str(content.get("subject") or ""),
-        runs=_parse_runs(head.get("runs", []), settled_s, problems),
+        runs=_parse_runs(
+            head.get("runs", []), settled_s, problems, _needed(device)
+        ),
         stages=tuple(stages),
+        ports=ports,
         **numbers,
     )
     return campaign, problems
+
+
+def _needed(device: Device) -> tuple[str, ...]:
+    """What each run must say; of a diagram no torso that may be absent."""
+    return tuple(n for n in _NEEDED if n != "contact" or not device.has_ports)
 
 
 def _error_of(fault: Fault, place: str = "") -> Problem:
@@ -138,7 +151,10 @@ def _neighbours(there: tuple[int, ...]) -> Field:
 
 
 def _parse_runs(
-    items: list, settled_s: float, problems: list[Problem]
+    items: list,
+    settled_s: float,
+    problems: list[Problem],
+    needed: tuple[str, ...],
 ) -> tuple[Run, ...]:
     """The runs; their faults go to `problems`, usable values are kept."""
     runs = []
@@ -148,7 +164,7 @@ def _parse_runs(
         missing: list[str] = []
         if isinstance(item, dict):
             taken, faults = take(item, _RUN)
-            missing = [key for key in _NEEDED if item.get(key) is None]
+            missing = [key for key in needed if item.get(key) is None]
         if missing or faults:
             place = f"run {number}"
             if "file" in taken:

@@ -19,7 +19,6 @@ from brace_drake.core.reading import ReadBytes
 from brace_drake.recording.columns import (
     LEG_BENCH,
     Channel,
-    device_channels,
     near_misses,
 )
 from brace_drake.recording.dropouts import fill_dropouts, lost_rows
@@ -90,7 +89,7 @@ def _examine(
         return None, [_explain_absence(path, e)]
     if campaign is None:
         return None, problems
-    channels = device_channels(campaign.device, campaign.stages)
+    channels = campaign.known_channels
     limits = limits or _default_limits(campaign)
     spoilt = {p.file for p in problems if p.severity == "error"}
     runs: dict[str, Run] = {}

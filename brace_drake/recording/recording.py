@@ -8,7 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from brace_drake.recording.columns import (
+    Channel,
+    device_channels,
+    port_channels,
+)
 from brace_drake.recording.findings import Problem
+from brace_drake.recording.ports import Ports
 
 
 @dataclass(frozen=True)
@@ -60,11 +66,19 @@ class Campaign:
     control: dict[str, float] = field(default_factory=dict)
     stages: tuple[int, ...] = ()  # of a brace; empty: all
     warnings: tuple[Problem, ...] = ()
+    ports: Ports | None = None  # of a diagram
 
     @property
     def name(self) -> str:
         """The folder's name."""
         return self.path.name
+
+    @property
+    def known_channels(self) -> dict[str, Channel]:
+        """Channels that its recordings may have, by name."""
+        if self.ports is not None:
+            return port_channels(self.ports.columns, self.ports.commands)
+        return device_channels(self.device, self.stages)
 
     def split(self, split: str) -> tuple[Run, ...]:
         """Runs of one split, "fit" or "validation"."""

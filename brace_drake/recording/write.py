@@ -95,6 +95,8 @@ def describe(campaign: Campaign) -> dict:
         values = getattr(campaign, name)
         if values:
             head[name] = {key: float(v) for key, v in values.items()}
+    if campaign.ports is not None:
+        head["diagram"] = campaign.ports.section()
     if campaign.stages:
         head["stages"] = list(campaign.stages)
     settled_s = max((run.settled_s for run in campaign.runs), default=0.0)

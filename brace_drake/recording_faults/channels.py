@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from brace_drake.recording.columns import Channel, device_channels
+from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Campaign, Run
 
 _GIVEN = ("time_s",)
@@ -14,7 +14,7 @@ _GIVEN = ("time_s",)
 
 def declared(campaign: Campaign) -> dict[str, Channel]:
     """Declarations of a campaign's channels, by name."""
-    return device_channels(campaign.device, campaign.stages)
+    return campaign.known_channels
 
 
 def is_desired(name: str) -> bool:

@@ -16,12 +16,14 @@ from brace_drake.recording.columns import (
     AXIS,
     BENCH,
     BRACE,
+    DIAGRAM,
     LEG_BENCH,
     PAD_BENCH,
 )
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.brace import BenchScenario, BraceScenario, Contact
 from brace_drake.scenario.check import CheckScenario
+from brace_drake.scenario.diagram import DiagramScenario
 from brace_drake.scenario.fields import fail, merge
 from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.scenario.pad_bench import PadBenchScenario
@@ -33,6 +35,7 @@ SCHEMAS = {
     LEG_BENCH: LegBenchScenario,
     PAD_BENCH: PadBenchScenario,
     AXIS: AxisScenario,
+    DIAGRAM: DiagramScenario,
     BRACE: BraceScenario,
 }
 

@@ -10,10 +10,12 @@ from pathlib import Path
 from brace_drake.cli.options import (
     AddCampaign,
     AddCommand,
+    AddDiagram,
     AddJobs,
     AddJson,
     AddScenario,
     PrintJson,
+    find_diagram_option,
     load_scenario_option,
     open_workers_option,
     share_bar,
@@ -49,6 +51,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--out", required=True, metavar="DIR", help="folder for the results"
     )
     AddScenario(parser)
+    AddDiagram(parser)
     AddJobs(parser)
     AddJson(parser)
 
@@ -130,7 +133,12 @@ def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
     with open_workers_option(args) as workers:
         with share_bar() as progress:
             found = diagnose(
-                campaign, workers, args.seed, scenario, progress=progress
+                campaign,
+                workers,
+                args.seed,
+                scenario,
+                progress=progress,
+                diagram=find_diagram_option(args.diagram),
             )
         document = MakeDocument(found)
         WriteReport(document, MakeTraces(found), out / "report.html")

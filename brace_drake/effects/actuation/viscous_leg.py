@@ -27,6 +27,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
+    needs=("drive of its own",),
     signature="a command proportional to leg speed, in free runs too",
     impostors={
         "coulomb_friction": "the same at all speeds, steps at reversals",

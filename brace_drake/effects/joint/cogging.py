@@ -44,7 +44,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
-    needs=("one joint", "imposed motion"),
+    needs=("one joint", "joint position"),
     signature="the same ripple at the same places, both ways",
     impostors={"stiffening": "one swing over the whole travel"},
     experiment="slow strokes over the whole travel, both ways",

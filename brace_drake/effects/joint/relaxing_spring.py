@@ -46,7 +46,7 @@ CARD = Effect(
     ),
     laws={"drive": _law},
     num_states={"drive": 7},
-    needs=("one joint", "imposed motion"),
+    needs=("one joint", "joint position"),
     signature="force falls in a hold, and fast strokes are stiffer than slow",
     impostors={"stiffening": "the same force at the same place, however fast"},
     experiment="steps with long holds",

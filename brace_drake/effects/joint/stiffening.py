@@ -30,7 +30,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
-    needs=("one joint", "imposed motion"),
+    needs=("one joint", "joint position"),
     signature="a force that bends over position, the same both ways",
     impostors={"relaxing_spring": "depends on how long it is held"},
     experiment="slow strokes of two lengths",

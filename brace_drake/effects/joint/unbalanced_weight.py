@@ -30,7 +30,7 @@ CARD = Effect(
         ),
     ),
     laws={"drive": _law},
-    needs=("one joint", "imposed motion", "angle"),
+    needs=("one joint", "joint position", "angle"),
     signature="a torque that follows the angle, the same both ways",
     impostors={"stiffening": "a spring's, which has no turn of its own"},
     experiment="slow strokes over a wide angle",

@@ -1,0 +1,157 @@
+"""The library's effects at the ports, joints and bodies of a diagram."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.mechanism.payload import payload_card
+from brace_drake.effects.registry import effects_for
+from brace_drake.effects.signal.ways import COMMAND, READING
+from brace_drake.recording.columns import split_unit
+from brace_drake.scenario.axis.units import (
+    FORCE_N,
+    LENGTH_M,
+    AxisUnits,
+    scales,
+)
+from brace_drake.scenario.diagram.number_off import number_off
+
+# Places of `effects.registry.PLACES`, beside those of a port.
+JOINT, BODY, NUMBER = "joint of a plant", "body", "number"
+# Starts of a parameter that a joint's effect is searched from.
+_MOST_STARTS = 12
+
+
+@dataclass(frozen=True)
+class PlacedCard:
+    """A card at one place of a diagram.
+
+    Attributes:
+        card: In the units of its place, which its form names.
+        place: COMMAND, READING, JOINT, BODY or NUMBER.
+        target: Column, joint, body or number.
+        unit: Value of each parameter's unit of reference (n,).
+        behind: What its laws are given behind the parameters.
+    """
+
+    card: Effect
+    place: str
+    target: str
+    unit: np.ndarray
+    behind: tuple[float, ...] = ()
+
+    @property
+    def is_tolerance(self) -> bool:
+        """Whether it is a number off within its tolerance, no finding."""
+        return self.place == NUMBER
+
+    def of_reference(self, values: np.ndarray) -> np.ndarray:
+        """The law's parameters from those in SI."""
+        return np.array([*(values / self.unit), *self.behind])
+
+
+@cache
+def place_cards(
+    commands, readings, joints, bodies, deviations
+) -> dict[str, PlacedCard]:
+    """Cards of a diagram by key.
+
+    Args:
+        commands, readings: (column, half of its range) of each.
+        joints: (name, kind, half of its travel, force) of each.
+        bodies: (name, mass, kg, reach, m) of each.
+        deviations: (number, one standard deviation) of each.
+    """
+    found = [
+        *(
+            p
+            for name, size in commands
+            for p in _of_signal(COMMAND, name, size)
+        ),
+        *(
+            p
+            for name, size in readings
+            for p in _of_signal(READING, name, size)
+        ),
+        *(p for joint in joints for p in _of_joint(*joint)),
+    ]
+    for name, mass, reach in bodies:
+        card = payload_card(name, mass, reach)
+        found.append(PlacedCard(card, BODY, name, np.ones(2)))
+    for name, deviation in deviations:
+        card = number_off(name, deviation)
+        found.append(PlacedCard(card, NUMBER, name, np.ones(1)))
+    return {placed.card.key: placed for placed in found}
+
+
+def _of_signal(way: str, column: str, size: float) -> Iterator[PlacedCard]:
+    quantity, unit = split_unit(column)
+    for effect in effects_for(way).values():
+        sizes = [size if "signal" in p.unit else 1.0 for p in effect.parameters]
+        own = tuple(
+            _scaled(p, s, unit)
+            for p, s in zip(effect.parameters, sizes, strict=True)
+        )
+        yield PlacedCard(
+            _placed(effect, quantity, own), way, column, np.array(sizes)
+        )
+
+
+def _scaled(
+    parameter: EffectParameter, size: float, unit: str
+) -> EffectParameter:
+    """A parameter that is counted in a signal's size, in the signal's unit."""
+    if "signal" not in parameter.unit:
+        return parameter
+    per_s = parameter.unit.endswith("/s")
+    name = f"{parameter.name}_{unit}" if unit else parameter.name
+    shown = unit.replace("_s2", "/s^2").replace("_s", "/s").replace("_", " ")
+    off = parameter.off
+    return replace(
+        parameter,
+        name=name + "_s" * per_s,
+        unit=(shown or "1") + "/s" * per_s,
+        lower=size * parameter.lower,
+        upper=size * parameter.upper,
+        starts=tuple(size * s for s in parameter.starts),
+        off=None if off is None else size * off,
+    )
+
+
+def _of_joint(
+    name: str, kind: str, travel: float, force: float
+) -> Iterator[PlacedCard]:
+    units = AxisUnits(travel / LENGTH_M, force / FORCE_N, kind == "rotary")
+    for effect in effects_for(JOINT).values():
+        # Other forms of friction differ where readings feed back alone.
+        is_turned = "angle" in effect.places
+        if effect.form or (is_turned and not units.is_rotary):
+            continue
+        behind = (units.length,) if is_turned else ()
+        card = units.card(effect)
+        own = tuple(
+            replace(p, starts=p.starts[:_MOST_STARTS]) for p in card.parameters
+        )
+        yield PlacedCard(
+            _placed(card, name, own),
+            JOINT,
+            name,
+            scales(effect, units),
+            behind,
+        )
+
+
+def _placed(
+    effect: Effect, form: str, parameters: tuple[EffectParameter, ...]
+) -> Effect:
+    return replace(
+        effect,
+        form=form,
+        title=f"{effect.title}: {form.replace('_', ' ')}",
+        parameters=parameters,
+    )
