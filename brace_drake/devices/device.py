@@ -5,12 +5,13 @@ from __future__ import annotations
 from brace_drake.core.errors import CampaignError, ScenarioError
 from brace_drake.devices.axis.device import Axis
 from brace_drake.devices.bench.device import Bench
+from brace_drake.devices.brace.device import Brace
 from brace_drake.devices.declaration import Device
 from brace_drake.devices.diagram.device import DiagramDevice
 from brace_drake.devices.leg_bench.device import LegBench
 from brace_drake.devices.pad_bench.device import PadBench
 from brace_drake.laws.hooks import MAX_EFFECTS
-from brace_drake.recording.columns import AXIS, DIAGRAM, LEG_BENCH
+from brace_drake.recording.columns import AXIS, BRACE, DIAGRAM, LEG_BENCH
 from brace_drake.recording.recording import Campaign
 
 DEVICES: dict[str, type[Device]] = {
@@ -18,6 +19,7 @@ DEVICES: dict[str, type[Device]] = {
     "leg bench": LegBench,
     "pad bench": PadBench,
     "axis": Axis,
+    BRACE: Brace,
     DIAGRAM: DiagramDevice,
 }
 

@@ -101,6 +101,8 @@ class Effect:
         on_command: Whether it changes the command on its way to the drive, as
             a gain does: it acts on what the effects before it have left, and
             before those that add a force.
+        stage: Of a brace of several moving stages the only one that has it,
+            counted from 0, and how many there are; None: all, or the torso.
         key: Name, and form where there are several.
         parameter_names, lower, upper: Names and limits in order.
         is_continuous: Parameters that a fit moves (n,).
@@ -136,6 +138,7 @@ class Effect:
     generalises: tuple[str, ...] = ()
     contains: tuple[str, ...] = ()
     on_command: bool = False
+    stage: tuple[int, int] | None = None
     key: str = _derived()
     parameter_names: tuple[str, ...] = _derived()
     lower: np.ndarray = _derived()

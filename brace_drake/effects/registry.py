@@ -29,6 +29,14 @@ PLACES = {
         "length reading",
         "drive of its own",
     },
+    "brace": {
+        *STAGE_POINTS,
+        "brace",
+        "command",
+        "force reading",
+        "length reading",
+        "drive of its own",
+    },
     "leg bench": {
         "drive of its own",
         "drive",

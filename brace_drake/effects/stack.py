@@ -13,6 +13,9 @@ from brace_drake.laws.plug_in import PlugIn
 
 Use = tuple[Effect, np.ndarray]
 
+# In place of a stage's index: an effect of all, each with values of its own.
+EACH_STAGE = -1
+
 
 def stack_effects(uses: Sequence[Use], numbers=None) -> dict[str, PlugIn]:
     """Plug-ins of effects with their parameter vectors, by plug point.
@@ -55,6 +58,8 @@ def stack_effects(uses: Sequence[Use], numbers=None) -> dict[str, PlugIn]:
 
 
 def _vector(effect: Effect, values: np.ndarray, numbers) -> np.ndarray:
+    if effect.stage is not None:
+        return _of_one_stage(effect, values, numbers)
     if effect.constants is None or numbers is None:
         return np.ascontiguousarray(values, dtype=float)
     constants = effect.constants(numbers)
@@ -63,9 +68,32 @@ def _vector(effect: Effect, values: np.ndarray, numbers) -> np.ndarray:
     return vectors[0] if len(vectors) == 1 else vectors
 
 
+def _of_one_stage(effect: Effect, values: np.ndarray, numbers) -> np.ndarray:
+    """A row for each stage, without the effect in the others."""
+    index, count = effect.stage
+    if index == EACH_STAGE:
+        rows = np.reshape(np.asarray(values, dtype=float), (count, -1))
+    else:
+        rows = np.tile(np.asarray(effect.off(), dtype=float), (count, 1))
+        rows[index] = values
+    if effect.constants is not None and numbers is not None:
+        rows = np.hstack([rows, effect.constants(numbers)])
+    return np.ascontiguousarray(rows)
+
+
 def modify_numbers(numbers, uses: Sequence[Use]):
     """The twin's numbers as the effects have changed them."""
     for effect, values in uses:
-        if effect.modify is not None:
+        if effect.modify is None:
+            continue
+        if effect.stage is None:
             numbers = effect.modify(numbers, values)
+            continue
+        index, count = effect.stage
+        own = {index: values}
+        if index == EACH_STAGE:
+            own = dict(enumerate(np.reshape(values, (count, -1))))
+        for stage, mine in own.items():
+            changed = effect.modify(numbers, mine)
+            numbers = numbers.with_stage_of(changed, stage, count)
     return numbers

@@ -73,6 +73,24 @@ class BraceNumbers(NamedTuple):
             at += own.size
         return BraceNumbers(*arrays, *self[_NUM_OF_FORCES:])
 
+    def with_stage_of(
+        self, other: BraceNumbers, stage: int, count: int
+    ) -> BraceNumbers:
+        """These numbers with those of one of n stages of another brace."""
+        changed = []
+        for own, new in zip(self, other, strict=True):
+            mixed = np.array(own)
+            if own.shape[:1] == (count,):
+                mixed[stage] = new[stage]
+            elif own.shape[:1] == (6 * count,):
+                legs = slice(6 * stage, 6 * stage + 6)
+                mixed[legs] = new[legs]
+            elif own.shape[1:] == (6 * count,):
+                legs = slice(6 * stage, 6 * stage + 6)
+                mixed[:, legs] = new[:, legs]
+            changed.append(mixed)
+        return BraceNumbers(*changed)
+
     def with_changes(self, **arrays: np.ndarray) -> BraceNumbers:
         """A copy with some arrays replaced."""
         return self._replace(**arrays)

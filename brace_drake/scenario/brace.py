@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from brace_drake.effects.card import Effect
+from brace_drake.effects.stage_cards import stage_cards
 from brace_drake.recording.columns import BENCH, BRACE
 from brace_drake.scenario.controllers import BraceControl
 from brace_drake.scenario.fields import items, number, vector, word
@@ -225,6 +227,10 @@ class BraceScenario:
     def contacts(self) -> tuple[Contact, ...]:
         """Of each moving ring, bottom to top."""
         return tuple(getattr(self.contact, name) for name in self.rings)
+
+    def own_effects(self) -> dict[str, Effect]:
+        """Cards of the effects that it can have, by key."""
+        return stage_cards(self.device, self.stages)
 
 
 @dataclass(slots=True)

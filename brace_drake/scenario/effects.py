@@ -10,7 +10,7 @@ from brace_drake.core.errors import suggest
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import PLACES, effects_for
 from brace_drake.effects.stack import Use
-from brace_drake.effects.within_tolerances import WITHIN_TOLERANCES
+from brace_drake.effects.stage_cards import stages_within_tolerances
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.fields import fail
@@ -107,7 +107,8 @@ def _cards(name: str, scenario) -> dict[str, Effect]:
     """
     cards = [c for c in effects_of(scenario).values() if c.name == name]
     known = PLACES.get(scenario.device, frozenset())
-    off = WITHIN_TOLERANCES
+    stages = getattr(scenario, "stages", [0])
+    off = stages_within_tolerances(stages)
     if name == off.name and off.places <= known:
         cards.append(off)
     forms = {card.form: card for card in cards}

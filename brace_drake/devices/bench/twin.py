@@ -13,8 +13,8 @@ from brace_drake.devices.bench.rollout import (
     simulate_bench,
 )
 from brace_drake.devices.motions.reference import (
+    COLUMNS,
     reference_at_ticks,
-    reference_of_run,
 )
 from brace_drake.devices.run_memory import RunMemory, key_of_run
 from brace_drake.devices.subject import (
@@ -42,7 +42,7 @@ _SETTLE_S = 2.0
 class BenchTwin(ReplayTwin):
     """Replays recorded references on the compiled bench."""
 
-    channels = CHANNELS
+    channels: tuple[str, ...] = CHANNELS
     has_loop = True
 
     def __init__(self, scenario: BenchScenario, time_step: float | None = None):
@@ -65,16 +65,9 @@ class BenchTwin(ReplayTwin):
 
     def motion(self, run: Run) -> Motion:
         """The reference of a recorded run at control ticks."""
-        times, samples = reference_of_run(run)
+        samples = run.stack(COLUMNS)
         rate = self.scenario.control.rate
-        every = round(np.median(np.diff(times)) * rate)
-        desired = reference_at_ticks(times, samples, rate)
-        # Held at its first place, until what was switched on has settled.
-        settle_s = min(run.settled_s, _SETTLE_S)
-        settled = every * round(settle_s * rate / every)
-        held = np.zeros((settled, 3))
-        held[:, 0] = desired[0, 0]
-        desired = np.vstack([held, desired])
+        desired, every, settled = settled_reference(run, samples, rate)
         return Motion(desired, run.contact, every, settled)
 
     def active(self, run: Run) -> np.ndarray:
@@ -94,3 +87,28 @@ class BenchTwin(ReplayTwin):
         if generator is not None:
             return run(draw_noise(numbers, len(motion.desired), generator))
         return self._memory.recall(key_of_run(numbers, motion, plug_ins), run)
+
+
+def settled_reference(
+    run: Run, samples: np.ndarray, rate: float
+) -> tuple[np.ndarray, int, int]:
+    """A reference at control ticks, held at its first place until what was
+    switched on has settled.
+
+    Args:
+        run: The recording.
+        samples: y, y', y'' at its samples (N, 3), or of C rings (N, 3, C).
+        rate: Of the control, Hz.
+
+    Returns:
+        The reference (ticks, 3) or (ticks, 3, C), ticks in a sample, and how
+        many it is held for.
+    """
+    times = run.time_s - run.time_s[0]
+    every = round(np.median(np.diff(times)) * rate)
+    desired = reference_at_ticks(times, samples, rate)
+    settle_s = min(run.settled_s, _SETTLE_S)
+    settled = every * round(settle_s * rate / every)
+    held = np.zeros((settled, *desired.shape[1:]))
+    held[:, 0] = desired[0, 0]
+    return np.concatenate([held, desired]), every, settled

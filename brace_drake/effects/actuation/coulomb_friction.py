@@ -105,6 +105,7 @@ CARD = Effect(
     ),
     laws={"drive": _law},
     num_states={"drive": 6},
+    needs=("drive of its own",),
     dithered=True,
     signature="commands step by twice the friction at every reversal; a free"
     " run shows it as clearly as a push",
@@ -129,4 +130,31 @@ WITHOUT_CREEP = replace(
     laws={"drive": _law_without_creep},
 )
 
-CARDS = (CARD, WITHOUT_CREEP)
+# A plant's joint takes the force at the end of a step: it holds by itself.
+_STANDS_M_S = 1e-6
+
+
+@compiled_law
+def sign_of(speed):
+    """Direction of a speed, in proportion to it where it stands."""
+    return min(max(speed / _STANDS_M_S, -1.0), 1.0)
+
+
+@plug("drive")
+def _law_of_joint(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    for k in range(f.shape[0]):
+        f[k] -= p[0] * sign_of(l_dot[k])
+
+
+OF_JOINT = replace(
+    CARD,
+    form="joint",
+    title="dry friction of a joint",
+    equation="F = F_c sign(y'), what is needed where y' = 0",
+    source="Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30, 1994",
+    laws={"drive": _law_of_joint},
+    num_states={},
+    needs=("joint of a plant",),
+)
+
+CARDS = (CARD, WITHOUT_CREEP, OF_JOINT)

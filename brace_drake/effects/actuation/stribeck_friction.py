@@ -3,7 +3,11 @@
 import math
 from dataclasses import replace
 
-from brace_drake.effects.actuation.coulomb_friction import STUCK, bristle_force
+from brace_drake.effects.actuation.coulomb_friction import (
+    STUCK,
+    bristle_force,
+    sign_of,
+)
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
@@ -62,6 +66,7 @@ CARD = Effect(
     ),
     laws={"drive": _law},
     num_states={"drive": 6},
+    needs=("drive of its own",),
     dithered=True,
     generalises=("coulomb_friction",),
     signature="stick and slip: a jump of the ring after every reversal",
@@ -83,4 +88,22 @@ WITHOUT_CREEP = replace(
     laws={"drive": _law_without_creep},
 )
 
-CARDS = (CARD, WITHOUT_CREEP)
+
+@plug("drive")
+def _law_of_joint(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    for k in range(f.shape[0]):
+        slow = math.exp(-((l_dot[k] / p[2]) ** 2))
+        f[k] -= (p[0] + p[1] * slow) * sign_of(l_dot[k])
+
+
+OF_JOINT = replace(
+    CARD,
+    form="joint",
+    title="dry friction of a joint with a higher breakaway force",
+    equation="F = (F_c + F_b exp(-(y' / v_s)^2)) sign(y')",
+    laws={"drive": _law_of_joint},
+    num_states={},
+    needs=("joint of a plant",),
+)
+
+CARDS = (CARD, WITHOUT_CREEP, OF_JOINT)

@@ -9,7 +9,7 @@ CARD = replace(
     viscous_leg.CARD,
     name="viscous_friction",
     title="viscous friction off its nominal value",
-    equation="F = d y'",
+    equation="F = (d_nominal + d) y'",
     parameters=(
         EffectParameter(
             "extra_viscous_N_s_m",

@@ -128,9 +128,8 @@ def _of_joint(
 ) -> Iterator[PlacedCard]:
     units = AxisUnits(travel / LENGTH_M, force / FORCE_N, kind == "rotary")
     for effect in effects_for(JOINT).values():
-        # Other forms of friction differ where readings feed back alone.
         is_turned = "angle" in effect.places
-        if effect.form or (is_turned and not units.is_rotary):
+        if is_turned and not units.is_rotary:
             continue
         behind = (units.length,) if is_turned else ()
         card = units.card(effect)
