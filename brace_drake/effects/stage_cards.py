@@ -9,7 +9,11 @@ from functools import cache
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.stack import EACH_STAGE
-from brace_drake.effects.within_tolerances import WITHIN_TOLERANCES
+from brace_drake.effects.within_tolerances import (
+    ANCHORS,
+    NUMBERS,
+    WITHIN_TOLERANCES,
+)
 
 # An effect of so many parameters has some for each leg, or names a leg: it is
 # of one stage.
@@ -63,10 +67,12 @@ def stages_within_tolerances(stages: Sequence[int]) -> Effect:
     """All that may be off on stages within tolerances, at once."""
     if len(stages) == 1:
         return WITHIN_TOLERANCES
+    names = (*NUMBERS, *ANCHORS.parameter_names)
+    own = list(zip(names, WITHIN_TOLERANCES.parameters, strict=True))
     parameters = tuple(
-        replace(p, name=f"stage{stage}_{p.name}")
+        replace(p, name=f"stage{stage}_{name}")
         for stage in stages
-        for p in WITHIN_TOLERANCES.parameters
+        for name, p in own
     )
     return replace(
         WITHIN_TOLERANCES,
