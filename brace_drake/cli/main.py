@@ -56,6 +56,16 @@ def main(argv: list[str] | None = None) -> int:
         stop.End()
 
 
+def _LoadDevices() -> None:
+    """Devices of installed packages; without any nothing is imported."""
+    from importlib.metadata import entry_points
+
+    if entry_points(group="brace_drake.devices"):
+        from brace_drake.devices.registry import load_installed
+
+        load_installed()
+
+
 def _Run(given: list[str]) -> int:
     from brace_drake.core.errors import BraceError
     from brace_drake.core.output import ReleaseFolders
@@ -66,6 +76,7 @@ def _Run(given: list[str]) -> int:
             stream.reconfigure(errors="backslashreplace")
     try:
         _CheckWords(given)
+        _LoadDevices()
         args = make_parser().parse_args(given or ["--help"])
         status = args.run(args)
         if sys.stdout is not None:

@@ -7,6 +7,7 @@ Wanner, Solving Ordinary Differential Equations II, section IV.3).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
@@ -19,6 +20,8 @@ from brace_drake.scenario.diagram import JointSizes
 _TRIALS = 40
 # Of the change of speed in a step.
 _EXACT = 1e-8
+# Effects answer in parts of a step of this length, s.
+_PART_S = 2e-3
 
 
 def solve_speed(change: Callable[[float], float], v_free: float) -> float:
@@ -71,16 +74,37 @@ class JointEffects:
         self._places = [self._work[i : i + 1] for i in range(5)]
 
     def step(
-        self, t: float, dt: float, q: float, v_free: float, compliance: float
+        self,
+        t: float,
+        dt: float,
+        q: float,
+        speeds: tuple[float, float],
+        compliance: float,
     ) -> float:
-        """The force that holds over a step, v = v_free + dt c F(q + dt v, v).
+        """The mean force over a step: what moves the joint without the effects
+        is the same all along it, and they answer in parts of it.
 
         Args:
             t, dt: Time at its beginning, and its length, s.
             q: Position at its beginning.
-            v_free: Speed at its end without the effects.
-            compliance: Acceleration for each unit of the force, c.
+            speeds: At its beginning, and at its end without the effects.
+            compliance: Acceleration for each unit of the force.
         """
+        parts = max(1, math.ceil(dt / _PART_S - 1e-9))
+        part = dt / parts
+        v, rise = speeds[0], (speeds[1] - speeds[0]) / parts
+        whole = 0.0
+        for i in range(parts):
+            force = self._step(t + i * part, part, q, v + rise, compliance)
+            v += rise + part * compliance * force
+            q += part * v
+            whole += force
+        return whole / parts
+
+    def _step(
+        self, t: float, dt: float, q: float, v_free: float, compliance: float
+    ) -> float:
+        """The force in the end, v = v_free + dt c F(q + dt v, v)."""
 
         def change(v: float) -> float:
             for kept, trial in zip(self._memory, self._trial, strict=True):
@@ -135,8 +159,8 @@ class JointForces:
         context = model.plant_context
         self._set(self._none)
         q = plant.GetPositions(context)
-        v = plant.GetVelocities(context)
-        v = v + dt * self._free_acceleration(v)
+        before = plant.GetVelocities(context)
+        v = before + dt * self._free_acceleration(before)
         inverse = np.linalg.inv(plant.CalcMassMatrix(context))
         forces = self._none.copy()
         for joint, length, force, effects in self._joints:
@@ -145,7 +169,7 @@ class JointForces:
                 t,
                 dt,
                 q[joint.position] / length,
-                v[k] / length,
+                (before[k] / length, v[k] / length),
                 inverse[k, k] * force / length,
             )
             # What one joint is pushed with moves the others.

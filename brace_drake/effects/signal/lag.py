@@ -9,11 +9,15 @@ from brace_drake.laws.hooks import plug
 
 @plug("signal")
 def _law(t, dt, y, p, x):
-    # x: the lagging value, then whether it is known.
-    if x[1] == 0.0:
-        x[0], x[1] = y[0], 1.0
+    # x: the lagging value and the signal before, then whether they are known.
+    if x[2] == 0.0:
+        x[0], x[1], x[2] = y[0], y[0], 1.0
     if p[0] > 1e-6:
-        x[0] += (1.0 - math.exp(-dt / p[0])) * (y[0] - x[0])
+        # Exact where the signal goes straight from one sample to the next.
+        stays = math.exp(-dt / p[0])
+        behind = p[0] * (y[0] - x[1]) / dt * (1.0 - stays)
+        x[0] = y[0] + stays * (x[0] - x[1]) - behind
+        x[1] = y[0]
         y[0] = x[0]
 
 
@@ -22,7 +26,7 @@ CARDS = signal_cards(
     "first-order lag",
     _law,
     (EffectParameter("lag_s", "s", 0.0, 1.0, (0.02, 0.1), "time constant T"),),
-    num_states=2,
+    num_states=3,
     equation="T y' = s - y",
     source="Astrom and Murray, Feedback Systems, section 6.3",
     signature="late, and smaller the faster it moves",
