@@ -1,7 +1,5 @@
 """A device in one file: an oven, its heater in, its thermometer out."""
 
-from __future__ import annotations
-
 import copy
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
