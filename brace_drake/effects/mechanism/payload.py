@@ -36,7 +36,7 @@ def payload_card(body: str, mass: float, reach: float) -> Effect:
                 "kg",
                 -0.9 * mass,
                 _MOST * mass,
-                (0.1 * mass,),
+                (0.05 * mass, 0.2 * mass),
                 "mass m",
             ),
             EffectParameter(
@@ -44,7 +44,7 @@ def payload_card(body: str, mass: float, reach: float) -> Effect:
                 "m",
                 0.0,
                 _FARTHEST * reach,
-                (reach,),
+                (reach, 2.0 * reach),
                 "distance r from the body's frame",
                 off=None,
             ),
