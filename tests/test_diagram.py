@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import yaml
 
 from brace_drake.core.errors import CampaignError, ScenarioError
 from brace_drake.devices.device import MakeDevice
@@ -14,6 +15,7 @@ from brace_drake.devices.diagram.joint_forces import solve_speed
 from brace_drake.devices.diagram.signals import pass_series
 from brace_drake.effects.registry import effects_for
 from brace_drake.recording import LoadCampaign, WriteCampaign
+from brace_drake.recording.importing.mapped import ImportCampaign
 from brace_drake.scenario.effects import describe_use
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from tests.foreign.campaigns import make_campaign
@@ -250,6 +252,46 @@ class TestBadInput(unittest.TestCase):
                     (path / "campaign.yaml").write_text(broken)
                     with self.assertRaisesRegex(CampaignError, message):
                         LoadCampaign(path)
+
+    def test_a_map_makes_a_campaign_of_a_labs_own_columns(self):
+        ports = {
+            "inputs": {"force": ["force_N"]},
+            "outputs": {"state": ["cart_m", "pole_rad"]},
+        }
+        head = {
+            "format": "brace-import/1",
+            "device": "diagram",
+            "diagram": ports,
+            "columns": {
+                "time_s": "t",
+                "force_N": "u",
+                "cart_m": {"from": "x", "unit": "mm"},
+                "pole_rad": "angle",
+            },
+            "runs": [{"file": "a.csv", "split": "fit"}],
+        }
+        with tempfile.TemporaryDirectory() as folder:
+            rows = [f"{i / 100},{i % 3},{i},{i / 7}" for i in range(50)]
+            text = "\n".join(["t,u,x,angle", *rows])
+            (Path(folder) / "a.csv").write_text(text)
+            path = Path(folder) / "map.yaml"
+            path.write_text(yaml.safe_dump(head))
+            campaign = ImportCampaign(path)
+            (run,) = campaign.runs
+            np.testing.assert_allclose(
+                run.channels["cart_m"], np.arange(50) / 1e3
+            )
+            self.assertEqual(
+                campaign.ports.columns, ("force_N", "cart_m", "pole_rad")
+            )
+            del head["columns"]["pole_rad"]
+            path.write_text(yaml.safe_dump(head))
+            with self.assertRaisesRegex(CampaignError, "no pole_rad"):
+                ImportCampaign(path)
+            head["diagram"] = {"inputs": {}}
+            path.write_text(yaml.safe_dump(head))
+            with self.assertRaisesRegex(CampaignError, "diagram.outputs"):
+                ImportCampaign(path)
 
     def test_a_diagram_is_for_campaigns_of_one(self):
         other = replace(self.campaign, device="axis", ports=None)

@@ -68,10 +68,13 @@ class TestNotebooks(unittest.TestCase):
     def test_9_the_serial_link_with_the_emulator(self):
         self.run_through("9_the_serial_link_with_the_emulator")
 
+    def test_10_your_own_robot(self):
+        self.run_through("10_your_own_robot")
+
     def test_each_notebook_has_its_test(self):
         names = {p.stem for p in NOTEBOOKS.glob("*.ipynb")}
         tests = {n.removeprefix("test_") for n in dir(self)}
-        self.assertEqual(len(names), 9)
+        self.assertEqual(len(names), 10)
         self.assertLessEqual(names, tests)
 
     def test_each_is_short_and_without_outputs(self):

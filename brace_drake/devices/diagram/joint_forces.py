@@ -82,7 +82,10 @@ class JointEffects:
         compliance: float,
     ) -> float:
         """The mean force over a step: what moves the joint without the effects
-        is the same all along it, and they answer in parts of it.
+        is the same all along it.
+
+        Where the joint goes on the same way it is that in the middle of the
+        step; else the effects answer in parts of it, each at its end.
 
         Args:
             t, dt: Time at its beginning, and its length, s.
@@ -90,30 +93,44 @@ class JointEffects:
             speeds: At its beginning, and at its end without the effects.
             compliance: Acceleration for each unit of the force.
         """
+        v, v_free = speeds
+        if v * v_free > 0.0 and abs(v_free - v) < abs(v):
+            # The mean speed is half of the two; so is what force changes.
+            middle = self._solve(
+                t, dt, 0.5 * dt, q, 0.5 * (v + v_free), 0.5 * compliance
+            )
+            if middle * v > 0.5 * v * v:
+                return self._force(
+                    t, dt, q + 0.5 * dt * middle, middle, self._memory
+                )
         parts = max(1, math.ceil(dt / _PART_S - 1e-9))
-        part = dt / parts
-        v, rise = speeds[0], (speeds[1] - speeds[0]) / parts
+        part, rise = dt / parts, (v_free - v) / parts
         whole = 0.0
         for i in range(parts):
-            force = self._step(t + i * part, part, q, v + rise, compliance)
-            v += rise + part * compliance * force
+            now = t + i * part
+            v = self._solve(now, part, part, q, v + rise, compliance)
             q += part * v
-            whole += force
+            whole += self._force(now, part, q, v, self._memory)
         return whole / parts
 
-    def _step(
-        self, t: float, dt: float, q: float, v_free: float, compliance: float
+    def _solve(
+        self,
+        t: float,
+        dt: float,
+        ahead: float,
+        q: float,
+        v_free: float,
+        compliance: float,
     ) -> float:
-        """The force in the end, v = v_free + dt c F(q + dt v, v)."""
+        """The speed v = v_free + dt c F(q + a v, v), a seconds ahead."""
 
         def change(v: float) -> float:
             for kept, trial in zip(self._memory, self._trial, strict=True):
                 trial[:] = kept
-            force = self._force(t, dt, q + dt * v, v, self._trial)
+            force = self._force(t, dt, q + ahead * v, v, self._trial)
             return dt * compliance * force
 
-        v = solve_speed(change, v_free)
-        return self._force(t, dt, q + dt * v, v, self._memory)
+        return solve_speed(change, v_free)
 
     def _force(self, t, dt, q, v, memory) -> float:
         work = self._work

@@ -29,6 +29,7 @@ from brace_drake.recording.importing.rules import (
 )
 from brace_drake.recording.importing.tables import OPTIONS, LoadTable
 from brace_drake.recording.manifest import take_numbers
+from brace_drake.recording.ports import Ports, parse_ports
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.table import Columns
 
@@ -53,6 +54,9 @@ _HEAD = {
         ("nominal", "control"),
         Field("a map of numbers", lambda v: isinstance(v, dict), False),
     ),
+    "diagram": Field(
+        "a map with outputs", lambda v: isinstance(v, dict), required=False
+    ),
     "subject": Field(
         "text", lambda v: isinstance(v, str | int | float), required=False
     ),
@@ -72,8 +76,8 @@ def ImportCampaign(path: str | Path) -> Campaign:
     {constant}), `runs` (items of campaign.yaml, with the foreign `file`),
     `options` for the reader, `rate_hz` where the files are to be resampled,
     `gaps: split` where a file with gaps in time is to be several runs,
-    `nominal` and `control` as campaign.yaml has them, and `settled_s`, how long
-    the first reference had been held before each run.
+    `nominal`, `control` and `diagram` as campaign.yaml has them, and
+    `settled_s`, how long the first reference had been held before each run.
 
     Raises:
         CampaignError: One line: file, key or column, and what is allowed.
@@ -90,7 +94,10 @@ def ImportCampaign(path: str | Path) -> Campaign:
         if not device.has_channel(name):
             hint = suggest(name, channels)
             raise CampaignError(f"{path}: no channel {quoted(name)}{hint}")
-    missing = [n for n, c in channels.items() if c.required and n not in rules]
+    ports = _ports(path, head, device)
+    needed = [n for n, c in channels.items() if c.required]
+    needed += ports.columns if ports is not None else ()
+    missing = [n for n in needed if n not in rules]
     if missing:
         raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
     options = take_map(head.get("options", {}), OPTIONS, f"{path}: options.")
@@ -121,8 +128,22 @@ def ImportCampaign(path: str | Path) -> Campaign:
         float(rate or found),
         str(head.get("subject") or ""),
         tuple(runs),
+        ports=ports,
         **numbers,
     )
+
+
+def _ports(path: Path, head: dict, device: Device) -> Ports | None:
+    """The section `diagram` of the map, where its device has such."""
+    if not device.has_ports:
+        return None
+    ports, faults = parse_ports(head.get("diagram"))
+    if faults:
+        name, wanted, value = faults[0]
+        raise CampaignError(
+            f"{path}: {name} is {quoted(value)}; allowed: {wanted}"
+        )
+    return ports
 
 
 def _numbers(path: Path, head: dict, device: Device) -> dict:
