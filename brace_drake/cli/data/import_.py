@@ -8,6 +8,7 @@ from brace_drake.cli.options import AddCommand
 
 _EPILOG = """\
 example:
+  brace-drake import --init monday.csv > monday.map.yaml
   brace-drake import monday.map.yaml --out recordings/monday
 
 where monday.map.yaml says which column is which channel:
@@ -43,13 +44,22 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "map", metavar="MAP", help="*.yaml, see the example; or *.mcap"
     )
-    parser.add_argument(
-        "--out", required=True, metavar="DIR", help="campaign folder to make"
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--out", metavar="DIR", help="campaign folder to make")
+    what.add_argument(
+        "--init",
+        action="store_true",
+        help="MAP is a recording: print a draft of a map for it",
     )
 
 
 def Run(args: argparse.Namespace) -> int:
     """Imports and writes; prints what to do next."""
+    if args.init:
+        from brace_drake.recording.importing.draft import draft_map
+
+        print(draft_map(args.map), end="")
+        return 0
     from brace_drake.recording import WriteCampaign
     from brace_drake.recording.importing.mapped import ImportCampaign
     from brace_drake.recording.importing.mcap_file import LoadMcapCampaign

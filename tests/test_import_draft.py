@@ -1,0 +1,107 @@
+"""Drafts of maps: guessed from names and units, and good enough to import."""
+
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from brace_drake.cli.main import main
+from brace_drake.core.errors import CampaignError
+from brace_drake.recording.importing.draft import (
+    draft_map,
+    guess_channels,
+    guess_options,
+    unit_of,
+)
+from brace_drake.recording.importing.mapped import ImportCampaign
+
+GERMAN = "Messung 3\nDatum;26.11.2026\nZeit (ms);Weg [mm];Kraft_kN;Temp (C)\n"
+
+
+def german(folder: str) -> Path:
+    """A recording with a preamble, semicolons and decimal commas."""
+    rows = [f"{10 * i};{i},5;0,{i:03d};21,{i % 10}" for i in range(60)]
+    path = Path(folder) / "druck.csv"
+    path.write_text(GERMAN + "\n".join(rows) + "\n")
+    return path
+
+
+class TestDraft(unittest.TestCase):
+    def test_units_are_those_of_brackets_and_endings(self):
+        for column, unit in (
+            ("Time (ms)", "ms"),
+            ("Stroke [mm]", "mm"),
+            ("Kraft_kN", "kN"),
+            ("input_torque_N_m", "N m"),
+            ("speed_rad_s", "rad/s"),
+            ("Angle [°]", "deg"),
+            ("Load", ""),
+            ("Temp (C)", ""),
+        ):
+            with self.subTest(column):
+                self.assertEqual(unit_of(column), unit)
+
+    def test_columns_are_guessed_by_words_and_units(self):
+        names = {
+            "t": "time_s",
+            "Joint angle (deg)": "position_rad",
+            "AngleSetpoint (deg)": "position_command_rad",
+            "tau [N mm]": "torque_N_m",
+            "pressure_bar": None,
+        }
+        table = {name: np.arange(3.0) for name in names}
+        found = {g.column: g.channel for g in guess_channels(table)}
+        self.assertEqual(found, names)
+
+    def test_a_channel_is_given_once(self):
+        table = {n: np.arange(3.0) for n in ("force_N", "load_N", "time_s")}
+        found = [g.channel for g in guess_channels(table)]
+        self.assertEqual(found, ["force_N", None, "time_s"])
+
+    def test_the_dialect_of_a_file_is_seen(self):
+        with tempfile.TemporaryDirectory() as folder:
+            found = guess_options(german(folder))
+        wanted = {"delimiter": ";", "decimal": ",", "skip_lines": 2}
+        self.assertEqual(found, wanted)
+
+    def test_a_draft_is_a_map_that_imports(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = german(folder)
+            text = draft_map(path)
+            (Path(folder) / "a.map.yaml").write_text(text)
+            campaign = ImportCampaign(Path(folder) / "a.map.yaml")
+        (run,) = campaign.runs
+        i = np.arange(60)
+        np.testing.assert_allclose(run.channels["time_s"], 1e-2 * i)
+        np.testing.assert_allclose(run.channels["position_m"], 1e-3 * (i + 0.5))
+        np.testing.assert_allclose(run.channels["force_N"], i)
+        self.assertIn('# input_Temp_C: "Temp (C)"', text)
+
+    def test_the_command_prints_it(self):
+        out = io.StringIO()
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            contextlib.redirect_stdout(out),
+        ):
+            status = main(["import", "--init", str(german(folder))])
+        self.assertEqual(status, 0)
+        self.assertEqual(
+            set(yaml.safe_load(out.getvalue())["columns"]),
+            {"time_s", "position_m", "force_N"},
+        )
+
+    def test_what_is_no_recording_is_refused_in_a_line(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "a.csv"
+            for text in ("", "a\n", "a,b\nx,y\n"):
+                path.write_text(text)
+                with self.subTest(text), self.assertRaises(CampaignError):
+                    draft_map(path)
+
+
+if __name__ == "__main__":
+    unittest.main()
