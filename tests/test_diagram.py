@@ -148,6 +148,18 @@ class TestScenario(unittest.TestCase):
         }
         self.assertLessEqual(wanted, keys)
 
+    def test_readings_that_differ_by_their_unit_have_effects_of_their_own(self):
+        campaign = make_campaign("pendulum", Fault(), 1)
+        twin = MakeDevice(campaign, diagram=MakePendulum).twin
+        card = twin.effects()["sensor_scale (arm_rad)"]
+        self.assertIn("sensor_scale (arm_rad_s)", twin.effects())
+        motion = twin.motion(campaign.runs[0])
+        subject = np.array([p.nominal for p in twin.subject])
+        before = twin.simulate(motion, subject)
+        after = twin.simulate(motion, subject, ((card, np.array([0.2])),))
+        np.testing.assert_allclose(after[:, 0], 1.2 * before[:, 0])
+        np.testing.assert_array_equal(after[:, 1:], before[:, 1:])
+
     def test_a_repaired_scenario_comes_back_the_same(self):
         twin = self.device.twin
         subject = np.array([2.0, 0.003])

@@ -67,19 +67,14 @@ def place_cards(
         bodies: (name, mass, kg, reach, m) of each.
         deviations: (number, one standard deviation) of each.
     """
-    found = [
-        *(
-            p
-            for name, size in commands
-            for p in _of_signal(COMMAND, name, size)
-        ),
-        *(
-            p
-            for name, size in readings
-            for p in _of_signal(READING, name, size)
-        ),
-        *(p for joint in joints for p in _of_joint(*joint)),
-    ]
+    found = []
+    for way, signals in ((COMMAND, commands), (READING, readings)):
+        quantities = [split_unit(name)[0] for name, _ in signals]
+        for (name, size), quantity in zip(signals, quantities, strict=True):
+            # A position and its speed may be the same but for the unit.
+            own = quantity if quantities.count(quantity) == 1 else name
+            found += _of_signal(way, name, own, size)
+    found += [p for joint in joints for p in _of_joint(*joint)]
     for name, mass, reach in bodies:
         card = payload_card(name, mass, reach)
         found.append(PlacedCard(card, BODY, name, np.ones(2)))
@@ -89,8 +84,10 @@ def place_cards(
     return {placed.card.key: placed for placed in found}
 
 
-def _of_signal(way: str, column: str, size: float) -> Iterator[PlacedCard]:
-    quantity, unit = split_unit(column)
+def _of_signal(
+    way: str, column: str, form: str, size: float
+) -> Iterator[PlacedCard]:
+    unit = split_unit(column)[1]
     for effect in effects_for(way).values():
         sizes = [size if "signal" in p.unit else 1.0 for p in effect.parameters]
         own = tuple(
@@ -98,7 +95,7 @@ def _of_signal(way: str, column: str, size: float) -> Iterator[PlacedCard]:
             for p, s in zip(effect.parameters, sizes, strict=True)
         )
         yield PlacedCard(
-            _placed(effect, quantity, own), way, column, np.array(sizes)
+            _placed(effect, form, own), way, column, np.array(sizes)
         )
 
 
