@@ -18,25 +18,20 @@ from brace_drake.core.errors import EffectError, suggest
 from brace_drake.effects.card import Effect
 from brace_drake.laws.hooks import STAGE_POINTS
 
+# What a bench has, and a brace.
+_OF_STAGES = {
+    *STAGE_POINTS,
+    "brace",
+    "command",
+    "force reading",
+    "length reading",
+    "drive of its own",
+}
 # What each device has that an effect may need: plug points of its rollout,
 # what is read at `sensing`, and the numbers and six legs of a brace.
 PLACES = {
-    "bench stage 2": {
-        *STAGE_POINTS,
-        "brace",
-        "command",
-        "force reading",
-        "length reading",
-        "drive of its own",
-    },
-    "brace": {
-        *STAGE_POINTS,
-        "brace",
-        "command",
-        "force reading",
-        "length reading",
-        "drive of its own",
-    },
+    "bench stage 2": _OF_STAGES,
+    "brace": _OF_STAGES,
     "leg bench": {
         "drive of its own",
         "drive",

@@ -95,5 +95,5 @@ def modify_numbers(numbers, uses: Sequence[Use]):
             own = dict(enumerate(np.reshape(values, (count, -1))))
         for stage, mine in own.items():
             changed = effect.modify(numbers, mine)
-            numbers = numbers.with_stage_of(changed, stage, count)
+            numbers = numbers.with_stage_of(changed, stage)
     return numbers

@@ -73,23 +73,19 @@ class BraceNumbers(NamedTuple):
             at += own.size
         return BraceNumbers(*arrays, *self[_NUM_OF_FORCES:])
 
-    def with_stage_of(
-        self, other: BraceNumbers, stage: int, count: int
-    ) -> BraceNumbers:
-        """These numbers with those of one of n stages of another brace."""
-        changed = []
-        for own, new in zip(self, other, strict=True):
-            mixed = np.array(own)
-            if own.shape[:1] == (count,):
-                mixed[stage] = new[stage]
-            elif own.shape[:1] == (6 * count,):
-                legs = slice(6 * stage, 6 * stage + 6)
-                mixed[legs] = new[legs]
-            elif own.shape[1:] == (6 * count,):
-                legs = slice(6 * stage, 6 * stage + 6)
-                mixed[:, legs] = new[:, legs]
-            changed.append(mixed)
-        return BraceNumbers(*changed)
+    def with_stage_of(self, other: BraceNumbers, stage: int) -> BraceNumbers:
+        """These numbers with those of one stage of another brace."""
+        legs = slice(6 * stage, 6 * stage + 6)
+        places = {
+            **dict.fromkeys(("rest", "lower", "upper"), stage),
+            **dict.fromkeys(("contact", "ring"), stage),
+            **dict.fromkeys(("viscous", "start"), legs),
+            "control": (slice(None), legs),
+        }
+        changed = {name: getattr(self, name).copy() for name in places}
+        for name, place in places.items():
+            changed[name][place] = getattr(other, name)[place]
+        return self.with_changes(**changed)
 
     def with_changes(self, **arrays: np.ndarray) -> BraceNumbers:
         """A copy with some arrays replaced."""

@@ -8,7 +8,7 @@ hyperbolic tangent, encoders with noise and steps.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,12 +26,11 @@ class Fault:
 
 @dataclass
 class Machine:
-    """Equations M(q) q'' + h(q, q') = tau, and its numbers."""
+    """Equations M(q) q'' + h(q, q') = tau."""
 
     mass: Callable
     bias: Callable
     control: Callable  # (command, q, v) -> tau
-    numbers: dict = field(default_factory=dict)
 
 
 def cart_pole(cart=1.0, d=(1.5, 0.004), load=(0.0, 0.0)) -> Machine:
@@ -158,12 +157,11 @@ def simulate(
     rate: float,
     fault: Fault,
     fine: int = 20,
-    start=(0.0, 0.0),
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions and speeds (N, 4), and torques (N, 2), at the samples."""
     times = np.arange(len(commands)) / rate
     dt = 1.0 / rate / fine
-    x = np.array([*start, 0.0, 0.0])
+    x = np.zeros(4)
     log, taus = [], []
     lag = np.array(commands[0], dtype=float)
     slow = np.array(commands[0], dtype=float)

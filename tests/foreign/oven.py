@@ -1,7 +1,7 @@
 """A device in one file: an oven, its heater in, its thermometer out."""
 
 import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -38,7 +38,6 @@ class OvenNumbers:
 
     lag: float
     resistance: float
-    off: dict = field(default_factory=dict)
 
 
 class OvenTwin(ReplayTwin):

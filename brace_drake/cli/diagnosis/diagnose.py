@@ -63,7 +63,8 @@ def Run(args: argparse.Namespace) -> int:
     campaign = LoadCampaign(args.campaigns[0])
     out = HoldFolder(Path(args.out))
     scenario = load_scenario_option(args.scenario)
-    document = _Diagnose(campaign, scenario, out, args)
+    diagram = find_diagram_option(args.diagram)
+    document = _Diagnose(campaign, scenario, diagram, out, args)
     if args.json:
         PrintJson(document)
         return 0
@@ -80,8 +81,9 @@ def _RunMany(args: argparse.Namespace) -> int:
     """One after the other; 2 where any failed, the others are written."""
     from brace_drake.report.summary import WriteSummary, failed_row, summary_row
 
-    # A scenario or a place that is wrong is wrong for all: fail at once.
+    # What is wrong for all fails at once: scenario, diagram, place.
     scenario = load_scenario_option(args.scenario)
+    diagram = find_diagram_option(args.diagram)
     out = HoldFolder(Path(args.out))
     rows = []
     for path, name in zip(
@@ -90,7 +92,7 @@ def _RunMany(args: argparse.Namespace) -> int:
         try:
             campaign = LoadCampaign(path)
             folder = MakeFolder(out / name)
-            document = _Diagnose(campaign, scenario, folder, args)
+            document = _Diagnose(campaign, scenario, diagram, folder, args)
             rows.append(summary_row(name, document))
             if not args.json:
                 print(f"{name}: {document['verdict']['sentence']}")
@@ -120,7 +122,9 @@ def folder_names(campaigns: Sequence[str]) -> list[str]:
     return names
 
 
-def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
+def _Diagnose(
+    campaign, scenario, diagram, out: Path, args: argparse.Namespace
+) -> dict:
     """Diagnoses one campaign, writes its files, returns the document."""
     # Numba and Drake are slow to import: only once the input is good.
     from brace_drake.design.next_run import WriteNextRun
@@ -138,7 +142,7 @@ def _Diagnose(campaign, scenario, out: Path, args: argparse.Namespace) -> dict:
                 args.seed,
                 scenario,
                 progress=progress,
-                diagram=find_diagram_option(args.diagram),
+                diagram=diagram,
             )
         document = MakeDocument(found)
         WriteReport(document, MakeTraces(found), out / "report.html")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import copy
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -154,17 +155,15 @@ class DiagramTwin(ReplayTwin):
         return readings + noise * np.array(sigma)
 
 
-def _key(numbers: DiagramNumbers, motion: Commanded, uses) -> bytes:
+def _key(numbers: DiagramNumbers, motion: Commanded, uses) -> Hashable:
     """What an exact replay depends on."""
-    values = [*numbers.values.values(), *np.ravel([*numbers.payloads.values()])]
-    parts = [
-        repr((sorted(numbers.payloads), sorted(motion.start.items()))).encode(),
-        np.array(values, dtype=float).tobytes(),
+    return (
+        tuple(numbers.values.items()),
+        tuple(sorted(numbers.payloads.items())),
+        tuple(sorted(motion.start.items())),
         motion.commands.tobytes(),
-    ]
-    for effect, own in uses:
-        parts += [effect.key.encode(), np.asarray(own, dtype=float).tobytes()]
-    return b"|".join(parts)
+        tuple((effect.key, own.tobytes()) for effect, own in uses),
+    )
 
 
 class _Models:
@@ -175,39 +174,24 @@ class _Models:
         self._idle: OrderedDict[tuple, list[DiagramModel]] = OrderedDict()
         self._lock = threading.Lock()
 
-    def of(self, values: Mapping[str, float]) -> _Lent:
-        """A diagram of some numbers, as a context manager."""
-        return _Lent(self, tuple(values.items()))
-
-    def take(self, key: tuple) -> DiagramModel:
-        """One that nobody else has."""
+    @contextmanager
+    def of(self, values: Mapping[str, float]) -> Iterator[DiagramModel]:
+        """A diagram of some numbers that nobody else has; one that broke down
+        does not come back.
+        """
+        key = tuple(values.items())
         with self._lock:
-            if self._idle.get(key):
-                return self._idle[key].pop()
-        diagram = call_factory(self._make, dict(key))
-        return DiagramModel(diagram, self._time_step)
-
-    def give(self, key: tuple, model: DiagramModel) -> None:
-        """Back; the oldest of other numbers go."""
+            idle = self._idle.get(key)
+            model = idle.pop() if idle else None
+        if model is None:
+            diagram = call_factory(self._make, values)
+            model = DiagramModel(diagram, self._time_step)
+        yield model
         with self._lock:
             self._idle.setdefault(key, []).append(model)
             self._idle.move_to_end(key)
             while len(self._idle) > _KEPT:
                 self._idle.popitem(last=False)
-
-
-class _Lent:
-    def __init__(self, models: _Models, key: tuple):
-        self._models, self._key = models, key
-
-    def __enter__(self) -> DiagramModel:
-        self._model = self._models.take(self._key)
-        return self._model
-
-    def __exit__(self, kind, error, trace) -> None:
-        # One that broke down is not used again.
-        if error is None:
-            self._models.give(self._key, self._model)
 
 
 def _fitted(scenario: DiagramScenario) -> tuple[SubjectParameter, ...]:

@@ -137,11 +137,6 @@ def references_of_rings(
         yield list(rings).index(ring), run.stack(columns)
 
 
-def reference_of_run(run: Run) -> tuple[np.ndarray, np.ndarray]:
-    """Sample times from 0 (N,), s, and the logged reference (N, 3)."""
-    return run.time_s - run.time_s[0], run.stack(COLUMNS)
-
-
 def LoadReference(
     path: str | Path, rings: tuple[int, ...] = BENCH_RINGS
 ) -> Run:
