@@ -18,19 +18,12 @@ from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.recording.importing.mapped import ImportCampaign
 from brace_drake.scenario.effects import describe_use
 from brace_drake.scenario.load import LoadScenario, SaveScenario
-from tests.foreign.campaigns import make_campaign
+from tests.foreign.campaigns import SETUPS, make_campaign
 from tests.foreign.diagrams import MakeArm, MakeCartPole, MakePendulum
 from tests.foreign.machines import Fault
 
 MAKERS = {"cart_pole": MakeCartPole, "arm": MakeArm, "pendulum": MakePendulum}
 HERE = Path(__file__).resolve().parent
-
-
-def true_subject(name: str, twin, seed: int) -> np.ndarray:
-    """Dampings with which `make_campaign` has drawn its machine."""
-    rng = np.random.default_rng([seed, 1])
-    nominal = np.array([p.nominal for p in twin.subject])
-    return nominal * [rng.uniform(0.7, 1.4) for _ in nominal]
 
 
 def off_in_noise(name: str, fault: Fault, *effects) -> np.ndarray:
@@ -45,7 +38,7 @@ def off_in_noise(name: str, fault: Fault, *effects) -> np.ndarray:
     twin = MakeDevice(campaign, diagram=MAKERS[name]).twin
     cards = twin.effects()
     uses = [(cards[key], np.array(values)) for key, values in effects]
-    subject = true_subject(name, twin, 1)
+    subject = np.array(SETUPS[name].true_dampings(1))
     noise = np.array([twin.scenario.noise[n] for n in twin.channels])
     rest = [
         twin.simulate(twin.motion(run), subject, uses) - twin.measured(run)

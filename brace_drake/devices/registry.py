@@ -7,11 +7,11 @@ command line then knows them too.
 
 from __future__ import annotations
 
-import importlib.metadata
 from dataclasses import dataclass, field
 from functools import cache
 
 from brace_drake.core.errors import CampaignError
+from brace_drake.core.plugins import load_plugins
 from brace_drake.devices.declaration import Device
 from brace_drake.devices.device import DEVICES
 from brace_drake.effects.registry import PLACES
@@ -74,11 +74,5 @@ def load_installed() -> None:
     Raises:
         CampaignError: A package's entry point cannot be loaded, or is none.
     """
-    for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
-        try:
-            card = point.load()
-        except Exception as error:
-            raise CampaignError(f"device {point.value}: {error}") from error
-        if not isinstance(card, DeviceCard):
-            raise CampaignError(f"{point.value} is no DeviceCard")
+    for card in load_plugins(ENTRY_POINTS, DeviceCard, "device", CampaignError):
         register_device(card)

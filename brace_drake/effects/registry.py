@@ -9,12 +9,12 @@ a card; the command line then knows them too.
 from __future__ import annotations
 
 import importlib
-import importlib.metadata
 import pkgutil
 from functools import cache
 
 import brace_drake.effects
 from brace_drake.core.errors import EffectError, suggest
+from brace_drake.core.plugins import load_plugins
 from brace_drake.effects.card import Effect
 from brace_drake.laws.hooks import STAGE_POINTS
 
@@ -120,14 +120,7 @@ def _library() -> dict[str, Effect]:
         loaded = importlib.import_module(module.name)
         card = getattr(loaded, "CARD", None)
         found += getattr(loaded, "CARDS", () if card is None else (card,))
-    for point in importlib.metadata.entry_points(group=ENTRY_POINTS):
-        try:
-            card = point.load()
-        except Exception as error:
-            raise EffectError(f"effect {point.value}: {error}") from error
-        if not isinstance(card, Effect):
-            raise EffectError(f"{point.value} is no effect's card")
-        found.append(card)
+    found += load_plugins(ENTRY_POINTS, Effect, "effect", EffectError)
     cards: dict[str, Effect] = {}
     for card in found:
         if card.key in cards:

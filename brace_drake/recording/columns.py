@@ -59,6 +59,11 @@ def split_unit(name: str) -> tuple[str, str]:
     return name, ""
 
 
+def shown_unit(unit: str) -> str:
+    """A unit of a column as readers have it: "rad/s" for "rad_s"."""
+    return unit.replace("_s2", "/s^2").replace("_s", "/s").replace("_", " ")
+
+
 def near_misses(
     names: Iterable[str], header: Iterable[str]
 ) -> dict[str, str | None]:

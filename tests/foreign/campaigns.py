@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -47,12 +49,48 @@ SHAPES = {
 }
 
 
-def cart_pole_setup(fault, seed):
-    """Machine, size of commands, columns."""
-    rng = np.random.default_rng([seed, 1])
-    d = (1.5 * rng.uniform(0.7, 1.4), 0.004 * rng.uniform(0.7, 1.4))
-    machine = machines.cart_pole(1.0, d, _load(fault))
-    ports = Ports(
+@dataclass(frozen=True)
+class Setup:
+    """How a machine is made, commanded and read.
+
+    Attributes:
+        make: From dampings and a load to the machine.
+        size: Of the commands.
+        inputs, outputs: Columns of each port.
+        dampings: Nominal value and limits of each joint's.
+        known: Numbers that are not fitted.
+    """
+
+    make: Callable
+    size: float
+    inputs: dict[str, tuple[str, ...]]
+    outputs: dict[str, tuple[str, ...]]
+    dampings: dict[str, tuple[float, float, float]]
+    known: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def ports(self) -> Ports:
+        """As a campaign has them."""
+        nominal = {n: value for n, (value, _, _) in self.dampings.items()}
+        limits = {n: (low, high) for n, (_, low, high) in self.dampings.items()}
+        return Ports(
+            inputs=self.inputs,
+            outputs=self.outputs,
+            numbers={**self.known, **nominal},
+            fitted=limits,
+        )
+
+    def true_dampings(self, seed: int) -> list[float]:
+        """Of the machine that is drawn."""
+        rng = np.random.default_rng([seed, 1])
+        return [v * rng.uniform(0.7, 1.4) for v, _, _ in self.dampings.values()]
+
+
+_ARM = ("shoulder", "elbow")
+SETUPS = {
+    "cart_pole": Setup(
+        make=lambda d, load: machines.cart_pole(1.0, d, load),
+        size=4.0,
         inputs={"force": ("force_N",)},
         outputs={
             "state": (
@@ -62,78 +100,39 @@ def cart_pole_setup(fault, seed):
                 "pole_speed_rad_s",
             )
         },
-        numbers={
-            "cart_mass_kg": 1.0,
-            "slide_damping_N_s_m": 1.5,
-            "hinge_damping_N_m_s_rad": 0.004,
+        dampings={
+            "slide_damping_N_s_m": (1.5, 0.1, 6.0),
+            "hinge_damping_N_m_s_rad": (0.004, 0.0004, 0.02),
         },
-        fitted={
-            "slide_damping_N_s_m": (0.1, 6.0),
-            "hinge_damping_N_m_s_rad": (0.0004, 0.02),
-        },
-    )
-    return machine, ports, 4.0
-
-
-def arm_setup(fault, seed):
-    """Machine, columns, size of commands."""
-    rng = np.random.default_rng([seed, 1])
-    d = (0.3 * rng.uniform(0.7, 1.4), 0.2 * rng.uniform(0.7, 1.4))
-    machine = machines.arm(d, _load(fault))
-    ports = Ports(
+        known={"cart_mass_kg": 1.0},
+    ),
+    "arm": Setup(
+        make=machines.arm,
+        size=0.8,
         inputs={
-            "desired": (
-                "shoulder_desired_rad",
-                "elbow_desired_rad",
-                "shoulder_desired_rad_s",
-                "elbow_desired_rad_s",
+            "desired": tuple(
+                f"{j}_desired_{unit}" for unit in ("rad", "rad_s") for j in _ARM
             )
         },
         outputs={
-            "state": (
-                "shoulder_rad",
-                "elbow_rad",
-                "shoulder_rad_s",
-                "elbow_rad_s",
-            ),
-            "torque": ("shoulder_torque_N_m", "elbow_torque_N_m"),
+            "state": tuple(f"{j}_{u}" for u in ("rad", "rad_s") for j in _ARM),
+            "torque": tuple(f"{j}_torque_N_m" for j in _ARM),
         },
-        numbers={
-            "shoulder_damping_N_m_s_rad": 0.3,
-            "elbow_damping_N_m_s_rad": 0.2,
+        dampings={
+            "shoulder_damping_N_m_s_rad": (0.3, 0.03, 1.5),
+            "elbow_damping_N_m_s_rad": (0.2, 0.02, 1.0),
         },
-        fitted={
-            "shoulder_damping_N_m_s_rad": (0.03, 1.5),
-            "elbow_damping_N_m_s_rad": (0.02, 1.0),
-        },
-    )
-    return machine, ports, 0.8
-
-
-def pendulum_setup(fault, seed):
-    """Machine, columns, size of commands."""
-    rng = np.random.default_rng([seed, 1])
-    d = (0.004 * rng.uniform(0.7, 1.4), 0.0004 * rng.uniform(0.7, 1.4))
-    machine = machines.pendulum(d, _load(fault))
-    ports = Ports(
+    ),
+    "pendulum": Setup(
+        make=machines.pendulum,
+        size=0.06,
         inputs={"torque": ("torque_N_m",)},
         outputs={"state": ("arm_rad", "swing_rad", "arm_rad_s", "swing_rad_s")},
-        numbers={
-            "turn_damping_N_m_s_rad": 0.004,
-            "swing_damping_N_m_s_rad": 0.0004,
+        dampings={
+            "turn_damping_N_m_s_rad": (0.004, 0.0004, 0.02),
+            "swing_damping_N_m_s_rad": (0.0004, 0.00004, 0.002),
         },
-        fitted={
-            "turn_damping_N_m_s_rad": (0.0004, 0.02),
-            "swing_damping_N_m_s_rad": (0.00004, 0.002),
-        },
-    )
-    return machine, ports, 0.06
-
-
-SETUPS = {
-    "cart_pole": cart_pole_setup,
-    "arm": arm_setup,
-    "pendulum": pendulum_setup,
+    ),
 }
 # Of readings: standard deviation and step of a position, and of a speed.
 NOISE = {
@@ -149,7 +148,9 @@ def _load(fault):
 
 def make_campaign(name: str, fault: Fault, seed: int) -> Campaign:
     """A campaign of five runs, two of them for validation."""
-    machine, ports, size = SETUPS[name](fault, seed)
+    setup = SETUPS[name]
+    machine = setup.make(setup.true_dampings(seed), _load(fault))
+    ports, size = setup.ports, setup.size
     sigma, quantum = map(np.array, NOISE[name])
     count = int(DURATION_S * RATE) + 1
     runs = []

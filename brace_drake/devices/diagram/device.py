@@ -18,7 +18,7 @@ from brace_drake.devices.diagram.factory import MakeDiagram
 from brace_drake.devices.diagram.nominal import MakeDiagramScenario
 from brace_drake.devices.diagram.twin import DiagramTwin
 from brace_drake.devices.motions.library import MotionSet
-from brace_drake.recording.columns import DIAGRAM, split_unit
+from brace_drake.recording.columns import DIAGRAM, shown_unit, split_unit
 from brace_drake.recording.recording import Campaign, Run
 
 
@@ -70,7 +70,7 @@ class DiagramDevice(Device):
         for placed in self.twin.scenario.placed_cards().values():
             if placed.is_tolerance:
                 deviation = self.twin.scenario.deviations[placed.target]
-                unit = split_unit(placed.target)[1].replace("_", " ") or "1"
+                unit = shown_unit(split_unit(placed.target)[1]) or "1"
                 uses = ((placed.card, np.array([deviation])),)
                 block = placed.card.block
                 found.append(
@@ -82,7 +82,7 @@ class DiagramDevice(Device):
 def _unit(columns: Sequence[str]) -> str | None:
     """The unit that columns share, None where they have several."""
     units = {split_unit(column)[1] for column in columns}
-    return units.pop().replace("_", " ") if len(units) == 1 else None
+    return shown_unit(units.pop()) if len(units) == 1 else None
 
 
 def _words(outputs) -> dict[str, tuple[str, str]]:

@@ -22,7 +22,7 @@ from brace_drake.devices.run_memory import RunMemory
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.signal.ways import READING
-from brace_drake.recording.columns import DIAGRAM, split_unit
+from brace_drake.recording.columns import DIAGRAM, shown_unit, split_unit
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.diagram import DiagramScenario
 
@@ -199,7 +199,7 @@ def _fitted(scenario: DiagramScenario) -> tuple[SubjectParameter, ...]:
     found = []
     for name, (low, high) in scenario.fitted.items():
         value = scenario.numbers[name]
-        unit = split_unit(name)[1].replace("_", " ") or "1"
+        unit = shown_unit(split_unit(name)[1]) or "1"
         step = _STEP * (high - low)
         found.append(SubjectParameter(name, unit, value, low, high, step))
     return tuple(found)

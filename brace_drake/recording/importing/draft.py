@@ -16,7 +16,7 @@ import numpy as np
 from brace_drake.core.errors import CampaignError
 from brace_drake.core.reading import ReadBytes, in_file
 from brace_drake.core.reading.rows import decode_lines
-from brace_drake.recording.columns import AXIS, split_unit
+from brace_drake.recording.columns import AXIS, shown_unit, split_unit
 from brace_drake.recording.importing.tables import LoadTable
 from brace_drake.recording.importing.units import scale_of
 from brace_drake.recording.table import Columns
@@ -158,7 +158,7 @@ def unit_of(column: str) -> str:
     own = split_unit(column)[1]
     if own and not bracketed:
         # As our own columns have it.
-        return own.replace("_s2", "/s^2").replace("_s", "/s").replace("_", " ")
+        return shown_unit(own)
     text = bracketed[1] if bracketed else re.split(r"[\s_,;]+", column)[-1]
     text = text.strip()
     known = _UNITS.get(text.lower(), text)

@@ -12,7 +12,7 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.mechanism.payload import payload_card
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.signal.ways import COMMAND, READING
-from brace_drake.recording.columns import split_unit
+from brace_drake.recording.columns import shown_unit, split_unit
 from brace_drake.scenario.axis.units import (
     FORCE_N,
     LENGTH_M,
@@ -107,12 +107,11 @@ def _scaled(
         return parameter
     per_s = parameter.unit.endswith("/s")
     name = f"{parameter.name}_{unit}" if unit else parameter.name
-    shown = unit.replace("_s2", "/s^2").replace("_s", "/s").replace("_", " ")
     off = parameter.off
     return replace(
         parameter,
         name=name + "_s" * per_s,
-        unit=(shown or "1") + "/s" * per_s,
+        unit=(shown_unit(unit) or "1") + "/s" * per_s,
         lower=size * parameter.lower,
         upper=size * parameter.upper,
         starts=tuple(size * s for s in parameter.starts),
