@@ -76,8 +76,9 @@ def _Run(given: list[str]) -> int:
             stream.reconfigure(errors="backslashreplace")
     try:
         _CheckWords(given)
-        _LoadDevices()
         args = make_parser().parse_args(given or ["--help"])
+        # A help that is all that was asked for has ended by now.
+        _LoadDevices()
         status = args.run(args)
         if sys.stdout is not None:
             # What cannot be printed is found out here, and not at exit.
