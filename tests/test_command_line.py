@@ -150,7 +150,7 @@ class TestManyCampaigns(unittest.TestCase):
             shutil.copytree(EXAMPLE, campaign)
 
     def diagnose(self, *campaigns):
-        def fake(campaign, scenario, out, args):
+        def fake(campaign, scenario, diagram, out, args):
             (out / "report.html").write_text("")
             return {
                 "verdict": {

@@ -27,6 +27,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 # How long each file took when it was last run here, s.
 TIMES = ROOT / "out" / "test_times.json"
+# What the single tests of a second and more took, s, the slowest first.
+SLOW = ROOT / "out" / "slow_tests.json"
 REAL_TIME = "tests.test_link_"
 # Where nothing was timed yet: the longest of all.
 LONG = (
@@ -63,12 +65,27 @@ class Outcome(NamedTuple):
     skipped: int
     seconds: float
     report: str
+    slow: dict[str, float]
 
 
 class _Result(unittest.TextTestResult):
-    """Counts what has passed."""
+    """Counts what has passed, and times it; a test is slow from 1 s on."""
 
     passed = 0
+
+    def __init__(self, *args):
+        super().__init__(*args)
+        self.slow: dict[str, float] = {}
+
+    def startTest(self, test):
+        super().startTest(test)
+        self._start = time.monotonic()
+
+    def stopTest(self, test):
+        super().stopTest(test)
+        seconds = round(time.monotonic() - self._start, 1)
+        if seconds >= 1.0:
+            self.slow[test.id()] = seconds
 
     def addSuccess(self, test):
         super().addSuccess(test)
@@ -91,7 +108,19 @@ def run_file(name: str) -> Outcome:
     passed = result.passed + len(result.expectedFailures)
     seconds = time.monotonic() - start
     report = text.getvalue() if failed else ""
-    return Outcome(name, passed, failed, len(result.skipped), seconds, report)
+    return Outcome(
+        name,
+        passed,
+        failed,
+        len(result.skipped),
+        seconds,
+        report,
+        result.slow,
+    )
+
+
+def _dead(name: str, why: str) -> Outcome:
+    return Outcome(name, 0, (name,), 0, 0.0, why, {})
 
 
 def longest_first(names: list[str]) -> list[str]:
@@ -134,7 +163,7 @@ class Process:
                 values["failed"] = tuple(values["failed"])
                 return Outcome(**values)
         why = f"the process ended with status {self._process.wait()}\n"
-        return Outcome(name, 0, (name,), 0, 0.0, why)
+        return _dead(name, why)
 
     def close(self) -> None:
         """Ends the process, whatever its threads still do."""
@@ -156,7 +185,7 @@ def serve(ask: int, answer: int, niceness: int) -> int:
                 found = run_file(name.strip())
             except Exception as error:
                 why = f"{type(error).__name__}: {error}\n"
-                found = Outcome(name.strip(), 0, (name.strip(),), 0, 0.0, why)
+                found = _dead(name.strip(), why)
             outcomes.write(json.dumps(found._asdict()) + "\n")
             outcomes.flush()
     return 0
@@ -223,6 +252,9 @@ def main() -> int:
         TIMES.parent.mkdir(exist_ok=True)
         times = {o.name: round(o.seconds, 1) for o in outcomes}
         TIMES.write_text(json.dumps(times, indent=1))
+        slow = {k: v for o in outcomes for k, v in o.slow.items()}
+        ordered = dict(sorted(slow.items(), key=lambda item: -item[1]))
+        SLOW.write_text(json.dumps(ordered, indent=1))
     for test in failed:
         print(f"failed: {test}")
     seconds = time.monotonic() - start
