@@ -9,7 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import float64, int64, njit, types
 
-from brace_drake.laws.compiled import MAKER, compiled_law, copy_values
+from brace_drake.laws.compiled import (
+    MAKER,
+    compiled_law,
+    compiled_when_called,
+    copy_values,
+)
 from brace_drake.laws.control.brace_control import (
     GOOD,
     HELD,
@@ -149,7 +154,7 @@ def _decide(tick, dt, steps, numbers, effects, brace, controller, plan):
     )
 
 
-@njit(
+@compiled_when_called(
     (float64, int64, NUMBERS, EFFECTS, BRACE, _CONTROL, _DECISIONS), **MAKER
 )  # fmt: skip
 def run_decisions(dt, steps, numbers, effects, brace, control, plan):

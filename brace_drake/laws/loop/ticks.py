@@ -8,9 +8,13 @@ that takes these steps. `numbers`, `effects` and `brace` are as
 
 import math
 
-from numba import float64, int64, njit
+from numba import float64, int64
 
-from brace_drake.laws.compiled import MAKER, compiled_law
+from brace_drake.laws.compiled import (
+    MAKER,
+    compiled_law,
+    compiled_when_called,
+)
 from brace_drake.laws.hooks import EFFECTS, MAX_EFFECTS, SENSING, vector
 from brace_drake.laws.loop.brace import BRACE, is_near
 from brace_drake.laws.loop.forces import add_forces, press_pads
@@ -115,7 +119,9 @@ def go_to_tick(tick, dt, steps, numbers, effects, brace, noise):
     read(t, period, numbers, effects, brace, noise)
 
 
-@njit((float64, int64, NUMBERS, EFFECTS, BRACE, vector), **MAKER)
+@compiled_when_called(
+    (float64, int64, NUMBERS, EFFECTS, BRACE, vector), **MAKER
+)  # fmt: skip
 def run_ticks(dt, steps, numbers, effects, brace, noise):
     """A generator: goes to a tick, reads, yields, and so on.
 
@@ -136,7 +142,7 @@ def run_ticks(dt, steps, numbers, effects, brace, noise):
         tick += 1
 
 
-@njit((float64, vector, NUMBERS, EFFECTS, BRACE), **MAKER)
+@compiled_when_called((float64, vector, NUMBERS, EFFECTS, BRACE), **MAKER)
 def run_forces(dt, time, numbers, effects, brace):
     """A generator: forces and exact readings of a brace as it is now.
 
