@@ -1,0 +1,100 @@
+"""The search for a law: terms of a dictionary, one after the other.
+
+Each term is screened by a linearised replay in the closed loop, the most
+promising ones are fitted beside the subject and the terms before, and that of
+the best score stays (orthogonal matching pursuit: Pati, Rezaiifar,
+Krishnaprasad, Asilomar Conference 1993; in the loop, so that nothing has to be
+differentiated). The criterion ends it: a term has to pay for itself, on
+motions that are left out in turn as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from brace_drake.core.errors import BraceError
+from brace_drake.effects.card import Effect
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.screening import (
+    Say,
+    screen,
+    search_best,
+    silent,
+)
+from brace_drake.selection.search.shortlist import best_fits, refine
+from brace_drake.selection.search.within import search_beside, set_out
+
+# Terms of a law, and how many of each round are searched at least.
+MOST_TERMS, PLACES = 3, 4
+
+
+def search_law(
+    evaluator: Evaluator,
+    criterion: Criterion,
+    base: CandidateFit,
+    terms: Sequence[Effect],
+    say: Say = silent,
+) -> CandidateFit:
+    """The base with the terms that pay, or the base itself.
+
+    Args:
+        evaluator: Over the fit runs.
+        criterion: Of the campaign.
+        base: The nominal fit, or one with the effects that are named.
+        terms: Of the dictionary.
+        say: Progress.
+    """
+    best = base
+    for number in range(MOST_TERMS):
+        if len(best.effects) >= evaluator.room or not criterion.may_pay(best):
+            break
+        part = _part(say, number)
+        try:
+            longer = _one_more(evaluator, criterion, best, terms, part)
+        except BraceError:
+            break
+        if longer is None or criterion.score(longer) >= criterion.score(best):
+            break
+        best = longer
+    return best
+
+
+def _one_more(
+    evaluator: Evaluator,
+    criterion: Criterion,
+    base: CandidateFit,
+    terms: Sequence[Effect],
+    say: Say,
+) -> CandidateFit | None:
+    """The base with the best term more; None where none could be fitted."""
+    set_out(evaluator, base)
+    lines = Linearisation(evaluator, search_beside(evaluator, base))
+    fresh = [t for t in terms if t.name not in base.kinds]
+    candidates = screen(lines, fresh, say)
+    search_best(lines, candidates, say, PLACES)
+    fits = refine(evaluator, best_fits(candidates), lines.remaining)
+    return _plainest(criterion, refined(fits))
+
+
+def _plainest(
+    criterion: Criterion, fits: Sequence[CandidateFit]
+) -> CandidateFit | None:
+    """Of those that explain about as much, that with the fewest numbers."""
+    if not fits:
+        return None
+    least = min(criterion.score(f) for f in fits)
+    near = [f for f in fits if criterion.score(f) < least + thresholds.TIED]
+    return min(near, key=lambda f: (_num_shapes(f), criterion.score(f)))
+
+
+def _num_shapes(fit: CandidateFit) -> int:
+    return sum(int(e.is_continuous.sum()) for e in fit.effects)
+
+
+def _part(say: Say, number: int) -> Say:
+    begin, end = number / MOST_TERMS, (number + 1) / MOST_TERMS
+    return lambda what, share: say(what, begin + (end - begin) * share)
