@@ -12,6 +12,7 @@ from brace_drake.core.errors import CampaignError
 from brace_drake.design.next_run import NextRun, choose_next_run
 from brace_drake.devices.declaration import Device, Nuisance
 from brace_drake.devices.device import MakeDevice, check_room
+from brace_drake.discrepancy import FoundLaw, find_law
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison, compare_runs
@@ -63,6 +64,7 @@ class Diagnosis:
         where: The gap by block, channel, phase and band.
         rest: What the best twin leaves, by the motion that it goes with.
         blocks: In which the gap lies.
+        law: Of what no effect of the library explains, where one holds.
         next_run: The run that would settle what is open.
         recording: Faults of the recording itself; where one is certain, the
             gap is its, and no verdict on the machine counts.
@@ -89,8 +91,14 @@ class Diagnosis:
     where: dict
     rest: list[dict]
     blocks: list[str]
+    law: FoundLaw | None
     next_run: NextRun | None
     recording: tuple[Finding, ...] = ()
+
+    @property
+    def repair(self) -> CandidateFit | None:
+        """The fit with all that was found, its law included; None without."""
+        return self.law.fit if self.law else self.verdict.winner
 
 
 def diagnose(
@@ -197,6 +205,12 @@ def diagnose(
     if verdict.gap:
         rest = describe_rest(evaluator, best, device.motion_signals, rate, seed)
     blocks = accused_blocks(verdict, criterion, fits, tests, where)
+    law = None
+    if verdict.outside_library and not is_faulty:
+        say("law of what is left", 0.97)
+        law = find_law(
+            device, evaluator, validation, criterion, best, blocks, seed
+        )
     next_run = choose_next_run(
         device, evaluator, criterion, fits, verdict, seed
     )
@@ -222,6 +236,7 @@ def diagnose(
         where=where,
         rest=rest,
         blocks=blocks,
+        law=law,
         next_run=next_run,
         recording=tuple(recording),
     )

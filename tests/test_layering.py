@@ -22,6 +22,7 @@ LAYERS = (
     ("selection",),
     ("isolation",),
     ("validation",),
+    ("discrepancy",),
     ("design",),
     ("diagnose",),
     ("report",),

@@ -12,8 +12,13 @@ from brace_drake.effects.unknown import is_term, terms_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison, is_repaired, rms_gap
+from brace_drake.identification.intervals import (
+    EstimateTable,
+    estimate_table,
+)
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.screening import Say, silent
+from brace_drake.selection.settle import set_within
 from brace_drake.validation.shrinkage import (
     compare_new_runs,
     measure_shrinkage,
@@ -26,12 +31,14 @@ class FoundLaw:
 
     Attributes:
         fit: With the terms, beside the effects that are named.
+        estimates: Parameters of that fit, with their errors.
         shrinkage: How far the gap shrinks with all of them on runs that no
             fit has seen; None without such runs.
         compared: Those runs, before and after.
     """
 
     fit: CandidateFit
+    estimates: EstimateTable
     shrinkage: dict | None
     compared: list[RunComparison]
 
@@ -74,12 +81,14 @@ def find_law(
         fit = search_law(evaluator, criterion, base, terms, say)
         if fit is base:
             continue
+        fit = set_within(evaluator, fit, device.uses_off)
         compared = compare_new_runs(validation, criterion.nominal, fit)
         if _is_refuted(validation, criterion, base, compared):
             continue
         subject = criterion.nominal.subject
         shrinkage = measure_shrinkage(device, compared, subject, seed)
-        return FoundLaw(fit, shrinkage, compared)
+        estimates = estimate_table(evaluator, fit, seed)
+        return FoundLaw(fit, estimates, shrinkage, compared)
     return None
 
 

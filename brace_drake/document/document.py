@@ -9,6 +9,7 @@ import numpy as np
 
 from brace_drake.design.next_run import describe_next
 from brace_drake.diagnose import Diagnosis
+from brace_drake.document.law_rows import law_row, law_sentence
 from brace_drake.document.rows import (
     cause_rows,
     estimate_row,
@@ -52,6 +53,7 @@ def MakeDocument(d: Diagnosis) -> dict:
     }
     name = d.campaign.name
     told["sentence"] = verdict_sentence(name, told, closed, len(moved))
+    told["sentence"] += law_sentence(told["unexplained"]["law"])
     told["sentence"] += controller_text(d.block_tests)
     told["sentence"] += stated_text(
         d.campaign.nominal, d.estimates.parameters[: d.estimates.num_subject]
@@ -113,7 +115,7 @@ def _unexplained(d: Diagnosis) -> dict:
         "share": share,
         "block": next(iter(rest or d.blocks), None) if share else None,
         "description": rest_text(shape) if shape else "",
-        "law": None,
+        "law": law_row(d.law),
     }
 
 

@@ -11,6 +11,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import PLACES, effects_for
 from brace_drake.effects.stack import Use
 from brace_drake.effects.stage_cards import stages_within_tolerances
+from brace_drake.effects.unknown import terms_for
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.fields import fail
@@ -103,7 +104,7 @@ def _cards(name: str, scenario) -> dict[str, Effect]:
     """Cards of a name by form; the first also stands for no form at all.
 
     A machine off within its tolerances is none of the library's, and may be
-    carried all the same.
+    carried all the same; so are terms of a law.
     """
     cards = [c for c in effects_of(scenario).values() if c.name == name]
     known = PLACES.get(scenario.device, frozenset())
@@ -111,6 +112,7 @@ def _cards(name: str, scenario) -> dict[str, Effect]:
     off = stages_within_tolerances(stages)
     if name == off.name and off.places <= known:
         cards.append(off)
+    cards += [c for n, c in terms_for(scenario.device).items() if n == name]
     forms = {card.form: card for card in cards}
     if cards:
         forms.setdefault("", cards[0])

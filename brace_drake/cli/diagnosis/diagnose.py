@@ -146,7 +146,7 @@ def _Diagnose(
             )
         document = MakeDocument(found)
         WriteReport(document, MakeTraces(found), out / "report.html")
-        WriteRepairedScenario(found.device.twin, found.verdict.winner, out)
+        WriteRepairedScenario(found.device.twin, found.repair, out)
         WriteNextRun(found.next_run, out)
         WriteJson(out / "diagnosis.json", document)
     return document

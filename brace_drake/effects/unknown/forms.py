@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from brace_drake.laws import terms
+from brace_drake.effects.unknown import terms
 
 # Names of a term's parameters; lengths of shapes are in units of what is usual
 # at the place, times in s.
@@ -38,7 +38,7 @@ class Form:
 
     Attributes:
         key: Part of its name.
-        code: In `laws.terms`.
+        code: In `terms`.
         words: What it is like; {q} is what its place is called, {a} and {b}
             the values of its shapes.
         formula: Of the strength c and its shapes; q, v, u, t.
@@ -144,7 +144,7 @@ PULSE = Form(
     ),
 )  # fmt: skip
 OSCILLATION = Form(
-    "oscillation", terms.OSCILLATION, "that swings with {a}",
+    "oscillation", terms.OSCILLATION, "that swings at {a}",
     "c sin(2 pi a t + b)", (0, 0, 0, 0), "a motor, a pump, breath or tremor",
     (
         Shape(

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 from brace_drake.effects.unknown import forms
 from brace_drake.effects.unknown.forms import Form
+from brace_drake.effects.unknown.terms import term_value
 from brace_drake.laws.hooks import plug
-from brace_drake.laws.terms import term_value
 
 # What is usual: of a way, a depth, m; a speed, m/s; a load, N; a time, s.
 WAY, DEPTH, SPEED, LOAD, FORCE, TIME = 5e-3, 2e-3, 0.02, 10.0, 10.0, 10.0
@@ -72,18 +72,22 @@ def _law_of_ring(axis: int):
     @plug("ring")
     def law(t, dt, p_R, r_R, V, F, p, x):
         F[3 + axis] += p[0] * term_value(
-            p[3], p[1], p[2], p_R[axis] / WAY, V[3 + axis] / SPEED, 0.0, t,
-            t / TIME, dt, x,
+            p[3], p[1], p[2], p_R[1] / WAY, V[4] / SPEED, 0.0, t, t / TIME,
+            dt, x,
         )  # fmt: skip
 
     return law
 
 
-@plug("torso")
-def _law_of_torso(t, dt, p_T, r_T, V, law, F, p, x):
-    F[4] += p[0] * term_value(
-        p[3], p[1], p[2], p_T[1] / WAY, V[4] / SPEED, 0.0, t, t / TIME, dt, x
-    )
+def _law_of_torso(axis: int):
+    @plug("torso")
+    def law_of_torso(t, dt, p_T, r_T, V, law, F, p, x):
+        F[3 + axis] += p[0] * term_value(
+            p[3], p[1], p[2], p_T[1] / WAY, V[4] / SPEED, 0.0, t, t / TIME,
+            dt, x,
+        )  # fmt: skip
+
+    return law_of_torso
 
 
 @plug("contact")
@@ -96,15 +100,18 @@ def _law_of_pads(t, dt, pad, d, law, N, p, x):
     )  # fmt: skip
 
 
-@plug("sensing")
-def _law_of_force_reading(t, h, u, l, F, p, x):  # noqa: E741
-    # x: state, the force before, whether that is known.
-    rate = (F[1] - x[1]) / h if x[2] != 0.0 else 0.0
-    x[1], x[2] = F[1], 1.0
-    F[1] += p[0] * term_value(
-        p[3], p[1], p[2], F[1] / FORCE, rate / FORCE, F[1] / FORCE, t,
-        t / TIME, h, x[0:1],
-    )  # fmt: skip
+def _law_of_force_reading(axis: int):
+    @plug("sensing")
+    def law_of_reading(t, h, u, l, F, p, x):  # noqa: E741
+        # x: state, the force before, whether that is known.
+        rate = (F[1] - x[1]) / h if x[2] != 0.0 else 0.0
+        x[1], x[2] = F[1], 1.0
+        F[axis] += p[0] * term_value(
+            p[3], p[1], p[2], F[1] / FORCE, rate / FORCE, F[1] / FORCE, t,
+            t / TIME, h, x[0:1],
+        )  # fmt: skip
+
+    return law_of_reading
 
 
 @plug("sensing")
@@ -135,28 +142,49 @@ LEGS = Place(
 )  # fmt: skip
 
 
+_ACROSS = (
+    forms.SPRING, forms.EVEN, forms.ABOVE, forms.BELOW, forms.DIRECTION,
+)  # fmt: skip
+
+
 def _ring(axis: int) -> Place:
     name = "xyz"[axis]
     every = (*forms.OF_PLACE, *forms.OF_SPEED, *forms.OF_BOTH, *forms.OF_TIME)
     if axis != 1:
-        # The brace pushes along y: elsewhere next to nothing moves.
-        every = forms.OF_TIME[:-1]
+        # The brace pushes along y: what acts across goes with y as well.
+        every = (*_ACROSS, *forms.OF_TIME)
     return Place(
         f"ring_{name}", "mechanism", f"a force along {name} on the ring",
-        "ring", _law_of_ring(axis), 1, every, name, _MOTION,
+        "ring", _law_of_ring(axis), 1, every, "y", _MOTION,
     )  # fmt: skip
 
 
-RINGS = tuple(_ring(axis) for axis in range(3))
-TORSO = Place(
-    "torso_y", "torso", "a force along y on the torso", "torso",
-    _law_of_torso, 1,
-    (
+def _torso(axis: int) -> Place:
+    name = "xyz"[axis]
+    every = (
         *forms.OF_PLACE[1:], *forms.OF_SPEED[1:], *forms.OF_BOTH,
         *forms.OF_TIME[1:],
-    ),
-    "y", _MOTION,
-)  # fmt: skip
+    )  # fmt: skip
+    if axis != 1:
+        every = forms.OF_TIME[1:]
+    return Place(
+        f"torso_{name}", "torso", f"a force along {name} on the torso",
+        "torso", _law_of_torso(axis), 1, every, "y", _MOTION,
+    )  # fmt: skip
+
+
+def _force_reading(axis: int) -> Place:
+    name = "xyz"[axis]
+    return Place(
+        f"force_reading_{name}", "sensing",
+        f"an error of the force along {name} that is read", "sensing",
+        _law_of_force_reading(axis), 3,
+        _READ if axis == 1 else (forms.SPRING, forms.EVEN, *forms.OF_TIME[1:]),
+        "the force along y", (FORCE, FORCE, FORCE, TIME),
+        ("N", "N/s", "N", "s"), needs=("force reading",),
+    )  # fmt: skip
+
+
 PADS = Place(
     "pads", "contact", "a force at each pad", "contact", _law_of_pads, 2,
     (
@@ -165,16 +193,18 @@ PADS = Place(
     ),
     "the depth", (DEPTH, SPEED, FORCE, TIME),
 )  # fmt: skip
-FORCE_READING = Place(
-    "force_reading", "sensing", "an error of the force that is read",
-    "sensing", _law_of_force_reading, 3, _READ, "the force",
-    (FORCE, FORCE, FORCE, TIME), ("N", "N/s", "N", "s"),
-    needs=("force reading",),
-)  # fmt: skip
 LENGTH_READING = Place(
     "length_reading", "sensing", "an error of each length that is read",
     "sensing", _law_of_length_reading, _LEGS + 2,
     (forms.SPRING, forms.EVEN, forms.RIPPLE, *forms.OF_TIME[1:]), "the length",
     _MOTION, unit="m", strength=2e-5, needs=("length reading", "brace"),
 )  # fmt: skip
-PLACES = (LEGS, *RINGS, TORSO, PADS, FORCE_READING, LENGTH_READING)
+_AXES = (1, 0, 2)
+PLACES = (
+    LEGS,
+    *map(_ring, _AXES),
+    *map(_torso, _AXES),
+    PADS,
+    *map(_force_reading, _AXES),
+    LENGTH_READING,
+)
