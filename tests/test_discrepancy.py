@@ -1,0 +1,109 @@
+"""What the library does not know gets a law; noise gets none."""
+
+import math
+import unittest
+from unittest import mock
+
+import numpy as np
+
+from brace_drake.discrepancy.search import search_law
+from brace_drake.discrepancy.swings import residual_swings
+from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.unknown import describe_term, terms_for
+from brace_drake.identification.nominal_fit import fit_nominal
+from brace_drake.laws.hooks import plug
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.level import make_criterion
+from tests.synthetic_bench import DEVICE, SyntheticBench
+
+STIFFNESS, ONSET, SMOOTH = 600.0, -1.5e-3, 1e-4
+
+
+@plug("ring")
+def _pull(t, dt, p_R, r_R, V, F, p, x):
+    # A cable that tightens softly: a one-sided spring in the limit.
+    slack = (p_R[1] - p[1]) / p[2]
+    F[4] += p[0] * p[2] * math.log1p(math.exp(-slack))
+
+
+@plug("torso")
+def _shake(t, dt, p_T, r_T, V, law, F, p, x):
+    F[4] += p[0] * math.sin(2.0 * math.pi * 3.1 * t + 0.7)
+
+
+def _foreign(name, point, law, *names):
+    parameters = tuple(
+        EffectParameter(n, "1", -1e6, 1e6, (1.0,), n) for n in names
+    )
+    return Effect(
+        name=name,
+        block="mechanism" if point == "ring" else "torso",
+        title=name,
+        equation=name,
+        source="none: unknown to the library",
+        parameters=parameters,
+        laws={point: law},
+        signature="",
+        impostors={},
+        experiment="",
+    )
+
+
+CABLE = _foreign("cable", "ring", _pull, "k", "y0", "s")
+TREMOR = _foreign("tremor", "torso", _shake, "A")
+
+
+class TestSearchLaw(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.bench = SyntheticBench()
+        cls.terms = terms_for(DEVICE)
+
+    def law(self, uses, names):
+        """The terms found among some, and the criterion."""
+        evaluator = self.bench.evaluator(uses)
+        nominal = fit_nominal(evaluator)
+        criterion = make_criterion(evaluator, nominal, ())
+        terms = [self.terms[name] for name in names]
+        return search_law(evaluator, criterion, nominal, terms), criterion
+
+    def test_a_soft_cable_is_a_one_sided_spring(self):
+        truth = np.array([STIFFNESS, ONSET, SMOOTH])
+        names = [
+            f"term_ring_y_{form}"
+            for form in ("spring", "cube", "above", "below", "damper", "memory")
+        ]
+        fit, criterion = self.law([(CABLE, truth)], names)
+        ((card, values),) = fit.uses
+        self.assertEqual(card.name, "term_ring_y_below")
+        told = describe_term(card, values, np.zeros(4))["parameters"]
+        self.assertAlmostEqual(told[0]["value"] / STIFFNESS, 1.0, delta=0.05)
+        self.assertAlmostEqual(told[1]["value"], ONSET, delta=1e-4)
+        self.assertGreater(criterion.closed(fit), 0.9)
+
+    def test_a_tremor_is_found_at_its_frequency(self):
+        uses = [(TREMOR, np.array([0.6]))]
+        evaluator = self.bench.evaluator(uses)
+        nominal = fit_nominal(evaluator)
+        first, *_ = residual_swings(evaluator, nominal)
+        # A run of 5 s tells a frequency to a fifth of a hertz.
+        self.assertAlmostEqual(first, 3.1, delta=0.2)
+        names = [
+            f"term_torso_y_{form}" for form in ("drag", "drift", "oscillation")
+        ]
+        fit, _ = self.law(uses, names)
+        ((card, values),) = fit.uses
+        self.assertEqual(card.name, "term_torso_y_oscillation")
+        self.assertAlmostEqual(values[1], 3.1, delta=0.02)
+        self.assertAlmostEqual(abs(values[0]), 0.6, delta=0.06)
+
+    def test_noise_gets_no_law(self):
+        names = [n for n in self.terms if n.startswith("term_ring_y")]
+        # The search is made to try all the same.
+        with mock.patch.object(Criterion, "may_pay", lambda self, fit: True):
+            fit, _ = self.law([], names)
+        self.assertFalse(fit.uses)
+
+
+if __name__ == "__main__":
+    unittest.main()
