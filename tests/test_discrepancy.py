@@ -2,18 +2,22 @@
 
 import math
 import unittest
+from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
 
 from brace_drake.discrepancy.search import search_law
 from brace_drake.discrepancy.swings import residual_swings
+from brace_drake.document.law_rows import law_row, law_sentence
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.unknown import describe_term, terms_for
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.laws.hooks import plug
+from brace_drake.report.page import render_page
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import make_criterion
+from tests.diagnoses import make_partly
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
 STIFFNESS, ONSET, SMOOTH = 600.0, -1.5e-3, 1e-4
@@ -100,9 +104,44 @@ class TestSearchLaw(unittest.TestCase):
     def test_noise_gets_no_law(self):
         names = [n for n in self.terms if n.startswith("term_ring_y")]
         # The search is made to try all the same.
-        with mock.patch.object(Criterion, "may_pay", lambda self, fit: True):
+        with mock.patch.object(Criterion, "is_beyond_level", lambda *_: True):
             fit, _ = self.law([], names)
         self.assertFalse(fit.uses)
+
+
+class TestWords(unittest.TestCase):
+    def row(self):
+        card = terms_for(DEVICE)["term_ring_y_below"]
+        values = np.array([2.0, -0.4, 0.0, float(card.parameters[-1].upper)])
+        law = SimpleNamespace(
+            fit=SimpleNamespace(uses=((card, values),), num_runs=3),
+            estimates=SimpleNamespace(
+                num_subject=1,
+                parameters=[
+                    SimpleNamespace(standard_error=e) for e in (9.0, 0.1, 0.02)
+                ],
+            ),
+            shrinkage={"closed": 0.987, "closed_interval": (0.97, 0.99)},
+        )
+        return law_row(law)
+
+    def test_a_law_is_told_with_units_errors_and_what_it_closes(self):
+        row = self.row()
+        (term,) = row["terms"]
+        errors = [p["standard_error"] for p in term["parameters"]]
+        # 0.1 N at 5 mm; 0.02 times 5 mm.
+        np.testing.assert_allclose(errors, [20.0, 1e-4])
+        sentence = law_sentence(row)
+        self.assertIn("400 N/m, where y is below -2 mm", sentence)
+        self.assertIn("closes 98.7 %", sentence)
+        self.assertEqual(law_sentence(law_row(None)), "")
+
+    def test_the_page_shows_it(self):
+        diagnosis = make_partly()
+        diagnosis["verdict"]["unexplained"]["law"] = self.row()
+        page = render_page(diagnosis, [])
+        self.assertIn("c max(0, a - q)", page)
+        self.assertIn("400 ± 39 N/m", page)
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@ Each term is screened by a linearised replay in the closed loop, the most
 promising ones are fitted beside the subject and the terms before, and that of
 the best score stays (orthogonal matching pursuit: Pati, Rezaiifar,
 Krishnaprasad, Asilomar Conference 1993; in the loop, so that nothing has to be
-differentiated). The criterion ends it: a term has to pay for itself, on
-motions that are left out in turn as well.
+differentiated). A term has to pay for itself, on motions that are left out in
+turn as well; the search ends where no more is left than a right twin leaves.
 """
 
 from __future__ import annotations
@@ -51,7 +51,8 @@ def search_law(
     """
     best = base
     for number in range(MOST_TERMS):
-        if len(best.effects) >= evaluator.room or not criterion.may_pay(best):
+        is_whole = not criterion.is_beyond_level(best)
+        if is_whole or len(best.effects) >= evaluator.room:
             break
         part = _part(say, number)
         try:

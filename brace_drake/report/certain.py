@@ -45,6 +45,7 @@ def describe_certain(diagnosis: dict) -> dict:
     return {
         "supported": [_supported_row(row) for row in verdict["supported"]],
         "rest": _rest_text(verdict),
+        "law": _law_rows(verdict["unexplained"]["law"]),
         "validation": _validation_text(verdict, diagnosis["shrink"]),
         "faults": verdict["recording"],
         "moved": [_moved_row(row) for row in diagnosis["tolerances"]],
@@ -61,6 +62,28 @@ def _supported_row(row: dict) -> dict:
     }
 
 
+def _law_rows(law: dict | None) -> list[dict]:
+    """A row for each term of a law."""
+    terms = law["terms"] if law else []
+    return [
+        {
+            "text": term["text"],
+            "formula": term["formula"],
+            "usual": term["usual"],
+            "numbers": ", ".join(map(_number_text, term["parameters"])),
+        }
+        for term in terms
+    ]
+
+
+def _number_text(row: dict) -> str:
+    value, error = row["value"], row["standard_error"]
+    text = f"{row['name']} = {significant(value, 4)}"
+    if error is not None:
+        text += f" ± {significant(1.96 * error, 2)}"
+    return f"{text} {row['unit']}".removesuffix(" 1")
+
+
 def _rest_text(verdict: dict) -> str:
     """What is left of the gap, as a sentence; empty where there is no gap."""
     left = verdict["unexplained"]
@@ -74,7 +97,7 @@ def _rest_text(verdict: dict) -> str:
     if left["description"]:
         text += f"; it {left['description']}"
     if left["law"]:
-        text += f": {left['law']}"
+        text += f". It acts like {left['law']['text']}"
     if verdict["outside_library"]:
         return f"{text}. No effect of the library explains that."
     return f"{text}. That is too little to be called a further cause."
