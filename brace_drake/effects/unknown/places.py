@@ -181,7 +181,8 @@ def _force_reading(axis: int) -> Place:
         _law_of_force_reading(axis), 3,
         _READ if axis == 1 else (forms.SPRING, forms.EVEN, *forms.OF_TIME[1:]),
         "the force along y", (FORCE, FORCE, FORCE, TIME),
-        ("N", "N/s", "N", "s"), needs=("force reading",),
+        ("N", "N/s", "N", "s"),
+        needs=("force reading", "contact", *["brace"] * (axis != 1)),
     )  # fmt: skip
 
 
