@@ -60,8 +60,7 @@ def find_law(
 ) -> FoundLaw | None:
     """The law of what a fit leaves; None where no law holds.
 
-    Terms of the accused blocks are tried first, those of all others where
-    these explain next to nothing.
+    Terms of the accused blocks alone are tried.
 
     Args:
         device: Of the campaign.
@@ -72,24 +71,22 @@ def find_law(
         seed: Of the intervals.
         say: Progress.
     """
-    known = list(terms_for(device.twin.device).values())
-    accused = [t for t in known if t.block in blocks]
-    others = [t for t in known if t.block not in blocks]
-    for terms in (accused, others):
-        if not terms:
-            continue
-        fit = search_law(evaluator, criterion, base, terms, say)
-        if fit is base:
-            continue
-        fit = set_within(evaluator, fit, device.uses_off)
-        compared = compare_new_runs(validation, criterion.nominal, fit)
-        if _is_refuted(validation, criterion, base, compared):
-            continue
-        subject = criterion.nominal.subject
-        shrinkage = measure_shrinkage(device, compared, subject, seed)
-        estimates = estimate_table(evaluator, fit, seed)
-        return FoundLaw(fit, estimates, shrinkage, compared)
-    return None
+    known = terms_for(device.twin.device).values()
+    terms = [t for t in known if t.block in blocks]
+    if not terms:
+        return None
+    fit = search_law(evaluator, criterion, base, terms, say)
+    if fit is base:
+        return None
+    fit = set_within(evaluator, fit, device.uses_off)
+    compared = compare_new_runs(validation, criterion.nominal, fit)
+    if _is_refuted(validation, criterion, base, compared):
+        return None
+    shrinkage = measure_shrinkage(
+        device, compared, criterion.nominal.subject, seed
+    )
+    estimates = estimate_table(evaluator, fit, seed)
+    return FoundLaw(fit, estimates, shrinkage, compared)
 
 
 def _is_refuted(

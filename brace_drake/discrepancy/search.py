@@ -31,6 +31,8 @@ from brace_drake.selection.search.within import search_beside, set_out
 
 # Terms of a law, and how many of each round are searched at least.
 MOST_TERMS, PLACES = 3, 4
+# Terms that may pay together alone, as two parts of one oblique force do.
+_AHEAD = 2
 
 
 def search_law(
@@ -49,19 +51,23 @@ def search_law(
         terms: Of the dictionary.
         say: Progress.
     """
-    best = base
+    best = longer = base
     for number in range(MOST_TERMS):
-        is_whole = not criterion.is_beyond_level(best)
-        if is_whole or len(best.effects) >= evaluator.room:
+        is_whole = not criterion.is_beyond_level(longer)
+        if is_whole or len(longer.effects) >= evaluator.room:
             break
         part = _part(say, number)
         try:
-            longer = _one_more(evaluator, criterion, best, terms, part)
+            found = _one_more(evaluator, criterion, longer, terms, part)
         except BraceError:
             break
-        if longer is None or criterion.score(longer) >= criterion.score(best):
+        if found is None:
             break
-        best = longer
+        longer = found
+        if criterion.score(longer) < criterion.score(best):
+            best = longer
+        elif len(longer.effects) > len(best.effects) + _AHEAD - 1:
+            break
     return best
 
 
