@@ -8,7 +8,7 @@ from unittest import mock
 import numpy as np
 
 from brace_drake.discrepancy.search import search_law
-from brace_drake.discrepancy.swings import residual_swings
+from brace_drake.discrepancy.starts import residual_peaks
 from brace_drake.document.law_rows import law_row, law_sentence
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.unknown import describe_term, terms_for
@@ -20,6 +20,7 @@ from brace_drake.selection.level import make_criterion
 from tests.diagnoses import make_partly
 from tests.synthetic_bench import DEVICE, SyntheticBench
 
+BLOCKS = {"ring": "mechanism", "torso": "torso", "drive": "actuation"}
 STIFFNESS, ONSET, SMOOTH = 600.0, -1.5e-3, 1e-4
 
 
@@ -35,13 +36,19 @@ def _shake(t, dt, p_T, r_T, V, law, F, p, x):
     F[4] += p[0] * math.sin(2.0 * math.pi * 3.1 * t + 0.7)
 
 
+@plug("drive")
+def _cog(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    for k in range(f.shape[0]):
+        f[k] += p[0] * math.sin(2.0 * math.pi * l[k] / p[1])
+
+
 def _foreign(name, point, law, *names):
     parameters = tuple(
         EffectParameter(n, "1", -1e6, 1e6, (1.0,), n) for n in names
     )
     return Effect(
         name=name,
-        block="mechanism" if point == "ring" else "torso",
+        block=BLOCKS[point],
         title=name,
         equation=name,
         source="none: unknown to the library",
@@ -54,6 +61,7 @@ def _foreign(name, point, law, *names):
 
 
 CABLE = _foreign("cable", "ring", _pull, "k", "y0", "s")
+COGGING = _foreign("screw", "drive", _cog, "A", "pitch")
 TREMOR = _foreign("tremor", "torso", _shake, "A")
 
 
@@ -89,7 +97,7 @@ class TestSearchLaw(unittest.TestCase):
         uses = [(TREMOR, np.array([0.6]))]
         evaluator = self.bench.evaluator(uses)
         nominal = fit_nominal(evaluator)
-        first, *_ = residual_swings(evaluator, nominal)
+        first, *_ = residual_peaks(evaluator, nominal).swings
         # A run of 5 s tells a frequency to a fifth of a hertz.
         self.assertAlmostEqual(first, 3.1, delta=0.2)
         names = [
@@ -100,6 +108,14 @@ class TestSearchLaw(unittest.TestCase):
         self.assertEqual(card.name, "term_torso_y_oscillation")
         self.assertAlmostEqual(values[1], 3.1, delta=0.02)
         self.assertAlmostEqual(abs(values[0]), 0.6, delta=0.06)
+
+    def test_a_ripple_of_the_legs_is_found_at_its_pitch(self):
+        pitch = 7e-4
+        evaluator = self.bench.evaluator([(COGGING, np.array([0.1, pitch]))])
+        nominal = fit_nominal(evaluator)
+        found = np.array(residual_peaks(evaluator, nominal).of_legs)
+        # Nearer than one wave more or less over the travel of some 8 mm.
+        self.assertLess(np.abs(1.0 / found - 1.0 / pitch).min(), 1.0 / 8e-3)
 
     def test_noise_gets_no_law(self):
         names = [n for n in self.terms if n.startswith("term_ring_y")]

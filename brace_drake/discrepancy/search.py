@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from brace_drake.core.errors import BraceError
-from brace_drake.discrepancy.swings import beginning_at, residual_swings
+from brace_drake.discrepancy.starts import beginning_at, residual_peaks
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
@@ -81,8 +81,8 @@ def _one_more(
     """The base with the best term more; None where none could be fitted."""
     set_out(evaluator, base)
     lines = Linearisation(evaluator, search_beside(evaluator, base))
-    swings = residual_swings(evaluator, base)
-    fresh = [beginning_at(t, swings) for t in terms if t.name not in base.kinds]
+    peaks = residual_peaks(evaluator, base)
+    fresh = [beginning_at(t, peaks) for t in terms if t.name not in base.kinds]
     candidates = screen(lines, fresh, say)
     search_best(lines, candidates, say, PLACES)
     fits = refine(evaluator, best_fits(candidates), lines.remaining)

@@ -57,14 +57,10 @@ class Form:
     shapes: tuple[Shape, ...] = ()
 
 
-def _geometric(first: float, last: float, number: int) -> tuple[float, ...]:
-    ratio = (last / first) ** (1.0 / (number - 1))
-    return tuple(first * ratio**i for i in range(number))
-
-
 _ONSETS = (-0.8, -0.6, -0.4, -0.2, 0.0, 0.2, 0.4, 0.6, 0.8)
 _ONSET = Shape("onset", "place", -3.0, 3.0, _ONSETS)
-_PITCH = Shape("pitch", "place", 0.05, 2.0, _geometric(0.12, 1.2, 20))
+# Searches begin at peaks of what is left, see `discrepancy.starts`.
+_PITCH = Shape("pitch", "place", 0.04, 2.0, (0.2, 0.5))
 _PHASE = Shape("phase", "angle", -7.0, 7.0, _TURN)
 
 SPRING = Form(
@@ -148,7 +144,7 @@ OSCILLATION = Form(
     "c sin(2 pi a t + b)", (0, 0, 0, 0), "a motor, a pump, breath or tremor",
     (
         Shape(
-            "frequency", "frequency", 0.03, 12.0, _geometric(0.15, 3.0, 12)
+            "frequency", "frequency", 0.03, 12.0, (0.3, 1.0)
         ),
         _PHASE,
     ),
