@@ -13,7 +13,7 @@ from brace_drake.effects.unknown.places import PLACES, Place
 
 _PREFIX = "term_"
 # Of the strength to begin with.
-_MOST = 1000.0
+_MOST = 1e4
 _UNITS = {"time": "s", "frequency": "Hz", "angle": "rad"}
 _NONE = EffectParameter("no_shape", "1", 0.0, 0.0, (0.0,), "none", None, (0.0,))
 
@@ -125,7 +125,7 @@ def describe_term(effect: Effect, values: np.ndarray, errors) -> dict:
     return {
         "text": f"{place.words}, {size}, {form.words.format(**shown)}",
         "formula": form.formula,
-        "usual": form.usual,
+        "usual": "" if place.block == "sensing" else form.usual,
         "block": place.block,
         "parameters": rows,
     }

@@ -34,7 +34,7 @@ class Place:
         scales: What is usual of q, v, u and t.
         units: Of q, v, u and t.
         unit: Of what is added.
-        strength: To begin with.
+        strength: To begin with, small: a strong ripple would hold a leg.
         needs: As of an effect.
     """
 
@@ -49,7 +49,7 @@ class Place:
     scales: tuple[float, float, float, float]
     units: tuple[str, str, str, str] = ("m", "m/s", "N", "s")
     unit: str = "N"
-    strength: float = 0.5
+    strength: float = 0.05
     needs: tuple[str, ...] = ()
 
 
