@@ -209,7 +209,14 @@ def diagnose(
     if verdict.outside_library and not is_faulty:
         say("law of what is left", 0.97)
         law = find_law(
-            device, evaluator, validation, criterion, best, blocks, seed
+            device,
+            evaluator,
+            validation,
+            criterion,
+            best,
+            blocks,
+            compared,
+            seed,
         )
     next_run = choose_next_run(
         device, evaluator, criterion, fits, verdict, seed

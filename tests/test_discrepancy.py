@@ -12,6 +12,7 @@ from brace_drake.discrepancy.starts import residual_peaks
 from brace_drake.document.law_rows import law_row, law_sentence
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.unknown import describe_term, terms_for
+from brace_drake.identification.intervals import ParameterEstimate
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.laws.hooks import plug
 from brace_drake.report.page import render_page
@@ -130,11 +131,17 @@ class TestWords(unittest.TestCase):
         card = terms_for(DEVICE)["term_ring_y_below"]
         values = np.array([2.0, -0.4, 0.0, float(card.parameters[-1].upper)])
         law = SimpleNamespace(
-            fit=SimpleNamespace(uses=((card, values),), num_runs=3),
+            fit=SimpleNamespace(
+                uses=((card, values),),
+                effects=[card],
+                subject=np.zeros(1),
+                num_runs=3,
+            ),
             estimates=SimpleNamespace(
                 num_subject=1,
                 parameters=[
-                    SimpleNamespace(standard_error=e) for e in (9.0, 0.1, 0.02)
+                    ParameterEstimate("p", "1", 0.0, e, 0.0, 0.0, False)
+                    for e in (9.0, 0.1, 0.02)
                 ],
             ),
             shrinkage={"closed": 0.987, "closed_interval": (0.97, 0.99)},

@@ -24,6 +24,7 @@ from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording import Campaign, LoadCampaign, WriteCampaign
 from brace_drake.selection.level import make_criterion
+from brace_drake.validation.shrinkage import compare_new_runs
 from brace_drake.withheld.cases import build_case
 from brace_drake.withheld.faults import OUTSIDE, SEVERITIES
 from brace_drake.withheld.make import largest_command, record_campaign
@@ -55,7 +56,10 @@ def law_of(campaign: Campaign, block: str, workers) -> dict | None:
     nuisances = device.tolerances()
     nominal = fit_nominal(fitted, nuisances, device.uses_off)
     criterion = make_criterion(fitted, nominal, nuisances)
-    found = find_law(device, fitted, held_back, criterion, nominal, [block], 0)
+    compared = compare_new_runs(held_back, nominal, None)
+    found = find_law(
+        device, fitted, held_back, criterion, nominal, [block], compared, 0
+    )
     return law_row(found)
 
 

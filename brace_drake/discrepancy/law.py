@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Device
 from brace_drake.discrepancy.search import search_law
-from brace_drake.effects.card import Effect
-from brace_drake.effects.unknown import is_term, terms_for
+from brace_drake.effects.unknown import terms_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison, is_repaired, rms_gap
@@ -20,8 +20,8 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.search.screening import Say, silent
 from brace_drake.selection.settle import set_within
 from brace_drake.validation.shrinkage import (
-    compare_new_runs,
     measure_shrinkage,
+    repair_new_runs,
 )
 
 
@@ -34,18 +34,11 @@ class FoundLaw:
         estimates: Parameters of that fit, with their errors.
         shrinkage: How far the gap shrinks with all of them on runs that no
             fit has seen; None without such runs.
-        compared: Those runs, before and after.
     """
 
     fit: CandidateFit
     estimates: EstimateTable
     shrinkage: dict | None
-    compared: list[RunComparison]
-
-    @property
-    def terms(self) -> list[Effect]:
-        """Of the law, the first found first."""
-        return [e for e in self.fit.effects if is_term(e)]
 
 
 def find_law(
@@ -55,6 +48,7 @@ def find_law(
     criterion: Criterion,
     base: CandidateFit,
     blocks: Sequence[str],
+    compared: Sequence[RunComparison],
     seed: int,
     say: Say = silent,
 ) -> FoundLaw | None:
@@ -68,6 +62,7 @@ def find_law(
         criterion: Of the campaign.
         base: With the effects that are named, or the nominal fit.
         blocks: In which the gap lies.
+        compared: Runs held back, before and after the base's repair.
         seed: Of the intervals.
         say: Progress.
     """
@@ -79,28 +74,21 @@ def find_law(
     if fit is base:
         return None
     fit = set_within(evaluator, fit, device.uses_off)
-    compared = compare_new_runs(validation, criterion.nominal, fit)
-    if _is_refuted(validation, criterion, base, compared):
+    repaired: list[RunComparison] = []
+    try:
+        if compared:
+            repaired = repair_new_runs(validation, compared, fit)
+    except BraceError:
+        # Its twin breaks down on runs that no fit has seen.
+        return None
+    if compared and not _left(repaired) < _left(compared):
         return None
     shrinkage = measure_shrinkage(
-        device, compared, criterion.nominal.subject, seed
+        device, repaired, criterion.nominal.subject, seed
     )
-    estimates = estimate_table(evaluator, fit, seed)
-    return FoundLaw(fit, estimates, shrinkage, compared)
+    return FoundLaw(fit, estimate_table(evaluator, fit, seed), shrinkage)
 
 
-def _is_refuted(
-    validation: Evaluator,
-    criterion: Criterion,
-    base: CandidateFit,
-    compared: Sequence[RunComparison],
-) -> bool:
-    """Whether runs that no fit has seen are not better with the law."""
-    if not compared:
-        return False
-    if not is_repaired(compared):
-        return True
-    named = base if base.effects else None
-    before = compare_new_runs(validation, criterion.nominal, named)
-    which = "after" if named is not None and is_repaired(before) else "before"
-    return not rms_gap(compared, "after") < rms_gap(before, which)
+def _left(compared: Sequence[RunComparison]) -> float:
+    """The gap with what repairs it, without where nothing does."""
+    return rms_gap(compared, "after" if is_repaired(compared) else "before")

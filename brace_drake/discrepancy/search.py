@@ -66,7 +66,7 @@ def search_law(
         longer = found
         if criterion.score(longer) < criterion.score(best):
             best = longer
-        elif len(longer.effects) > len(best.effects) + _AHEAD - 1:
+        elif len(longer.effects) >= len(best.effects) + _AHEAD:
             break
     return best
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 
 from brace_drake.discrepancy import FoundLaw
+from brace_drake.document.rows import parameters_by_effect
 from brace_drake.effects.unknown import describe_term, is_term
 
 
@@ -18,21 +17,12 @@ def law_row(law: FoundLaw | None) -> dict | None:
     """
     if law is None:
         return None
-    errors = iter(law.estimates.parameters[law.estimates.num_subject :])
-    terms = []
-    for effect, values in law.fit.uses:
-        moved = effect.is_continuous
-        own = itertools.islice(errors, int(moved.sum()))
-        known = np.full(len(values), np.nan)
-        known[: len(moved)][moved] = [
-            np.nan if e.standard_error is None else e.standard_error
-            for e in own
-        ]
-        # What runs have of their own stands in the table as well.
-        runs = len(effect.run_parameters) * law.fit.num_runs
-        next(itertools.islice(errors, runs, runs), None)
-        if is_term(effect):
-            terms.append(describe_term(effect, values, known))
+    rows = parameters_by_effect(law.fit, law.estimates)
+    terms = [
+        describe_term(effect, values, _errors(rows[effect.name]))
+        for effect, values in law.fit.uses
+        if is_term(effect)
+    ]
     shrinkage = law.shrinkage or {}
     return {
         "text": "; and ".join(term["text"] for term in terms),
@@ -40,6 +30,12 @@ def law_row(law: FoundLaw | None) -> dict | None:
         "closed": shrinkage.get("closed"),
         "closed_interval": shrinkage.get("closed_interval"),
     }
+
+
+def _errors(rows: list[dict]) -> np.ndarray:
+    """Standard errors, NaN where they are not known."""
+    known = [row["standard_error"] for row in rows]
+    return np.array([np.nan if e is None else e for e in known])
 
 
 def law_sentence(row: dict | None) -> str:

@@ -15,7 +15,6 @@ _PREFIX = "term_"
 # Of the strength to begin with.
 _MOST = 1e4
 _UNITS = {"time": "s", "frequency": "Hz", "angle": "rad"}
-_NONE = EffectParameter("no_shape", "1", 0.0, 0.0, (0.0,), "none", None, (0.0,))
 
 
 def is_term(effect: Effect) -> bool:
@@ -42,12 +41,8 @@ def _card(place: Place, form: Form) -> Effect:
         "what it gives where all is as usual",
     )
     shapes = [_shape(place, shape) for shape in form.shapes]
-    shapes += [_NONE] * (2 - len(shapes))
     # Names are told apart.
-    shapes = [
-        p if p is not _NONE else _none(f"no_shape_{i}")
-        for i, p in enumerate(shapes)
-    ]
+    shapes += [_none(f"no_shape_{i}") for i in range(len(shapes), 2)]
     code = float(form.code)
     which = EffectParameter(
         CODE, "1", code, code, (code,), "which form", None, (code,)
