@@ -9,6 +9,9 @@ from scipy.io import savemat
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.recording import LoadCampaign, WriteCampaign
+from brace_drake.recording.columns import DEVICES
+from brace_drake.recording.importing.derived import derivable, derive
+from brace_drake.recording.importing.expand import expand_rules
 from brace_drake.recording.importing.mapped import ImportCampaign
 
 try:
@@ -117,6 +120,68 @@ class TestImport(unittest.TestCase):
             atol=5e-3 * 0.02**2 / 8,
         )
 
+    def test_braces_stand_for_a_rule_each(self):
+        rules = {
+            "leg{1..3}_length_m": {"from": "L{0..2} (mm)", "unit": "mm"},
+            "ring2_force_{x,y,z}_N": "F{}",
+            "torso_{x,y}_m": {"from": {"a{}": 1.0, "b{}": -1.0}},
+            "time_s": "t",
+        }
+        self.assertEqual(
+            expand_rules("", rules),
+            {
+                **{
+                    f"leg{k}_length_m": {"from": f"L{k - 1} (mm)", "unit": "mm"}
+                    for k in (1, 2, 3)
+                },
+                **{f"ring2_force_{a}_N": f"F{a}" for a in "xyz"},
+                **{
+                    f"torso_{a}_m": {"from": {f"a{a}": 1.0, f"b{a}": -1.0}}
+                    for a in "xy"
+                },
+                "time_s": "t",
+            },
+        )
+        for wrong, words in (
+            ({"leg{1..3}_length_m": "L{1..2}"}, "allowed: 3"),
+            ({"leg{}_length_m": "L"}, "allowed: a range"),
+            ({"leg{1..2}_length_m": "a", "leg2_length_m": "b"}, "there twice"),
+        ):
+            with self.assertRaisesRegex(CampaignError, words):
+                expand_rules("", wrong)
+
+    def test_columns_are_added_up_by_their_factors(self):
+        self.write_text()
+        text = MAP.replace(
+            "{from: Load, offset: -0.5}",
+            "{from: {Load: 2, Travel: -3.0}, scale: 0.5, offset: 1}",
+        )
+        (run,) = ImportCampaign(self.map("a.csv", text=text)).runs
+        np.testing.assert_allclose(
+            run.channels["force_N"],
+            self.load - 1.5 * self.travel + 1.0,
+            atol=1e-7,
+        )
+
+    def test_desired_rates_that_are_absent_are_derivatives(self):
+        y, h = "ring2_y_desired_m", 0.005
+        v, a = "ring2_vy_desired_m_s", "ring2_ay_desired_m_s2"
+        channels = DEVICES["bench stage 2"].channels
+        self.assertEqual(derivable(channels, [y]), {v: y, a: v})
+        self.assertEqual(derivable(channels, [y, v]), {a: v})
+        time = h * np.arange(400)
+        way = {"time_s": time, y: 0.01 * np.sin(3.0 * time)}
+        found = derive(way, {v: y, a: v})
+        # Central differences are off by h^2 / 6 of the third derivative.
+        inner = slice(2, -2)
+        for name, exact, order in (
+            (v, 0.03 * np.cos(3.0 * time), 3),
+            (a, -0.09 * np.sin(3.0 * time), 4),
+        ):
+            most = 0.01 * 3.0**order * h**2 / 3.0
+            error = np.abs(found[name] - exact)[inner].max()
+            self.assertLess(error, most)
+
     def test_every_mistake_has_its_line(self):
         self.write_text()
         (self.folder / "short.csv").write_text("Time,Travel,Load\n1,2\n")
@@ -124,7 +189,7 @@ class TestImport(unittest.TestCase):
         (self.folder / "bad.mat").write_text("no")
         for file, more, text, words in (
             ("none.csv", "", MAP, "none.csv: cannot be read: No such file"),
-            ("a.xlsx", "", MAP, "known are"),
+            ("a.pdf", "", MAP, "known are"),
             ("short.csv", "", MAP, "row 1 has 2 fields"),
             ("one.csv", "", MAP, "one.csv: it has 1 samples"),
             ("bad.mat", "", MAP, "not a MATLAB file"),

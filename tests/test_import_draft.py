@@ -11,10 +11,10 @@ import yaml
 
 from brace_drake.cli.main import main
 from brace_drake.core.errors import CampaignError
+from brace_drake.recording.importing.dialect import guess_options
 from brace_drake.recording.importing.draft import (
     draft_map,
     guess_channels,
-    guess_options,
     unit_of,
 )
 from brace_drake.recording.importing.mapped import ImportCampaign
@@ -54,12 +54,12 @@ class TestDraft(unittest.TestCase):
             "pressure_bar": None,
         }
         table = {name: np.arange(3.0) for name in names}
-        found = {g.column: g.channel for g in guess_channels(table)}
+        found = {g.column: g.channel for g in guess_channels(table)[1]}
         self.assertEqual(found, names)
 
     def test_a_channel_is_given_once(self):
         table = {n: np.arange(3.0) for n in ("force_N", "load_N", "time_s")}
-        found = [g.channel for g in guess_channels(table)]
+        found = [g.channel for g in guess_channels(table)[1]]
         self.assertEqual(found, ["force_N", None, "time_s"])
 
     def test_the_dialect_of_a_file_is_seen(self):
@@ -67,6 +67,41 @@ class TestDraft(unittest.TestCase):
             found = guess_options(german(folder))
         wanted = {"delimiter": ";", "decimal": ",", "skip_lines": 2}
         self.assertEqual(found, wanted)
+
+    def test_a_bench_is_seen_by_its_six_legs(self):
+        i = np.arange(60.0)
+        table = {
+            "t": 5.0 * i,
+            **{f"LegLen{k}": 140.0 + np.sin(i) for k in range(1, 7)},
+            **{f"u{k} [N]": i for k in range(1, 7)},
+            **{f"F{a}": i for a in "xyz"},
+            "Yref_mm": np.sin(i),
+            "marker x": 1e-4 * i,
+            "torso_y_m": 1e-4 * i,
+            "Temp": i,
+        }
+        device, found = guess_channels(table)
+        self.assertEqual(device, "bench stage 2")
+        wanted = {
+            "t": ("time_s", "ms"),
+            **{f"LegLen{k}": (f"leg{k}_length_m", "mm") for k in range(1, 7)},
+            **{
+                f"u{k} [N]": (f"leg{k}_force_command_N", "N")
+                for k in range(1, 7)
+            },
+            **{f"F{a}": (f"ring2_force_{a}_N", "") for a in "xyz"},
+            "Yref_mm": ("ring2_y_desired_m", "mm"),
+            "marker x": ("torso_x_m", ""),
+            "torso_y_m": ("torso_y_m", "m"),
+            "Temp": (None, ""),
+        }
+        self.assertEqual({g.column: (g.channel, g.unit) for g in found}, wanted)
+
+    def test_blanks_part_columns_where_nothing_else_does(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "a.txt"
+            path.write_text("t  x\n" + "0.1   2.5\n0.2  \t 3\n" * 9)
+            self.assertEqual(guess_options(path), {"delimiter": " "})
 
     def test_a_draft_is_a_map_that_imports(self):
         with tempfile.TemporaryDirectory() as folder:

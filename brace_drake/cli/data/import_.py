@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from brace_drake.cli.options import AddCommand
 
 _EPILOG = """\
 example:
-  brace-drake import --init monday.csv > monday.map.yaml
+  brace-drake import --init monday.csv --plot monday.png > monday.map.yaml
   brace-drake import monday.map.yaml --out recordings/monday
 
 where monday.map.yaml says which column is which channel:
@@ -24,10 +25,16 @@ where monday.map.yaml says which column is which channel:
   - {file: first.csv, motion: push, split: fit}
   - {file: second.tdms, motion: push, split: validation}
 
-Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS, JSON messages of MCAP (options:
-{group: TOPIC}). `rate_hz` resamples them; `gaps: split` makes a run of each
-part of a file with gaps in time; `nominal` and `control` go to campaign.yaml.
-What `brace-drake export` has written (*.mcap) needs no map.
+Names may have braces, `leg{1..6}_length_m: {from: "L{} (mm)", unit: mm}`, and
+`from` may add columns up, `{from: {left: 0.5, right: 0.5}}`. Without a row of
+names columns are "1", "2" and so on. Desired rates that are left out are
+derivatives of the desired motion.
+
+Files: text (CSV, tabs, blanks), MATLAB, NI TDMS, Excel, JSON, numpy, HDF5,
+MCAP, bags of ROS 1 and 2; `options: {group: NAME}` is a struct, sheet or topic.
+`rate_hz` resamples; `gaps: split` makes a run of each part of a file with gaps
+in time; `nominal` and `control` go to campaign.yaml. What `brace-drake export`
+has written (*.mcap) needs no map.
 """
 
 
@@ -37,12 +44,15 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "import",
         Run,
-        help="make a campaign from CSV, MATLAB, TDMS or MCAP files",
+        help="make a campaign from the files of other programs",
         description="Turns a lab's own recordings into a campaign.",
         epilog=_EPILOG,
     )
     parser.add_argument(
         "map", metavar="MAP", help="*.yaml, see the example; or *.mcap"
+    )
+    parser.add_argument(
+        "--plot", metavar="PNG", help="with --init: draw the columns too"
     )
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--out", metavar="DIR", help="campaign folder to make")
@@ -56,10 +66,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Imports and writes; prints what to do next."""
     if args.init:
-        from brace_drake.recording.importing.draft import draft_map
-
-        print(draft_map(args.map), end="")
-        return 0
+        return _init(args)
     from brace_drake.recording import WriteCampaign
     from brace_drake.recording.importing.mapped import ImportCampaign
     from brace_drake.recording.importing.mcap_file import LoadMcapCampaign
@@ -69,4 +76,18 @@ def Run(args: argparse.Namespace) -> int:
     WriteCampaign(campaign, args.out)
     print(f"campaign: {args.out}, {len(campaign.runs)} runs")
     print(f"next: brace-drake check {args.out}")
+    return 0
+
+
+def _init(args: argparse.Namespace) -> int:
+    """Prints a draft of a map, and draws what it was made from."""
+    from brace_drake.recording.importing.draft import draft_map, read_draft
+
+    print(draft_map(args.map), end="")
+    if args.plot is not None:
+        from brace_drake.core.output import WriteBytes
+        from brace_drake.recording.importing.draft_plot import plot_draft
+
+        _, table, _, guesses = read_draft(args.map)
+        WriteBytes(Path(args.plot), plot_draft(guesses, table))
     return 0

@@ -1,4 +1,4 @@
-"""Arrays of numpy's *.npz: numbers and text, no larger than they say."""
+"""Arrays of numpy's files: numbers and text, no larger than they say."""
 
 from __future__ import annotations
 
@@ -32,6 +32,22 @@ def ReadArrays(path: str | Path) -> dict[str, np.ndarray]:
     # What zip files and their decoders raise is not foreseen.
     except Exception as problem:
         raise ReadError("no file of arrays") from problem
+
+
+def ReadArray(path: str | Path) -> np.ndarray:
+    """The array of a *.npy.
+
+    Raises:
+        ReadError: One line, without the file's name.
+    """
+    data = ReadBytes(path, LARGEST_MB)
+    try:
+        return _parse(data, Path(path).name)
+    except ReadError:
+        raise
+    # What a damaged header makes numpy raise is not foreseen.
+    except Exception as problem:
+        raise ReadError("no array of numpy") from problem
 
 
 def _read(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:

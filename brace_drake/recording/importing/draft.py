@@ -13,17 +13,21 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.core.errors import CampaignError
-from brace_drake.core.reading import ReadBytes, in_file
-from brace_drake.core.reading.rows import decode_lines
-from brace_drake.recording.columns import AXIS, shown_unit, split_unit
+from brace_drake.recording.columns import (
+    AXIS,
+    DEVICES,
+    shown_unit,
+    split_unit,
+)
+from brace_drake.recording.importing.derived import derivable
+from brace_drake.recording.importing.dialect import guess_options
+from brace_drake.recording.importing.stage_names import guess_stage_channels
 from brace_drake.recording.importing.tables import LoadTable
 from brace_drake.recording.importing.units import scale_of
 from brace_drake.recording.table import Columns
 
-_SEPARATORS = (";", "\t", ",", "|")
-_LINES, _PREAMBLE = 60, 40
-_NUMBER = re.compile(r"[-+]?\d+([.,]\d+)?([eE][-+]?\d+)?")
+# A step in time of so much is one of milliseconds.
+_SLOWEST_S = 0.9
 # Spellings of units in headers, as `units` has them.
 _UNITS = {
     "sec": "s", "seconds": "s", "msec": "ms", "millimeter": "mm",
@@ -91,65 +95,58 @@ def draft_map(path: str | Path) -> str:
     Raises:
         CampaignError: The file cannot be read, or has no columns of numbers.
     """
-    path = Path(path)
-    options = guess_options(path)
-    table = LoadTable(path, options)
-    return "\n".join(_lines(path, options, guess_channels(table), table)) + "\n"
+    options, table, device, guesses = read_draft(path)
+    lines = _lines(Path(path), options, device, guesses, table)
+    return "\n".join(lines) + "\n"
 
 
-def guess_options(path: Path) -> dict:
-    """Separator, decimal sign and lines before the header of a text file."""
-    if path.suffix.lower() not in (".csv", ".txt", ".tsv"):
-        return {}
-    with in_file(path, CampaignError):
-        lines = decode_lines(ReadBytes(path)).split("\n")[:_LINES]
-    best: tuple[int, str, int] = (0, ",", 0)
-    for separator in _SEPARATORS:
-        widths = [line.count(separator) for line in lines if line.strip()]
-        width = max(set(widths), key=widths.count, default=0)
-        count = widths.count(width)
-        skipped = next(
-            (
-                i
-                for i, line in enumerate(lines)
-                if line.count(separator) == width
-            ),
-            0,
-        )
-        # Commas beside another separator are decimal signs.
-        if width and count > best[0]:
-            best = (count, separator, skipped)
-    _, separator, skipped = best
-    options: dict[str, str | int] = {}
-    if separator != ("\t" if path.suffix.lower() == ".tsv" else ","):
-        options["delimiter"] = separator
-    fields = [f.strip() for f in "".join(lines[-5:]).split(separator)]
-    if separator != "," and any(
-        re.fullmatch(r"[-+]?\d+,\d+", f) for f in fields
-    ):
-        options["decimal"] = ","
-    if 0 < skipped <= _PREAMBLE:
-        options["skip_lines"] = skipped
-    return options
+def read_draft(path: str | Path) -> tuple[dict, Columns, str, list[Guess]]:
+    """Options of a file's reader, its columns, the device, and the guesses.
 
-
-def guess_channels(table: Columns) -> list[Guess]:
-    """What each column may be; each channel is given once, the first time is
-    the time.
+    Raises:
+        CampaignError: As of `draft_map`.
     """
+    options = guess_options(Path(path))
+    table = LoadTable(path, options)
+    return options, table, *guess_channels(table)
+
+
+def guess_channels(table: Columns) -> tuple[str, list[Guess]]:
+    """The device, and what each column may be; a channel is given once.
+
+    A column whose name says no unit has that in which its range is plausible.
+    """
+    device, stage = guess_stage_channels(table) or (AXIS, None)
     taken: set[str] = set()
     found = []
     for column, values in table.items():
         unit = unit_of(column)
-        channel = next(
-            (c for c in _channels(column, unit) if c not in taken), None
-        )
+        if stage is None:
+            every = (c for c in _channels(column, unit) if c not in taken)
+            channel = next(every, None)
+        else:
+            channel = stage.get(column)
         if channel is not None:
             taken.add(channel)
         finite = values[np.isfinite(values)]
         low, high = (finite.min(), finite.max()) if len(finite) else (0.0, 0.0)
+        if channel is not None and not unit:
+            unit = _unit_by_range(device, channel, finite)
         found.append(Guess(column, unit, channel, float(low), float(high)))
-    return found
+    return device, found
+
+
+def _unit_by_range(device: str, channel: str, values: np.ndarray) -> str:
+    """A thousandth of the channel's unit where only that is plausible."""
+    if channel == "time_s":
+        steps = np.diff(values)
+        return "ms" if len(steps) and np.median(steps) >= _SLOWEST_S else ""
+    known = DEVICES[device].channels[channel]
+    largest = np.abs(values).max(initial=0.0)
+    limit = max(abs(known.low), abs(known.high))
+    if not limit < largest <= 1e3 * limit:
+        return ""
+    return {"m": "mm", "m_s": "mm/s", "m_s2": "mm/s^2"}.get(known.unit, "")
 
 
 def unit_of(column: str) -> str:
@@ -183,10 +180,14 @@ def _channels(column: str, unit: str) -> Iterator[str]:
 
 
 def _lines(
-    path: Path, options: dict, guesses: list[Guess], table: Columns
+    path: Path,
+    options: dict,
+    device: str,
+    guesses: list[Guess],
+    table: Columns,
 ) -> Iterator[str]:
     yield "format: brace-import/1"
-    yield f"device: {AXIS}  # or another one: brace-drake import --help"
+    yield f"device: {device}  # or another one: brace-drake import --help"
     yield f"subject: {_quoted(path.stem)}"
     yield "columns:"
     for g in guesses:
@@ -198,12 +199,12 @@ def _lines(
         if g.channel is None:
             name = re.sub(r"\W+", "_", g.column).strip("_") or "x"
             name = name.removeprefix("input_")
+            as_input = f"input_{name}" if device == AXIS else "CHANNEL"
             yield (
-                f"  # input_{name}: {_quoted(g.column)}"
+                f"  # {as_input}: {_quoted(g.column)}"
                 f"  # {g.low:.4g} to {g.high:.4g}: measured beside it?"
             )
-    if "time_s" not in {g.channel for g in guesses}:
-        yield "  # time_s: which column is the time?"
+    yield from _open_channels(device, {g.channel for g in guesses})
     if options:
         pairs = ", ".join(f"{k}: {_quoted(v)}" for k, v in options.items())
         yield f"options: {{{pairs}}}"
@@ -212,6 +213,18 @@ def _lines(
     yield f"- {{file: {_quoted(path.name)}, motion: stroke, split: fit}}"
     yield "# one run or more of another motion, to test what was found:"
     yield "# - {file: other.csv, motion: other, split: validation}"
+
+
+def _open_channels(device: str, known: set) -> Iterator[str]:
+    """A remark for each channel that is needed and was not found."""
+    if "time_s" not in known:
+        yield "  # time_s: which column is the time?"
+    channels = DEVICES[device].channels
+    follows = derivable(channels, filter(None, known))
+    for name, channel in channels.items():
+        is_open = name not in known and name not in follows
+        if channel.required and is_open and name != "time_s":
+            yield f"  # {name}: which column is it? It is needed."
 
 
 def _quoted(value) -> str:

@@ -16,6 +16,8 @@ from brace_drake.recording.fields import (
     TEXT,
     Field,
 )
+from brace_drake.recording.importing.derived import derivable, derive
+from brace_drake.recording.importing.expand import expand_rules
 from brace_drake.recording.importing.gaps import (
     REFUSE,
     SPLIT,
@@ -73,11 +75,16 @@ def ImportCampaign(path: str | Path) -> Campaign:
 
     The map is YAML: `format: brace-import/1`, `device`, `subject`, `columns`
     (channel: name of the file's column, or {from, unit, scale, offset}, or
-    {constant}), `runs` (items of campaign.yaml, with the foreign `file`),
+    {constant}; `from` may be a map of columns to the factors by which they are
+    added up, and names may have braces, see `expand`),
+    `runs` (items of campaign.yaml, with the foreign `file`),
     `options` for the reader, `rate_hz` where the files are to be resampled,
     `gaps: split` where a file with gaps in time is to be several runs,
     `nominal`, `control` and `diagram` as campaign.yaml has them, and
     `settled_s`, how long the first reference had been held before each run.
+
+    Desired velocities and accelerations that it does not name are derivatives
+    of the desired motion.
 
     Raises:
         CampaignError: One line: file, key or column, and what is allowed.
@@ -86,10 +93,8 @@ def ImportCampaign(path: str | Path) -> Campaign:
     head = take_map(LoadYaml(path, CampaignError), _HEAD, f"{path}: ")
     device = DEVICES[head["device"]]
     channels = device.channels
-    rules = {
-        name: parse_rule(path, name, rule)
-        for name, rule in head["columns"].items()
-    }
+    given = expand_rules(f"{path}: columns.", head["columns"])
+    rules = {n: parse_rule(path, n, rule) for n, rule in given.items()}
     for name in rules:
         if not device.has_channel(name):
             hint = suggest(name, channels)
@@ -97,7 +102,8 @@ def ImportCampaign(path: str | Path) -> Campaign:
     ports = _ports(path, head, device)
     needed = [n for n, c in channels.items() if c.required]
     needed += ports.columns if ports is not None else ()
-    missing = [n for n in needed if n not in rules]
+    rates = derivable(channels, rules)
+    missing = [n for n in needed if n not in rules and n not in rates]
     if missing:
         raise CampaignError(f"{path}: columns has no {', '.join(missing)}")
     options = take_map(head.get("options", {}), OPTIONS, f"{path}: options.")
@@ -118,6 +124,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
         for number, part in enumerate(parts, 1):
             if rate is not None:
                 part = resample(source, part, float(rate))
+            part = derive(part, rates)
             name = item["name"] + f"_{number}" * (len(parts) > 1)
             runs.append(_make_run({**item, "name": name}, part, settled))
     _check_repeats(path, runs)

@@ -26,6 +26,7 @@ from brace_drake.core.errors import CampaignError, ReadError, quoted, reason
 from brace_drake.core.output import WriteBytes
 from brace_drake.core.reading import ReadBytes, parse_json
 from brace_drake.core.reading.files import LARGEST, most_bytes
+from brace_drake.recording.importing.formats.flatten import numbers_in
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.table import Columns
@@ -130,6 +131,21 @@ def LoadMcapTable(path: Path, options: dict) -> Columns:
     return tables[topic]
 
 
+def has_json_messages(path: Path) -> bool:
+    """Whether a file has topics of JSON messages, or none at all.
+
+    Raises:
+        CampaignError: One line: file, and what is wrong with it.
+    """
+    with _reading(path):
+        found = {
+            record.message_encoding
+            for record in _records(ReadBytes(path))
+            if type(record).__name__ == "Channel"
+        }
+    return not found or _ENCODING in found
+
+
 class _Topic:
     """Columns that messages are added to, NaN where one has no number."""
 
@@ -180,7 +196,7 @@ def _read_all(data: bytes) -> tuple[dict[str, Columns], dict[str, dict]]:
             channel = channels[record.channel_id]
             if channel.message_encoding == _ENCODING:
                 value = parse_json(record.data, may_be_nan=True)
-                sample = dict(_flatten("", value))
+                sample = dict(numbers_in("", value))
                 sample[_LOG_TIME] = 1e-9 * record.log_time
                 topics.setdefault(channel.topic, _Topic()).add(sample)
     return {name: topic.table() for name, topic in topics.items()}, metadata
@@ -224,17 +240,6 @@ def _unpack(chunk) -> bytes:
     if chunk.compression:
         raise ReadError(f"packed by {quoted(chunk.compression)}")
     return chunk.data
-
-
-def _flatten(name: str, value) -> Iterator[tuple[str, float]]:
-    if isinstance(value, dict):
-        for key, item in value.items():
-            yield from _flatten(f"{name}.{key}" if name else str(key), item)
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from _flatten(f"{name}[{i}]", item)
-    elif isinstance(value, int | float):
-        yield name, float(value)
 
 
 def _topic(file: str) -> str:

@@ -14,8 +14,14 @@ from brace_drake.recording.table import Columns
 
 _LEAST_RATE_DEVIATION = 0.02
 _NUMBER = number_from(-HUGE, HUGE, required=False)
+_FACTOR = number_from(-HUGE, HUGE)
 _RULE = {
-    **dict.fromkeys(("from", "unit"), TEXT),
+    "from": Field(
+        "a column's name, or a map of columns to their factors",
+        lambda v: isinstance(v, str | int | dict) and v not in ("", {}),
+        required=False,
+    ),
+    "unit": TEXT,
     **dict.fromkeys(("scale", "offset", "constant"), _NUMBER),
 }
 
@@ -40,10 +46,12 @@ def take_map(values: object, fields: Mapping[str, Field], place: str) -> dict:
 
 def parse_rule(path: Path, name: str, rule: object) -> dict:
     """Where a channel's values come from; see `ImportCampaign`."""
-    if isinstance(rule, str):
+    if isinstance(rule, str | int) and not isinstance(rule, bool):
         rule = {"from": rule}
     place = f"{path}: columns.{name}"
     taken = take_map(rule, _RULE, f"{place}.") if isinstance(rule, dict) else {}
+    if "from" in taken:
+        taken["from"] = _parse_sum(f"{place}.from", taken["from"])
     if ("from" in taken) == ("constant" in taken):
         raise CampaignError(
             f"{place} must be a column's name, or from (with scale, offset),"
@@ -58,6 +66,32 @@ def parse_rule(path: Path, name: str, rule: object) -> dict:
     return taken
 
 
+def _parse_sum(place: str, source: object) -> dict[str, float]:
+    """Columns and the factors by which they are added up."""
+    if not isinstance(source, dict):
+        return {str(source): 1.0}
+    fields = dict.fromkeys(source, _FACTOR)
+    taken = take_map(source, fields, f"{place}.")
+    return {str(column): float(factor) for column, factor in taken.items()}
+
+
+def _add_up(
+    source: Path, table: Columns, factors: dict[str, float]
+) -> np.ndarray:
+    for column in factors:
+        if column not in table:
+            hint = suggest(column, table)
+            raise CampaignError(f"{source}: no column {quoted(column)}{hint}")
+    lengths = {len(table[column]) for column in factors}
+    if len(lengths) > 1:
+        raise CampaignError(
+            f"{source}: {', '.join(map(quoted, factors))} differ in length:"
+            f" {sorted(lengths)}"
+        )
+    parts = [factor * table[c] for c, factor in factors.items()]
+    return np.sum(parts, axis=0)
+
+
 def read_channels(
     source: Path, rules: dict[str, dict], table: Columns
 ) -> Columns:
@@ -65,16 +99,13 @@ def read_channels(
     rows = len(next(iter(table.values())))
     channels = {}
     for name, rule in rules.items():
-        column = rule.get("from")
-        if column is None:
+        if "from" not in rule:
             channels[name] = np.full(rows, float(rule["constant"]))
-        elif column not in table:
-            hint = suggest(column, table)
-            raise CampaignError(f"{source}: no column {quoted(column)}{hint}")
-        else:
-            scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
-            with np.errstate(over="ignore", invalid="ignore"):
-                channels[name] = scale * table[column] + offset
+            continue
+        scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = _add_up(source, table, rule["from"])
+            channels[name] = scale * values + offset
     lengths = {len(values) for values in channels.values()}
     if len(lengths) > 1:
         raise CampaignError(

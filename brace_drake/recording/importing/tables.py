@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
-import numpy as np
-
-from brace_drake.core.errors import CampaignError, quoted, reason
+from brace_drake.core.errors import CampaignError
 from brace_drake.core.reading import ReadBytes, check_file, in_file
-from brace_drake.core.reading.rows import decode_lines, read_rows
 from brace_drake.recording.fields import TEXT, Field
-from brace_drake.recording.importing.matlab_file import read_matlab
-from brace_drake.recording.importing.mcap_file import LoadMcapTable
+from brace_drake.recording.importing.apart import read_apart
+from brace_drake.recording.importing.formats.flatten import as_columns
+from brace_drake.recording.importing.formats.json_rows import read_json
+from brace_drake.recording.importing.formats.matlab import (
+    is_version_7_3,
+    read_matlab,
+)
+from brace_drake.recording.importing.formats.numpy_arrays import (
+    read_npy,
+    read_npz,
+)
+from brace_drake.recording.importing.formats.tdms import read_tdms
+from brace_drake.recording.importing.formats.text import read_text
+from brace_drake.recording.importing.mcap_file import (
+    LoadMcapTable,
+    has_json_messages,
+)
 from brace_drake.recording.table import Columns
 
 _SIGN = Field(
@@ -31,117 +44,83 @@ OPTIONS = {
     ),
     "group": TEXT,
 }
+# What a folder holds that is a bag of ROS 2.
+_BAG = "metadata.yaml"
 
 
 def LoadTable(path: str | Path, options: dict) -> Columns:
     """Reads a file's columns, each (N,).
 
     Args:
-        path: *.csv or *.txt, *.mat, *.tdms, *.mcap.
-        options: See `OPTIONS`. Of CSV: `delimiter`, `decimal`, `skip_lines`.
-            Of MATLAB and TDMS: `group`, the struct or group to look in; of
-            MCAP the topic.
+        path: See `READERS`; or the folder of a ROS 2 bag.
+        options: See `OPTIONS`. Of text: `delimiter`, `decimal`, `skip_lines`,
+            the last also of Excel. `group` is the struct, group, sheet, key
+            or topic to look in.
 
     Raises:
         CampaignError: One line: file, and what is wrong with it.
     """
     path = Path(path)
-    readers = {
-        ".mat": _LoadMatlab,
-        ".tdms": _LoadTdms,
-        ".mcap": LoadMcapTable,
-        **dict.fromkeys((".csv", ".txt", ".tsv"), _LoadText),
-    }
-    reader = readers.get(path.suffix.lower())
+    is_bag = (path / _BAG).is_file()
+    ending = path.suffix.lower()
+    reader = partial(_read_apart, "ros bag") if is_bag else READERS.get(ending)
     if reader is None:
-        ending = path.suffix.lower() or "no ending"
-        raise CampaignError(f"{path}: {ending}; known are {', '.join(readers)}")
+        known = f"known are {', '.join(READERS)}, and folders of ROS 2 bags"
+        raise CampaignError(f"{path}: {ending or 'no ending'}; {known}")
     with in_file(path, CampaignError):
-        check_file(path)
-    columns = reader(path, options)
+        if not is_bag:
+            check_file(path)
+        columns = reader(path, options)
     if not columns:
         raise CampaignError(f"{path}: no column of numbers there")
     return columns
 
 
-def _LoadText(path: Path, options: dict) -> Columns:
-    """Columns that hold a number at all, NaN where they hold something else."""
-    with in_file(path, CampaignError):
-        lines = decode_lines(ReadBytes(path)).rstrip("\n").split("\n")
-    lines = lines[options.get("skip_lines", 0) :]
-    if len(lines) < 2:
-        raise CampaignError(f"{path}: no rows below a header")
+def _read_text(path: Path, options: dict) -> Columns:
     default = "\t" if path.suffix == ".tsv" else ","
-    delimiter = options.get("delimiter", default)
-    try:
-        every = csv.reader(lines, delimiter=delimiter)
-        header = next(every)
-        decimal = options.get("decimal", ".")
-        rows = read_rows(filter(None, every), len(header), decimal)
-    except (csv.Error, TypeError, ValueError) as error:
-        raise CampaignError(f"{path}: not a table: {error}") from error
-    wrong = np.flatnonzero(rows.widths != len(header))
-    if wrong.size:
-        raise CampaignError(
-            f"{path}: row {wrong[0] + 1} has {rows.widths[wrong[0]]} fields,"
-            f" the header {len(header)}"
-        )
-    return {
-        name.strip(): column
-        for name, column in zip(header, rows.values.T, strict=True)
-        if not np.isnan(column).all()
-    }
+    return read_text(
+        path,
+        options.get("delimiter", default),
+        options.get("decimal", "."),
+        options.get("skip_lines", 0),
+    )
 
 
-def _LoadMatlab(path: Path, options: dict) -> Columns:
-    """Vectors, and columns of matrices, which count from 1 as in MATLAB."""
-    with in_file(path, CampaignError):
-        content = read_matlab(ReadBytes(path), options.get("group"))
-    columns: Columns = {}
-    for name, array in content.items():
-        if array.ndim == 1 and array.size > 1:
-            columns[name] = array
-        elif array.ndim == 2:
-            for i, column in enumerate(array.T, 1):
-                columns[f"{name}({i})"] = column
-    return columns
+def _read_matlab(path: Path, options: dict) -> Columns:
+    data, group = ReadBytes(path), options.get("group")
+    if is_version_7_3(data):
+        return read_apart("hdf5", path, group)
+    return as_columns(read_matlab(data, group))
 
 
-def _LoadTdms(path: Path, options: dict) -> Columns:
-    """Channels, and `wf_time` where waveforms say their time themselves."""
-    try:
-        from nptdms import TdmsFile
-    except ImportError as error:
-        raise CampaignError(
-            f"{path}: TDMS needs npTDMS: pip install -e '.[lab]'"
-        ) from error
-    try:
-        groups = {group.name: group for group in TdmsFile.read(path).groups()}
-        columns = _take_channels(path, groups, options.get("group"))
-    except CampaignError:
-        raise
-    # What a reader of another's format raises on a broken file is not foreseen.
-    except Exception as error:
-        raise CampaignError(
-            f"{path}: not a TDMS file: {reason(error)}"
-        ) from error
-    return columns
+def _read_mcap(path: Path, options: dict) -> Columns:
+    if has_json_messages(path):
+        return LoadMcapTable(path, options)
+    return _read_apart("ros bag", path, options)
 
 
-def _take_channels(path: Path, groups: dict, wanted: str | None) -> Columns:
-    if wanted is not None and wanted not in groups:
-        raise CampaignError(
-            f"{path}: no group {quoted(wanted)}; there are {', '.join(groups)}"
-        )
-    columns: Columns = {}
-    for name, group in groups.items():
-        for channel in group.channels() if wanted in (None, name) else ():
-            data = np.asarray(channel[:])
-            if data.dtype.kind not in "fiub" or data.size < 2:
-                continue
-            columns[channel.name] = data.astype(float)
-            step = channel.properties.get("wf_increment")
-            if step and "wf_time" not in columns:
-                start = channel.properties.get("wf_start_offset", 0.0)
-                columns["wf_time"] = start + step * np.arange(len(channel))
-    return columns
+def _read_excel(path: Path, options: dict) -> Columns:
+    skipped = options.get("skip_lines", 0)
+    return read_apart("excel", path, options.get("group"), skipped)
+
+
+def _read_apart(kind: str, path: Path, options: dict) -> Columns:
+    return read_apart(kind, path, options.get("group"))
+
+
+def _grouped(reader: Callable[..., Columns]) -> Callable[..., Columns]:
+    return lambda path, options: reader(path, options.get("group"))
+
+
+READERS: dict[str, Callable[..., Columns]] = {
+    **dict.fromkeys((".csv", ".txt", ".tsv", ".dat"), _read_text),
+    ".mat": _read_matlab,
+    ".tdms": _grouped(read_tdms),
+    ".mcap": _read_mcap,
+    **dict.fromkeys((".json", ".jsonl", ".ndjson"), _grouped(read_json)),
+    ".npz": _grouped(read_npz),
+    ".npy": _grouped(read_npy),
+    **dict.fromkeys((".h5", ".hdf5"), partial(_read_apart, "hdf5")),
+    **dict.fromkeys((".xlsx", ".xlsm"), _read_excel),
+    **dict.fromkeys((".db3", ".bag"), partial(_read_apart, "ros bag")),
+}

@@ -55,12 +55,16 @@ def read_matlab(data: bytes, group: str | None) -> Arrays:
     return {n: a for n, a in found.items() if isinstance(a, np.ndarray)}
 
 
+def is_version_7_3(data: bytes) -> bool:
+    """Whether a file is one of -v7.3, which is HDF5 within."""
+    is_marked = data[124:126] in (b"\0\2", b"\2\0")
+    return is_marked and b"MATLAB 7.3" in data[:_HEADER]
+
+
 def _version_5(data: bytes) -> Iterator[tuple[str, np.ndarray | dict | None]]:
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
         raise ReadError("not a MATLAB file")
-    if data[124:126] in (b"\0\2", b"\2\0") and b"MATLAB 7.3" in data[:_HEADER]:
-        raise ReadError("a MATLAB 7.3 file; save it with -v7")
     left, at = most_bytes(LARGEST), _HEADER
     while at < len(data):
         kind, size = struct.unpack_from(f"{order}II", data, at)

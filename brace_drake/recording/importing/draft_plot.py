@@ -1,0 +1,46 @@
+"""A picture of a file's columns and what each was taken for."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+
+import numpy as np
+
+from brace_drake.recording.importing.draft import Guess
+from brace_drake.recording.table import Columns
+
+_ACROSS, _MOST_POINTS = 4, 2000
+
+
+def plot_draft(guesses: Sequence[Guess], table: Columns) -> bytes:
+    """A panel for each column over the time, as PNG: accept or correct.
+
+    Args:
+        guesses: Of `guess_channels`.
+        table: The file's columns.
+    """
+    from matplotlib.figure import Figure
+
+    clock = next((g.column for g in guesses if g.channel == "time_s"), None)
+    shown = [g for g in guesses if g.column != clock]
+    down = max(-(-len(shown) // _ACROSS), 1)
+    figure = Figure(figsize=(4.0 * _ACROSS, 2.2 * down), layout="constrained")
+    panels = figure.subplots(down, _ACROSS, squeeze=False).ravel()
+    for panel in panels[len(shown) :]:
+        panel.axis("off")
+    for panel, guess in zip(panels, shown, strict=False):
+        values = table[guess.column]
+        step = max(len(values) // _MOST_POINTS, 1)
+        time = table[clock] if clock else np.arange(len(values))
+        is_open = guess.channel is None
+        panel.plot(time[::step], values[::step], lw=0.8, color=f"C{is_open:d}")
+        panel.set_title(
+            f"{guess.column}\n{guess.channel or 'not used'}", fontsize=9
+        )
+        panel.set_ylabel(guess.unit or "unit not stated", fontsize=8)
+        panel.tick_params(labelsize=8)
+    figure.supxlabel(clock or "sample", fontsize=9)
+    memory = io.BytesIO()
+    figure.savefig(memory, format="png", dpi=100)
+    return memory.getvalue()

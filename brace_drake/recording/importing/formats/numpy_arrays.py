@@ -1,0 +1,41 @@
+"""Arrays of numpy: *.npz by name, *.npy as one matrix or a structured array."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from brace_drake.core.errors import ReadError, quoted
+from brace_drake.core.reading.arrays import ReadArray, ReadArrays
+from brace_drake.recording.importing.formats.flatten import Arrays, as_columns
+
+_NUMBERS = "fiub"
+
+
+def read_npz(path: Path, group: str | None) -> Arrays:
+    """Vectors by name, and columns of matrices: name(1) is the first.
+
+    Raises:
+        ReadError: One line.
+    """
+    arrays = ReadArrays(path)
+    if group is not None:
+        if group not in arrays:
+            raise ReadError(f"no array {quoted(group)}")
+        arrays = {group: arrays[group]}
+    numbers = {n: a for n, a in arrays.items() if a.dtype.kind in _NUMBERS}
+    return as_columns({n: a.astype(float) for n, a in numbers.items()})
+
+
+def read_npy(path: Path, group: str | None) -> Arrays:
+    """Columns of a matrix by their number, "1" the first.
+
+    Raises:
+        ReadError: One line.
+    """
+    array = ReadArray(path)
+    if array.dtype.kind not in _NUMBERS or array.ndim != 2:
+        raise ReadError(
+            f"an array of {array.ndim} dimensions of {array.dtype}; allowed: a"
+            " matrix of numbers, a row a sample"
+        )
+    return {str(i): c.astype(float) for i, c in enumerate(array.T, 1)}

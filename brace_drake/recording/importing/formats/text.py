@@ -1,0 +1,105 @@
+"""Tables as text: CSV and what is like it, with a row of names or without."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+from collections.abc import Iterable, Iterator
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from brace_drake.core.errors import ReadError
+from brace_drake.core.reading import ReadBytes
+from brace_drake.core.reading.rows import decode_lines, is_number, read_rows
+from brace_drake.recording.importing.formats.flatten import Arrays
+
+# As a delimiter: blanks and tabs, as many as there are.
+BLANKS = " "
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+
+def read_lines(path: Path) -> list[str]:
+    """Lines of a text in UTF-8, in UTF-16 with its mark, or in Windows-1252.
+
+    Raises:
+        ReadError: It is no text.
+    """
+    data = ReadBytes(path)
+    if data.startswith(_UTF_16):
+        try:
+            data = data.decode("utf-16").encode()
+        except UnicodeDecodeError as error:
+            raise ReadError("not a text file") from error
+    elif not _is_utf_8(data):
+        # Numbers are the same in both; names may have degrees and umlauts.
+        data = data.decode("cp1252", errors="replace").encode()
+    return decode_lines(data).rstrip("\n").split("\n")
+
+
+def read_text(
+    path: Path, delimiter: str, decimal: str = ".", skipped: int = 0
+) -> Arrays:
+    """Columns that hold a number at all, NaN where they hold something else.
+
+    Where the first row holds numbers alone there are no names: columns are
+    then named by their number, "1" the first.
+
+    Args:
+        path: The file.
+        delimiter: One character; `BLANKS` is any number of blanks and tabs.
+        decimal: What stands before decimals.
+        skipped: Lines above the row of names.
+
+    Raises:
+        ReadError: One line.
+    """
+    lines = read_lines(path)[skipped:]
+    if len(lines) < 2:
+        raise ReadError("no rows below a header")
+    try:
+        every: Iterator = filter(None, split_lines(lines, delimiter))
+        first = next(every)
+        names = [str(i) for i in range(1, len(first) + 1)]
+        if not is_row_of_numbers(first, decimal):
+            names = [name.strip() for name in first]
+        else:
+            every = chain([first], every)
+        rows = read_rows(every, len(names), decimal)
+    except (csv.Error, TypeError, ValueError) as error:
+        if isinstance(error, ReadError):
+            raise
+        raise ReadError(f"not a table: {error}") from error
+    wrong = np.flatnonzero(rows.widths != len(names))
+    if wrong.size:
+        raise ReadError(
+            f"row {wrong[0] + 1} has {rows.widths[wrong[0]]} fields,"
+            f" the header {len(names)}"
+        )
+    return {
+        name: column
+        for name, column in zip(names, rows.values.T, strict=True)
+        if not np.isnan(column).all()
+    }
+
+
+def split_lines(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
+    """Fields of each line."""
+    if delimiter == BLANKS:
+        return (line.split() for line in lines)
+    return csv.reader(lines, delimiter=delimiter)
+
+
+def is_row_of_numbers(fields: list[str], decimal: str = ".") -> bool:
+    """Whether there are fields, and each is a number."""
+    plain = [field.replace(decimal, ".") for field in fields]
+    return bool(plain) and all(map(is_number, plain))
+
+
+def _is_utf_8(data: bytes) -> bool:
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
