@@ -239,9 +239,11 @@ class TestMatlab(ImportTest):
             for value in (1e300, 10**30, math.inf):
                 columns["force_N"] = {"from": "f", key: value}
                 self.refuse("force_N", columns=columns)
-        for rule in ({"from": None}, {"constant": None}, {}, None, [], 3):
+        for rule in ({"from": None}, {"constant": None}, {}, None, [], True):
             columns["force_N"] = rule
             self.refuse("columns.force_N must be", columns=columns)
+        columns["force_N"] = 3
+        self.refuse("no column '3'", columns=columns)
         columns["force_N"] = {"from": "f", "scale": 1e12}
         savemat(self.path, self.channels | {"f": np.full(100, 1e300)})
         self.refuse("row 1", "force_N", columns=columns)
