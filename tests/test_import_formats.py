@@ -122,6 +122,12 @@ class TestFormats(unittest.TestCase):
                     f"{name}/{file.name}", **columns, group="/joint_states"
                 )
                 np.testing.assert_allclose(table["log_time_s"], 2.0 * TIME)
+                table = self.check(name, **columns, group="/joint_states, /cmd")
+                command = table["/cmd:data"]
+                # The value that was sent last: at 0.055 s, then at 0.505 s.
+                self.assertTrue(np.isnan(command[:3]).all())
+                np.testing.assert_array_equal(command[3:26], 1.0)
+                np.testing.assert_array_equal(command[26:], 2.0)
                 with self.assertRaisesRegex(CampaignError, "no topic '/x'"):
                     LoadTable(self.folder / name, {"group": "/x"})
 
@@ -143,6 +149,13 @@ class TestFormats(unittest.TestCase):
                 )
                 data = store.serialize_cdr(message, State.__msgtype__)
                 bag.write(topic, round(2e9 * t) + 5, data)
+            Number = store.types["std_msgs/msg/Float64"]
+            topic = bag.add_connection(
+                "/cmd", Number.__msgtype__, typestore=store
+            )
+            for when, value in ((0.055, 1.0), (0.505, 2.0)):
+                data = store.serialize_cdr(Number(value), Number.__msgtype__)
+                bag.write(topic, round(1e9 * when), data)
 
     def test_broken_files_are_refused_in_a_line(self):
         for name in ("h5", "xlsx", "db3", "bag", "npy", "npz", "json", "jsonl"):

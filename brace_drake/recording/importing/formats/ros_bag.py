@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.core.errors import ReadError
+from brace_drake.core.errors import ReadError, quoted
 from brace_drake.recording.importing.formats.flatten import (
     Arrays,
     check_room,
@@ -30,10 +30,15 @@ def read_ros_bag(path: Path, group: str | None) -> Arrays:
     time of logging and `stamp_s` that of the message's header, both from the
     first message on.
 
+    Of several topics the first one's messages are the samples. The others'
+    fields, named TOPIC:a.b, have at each the value that was logged last, NaN
+    before the first.
+
     Args:
         path: Folder of a ROS 2 bag, one of its files (*.db3, *.mcap), or a
             ROS 1 bag (*.bag).
-        group: The topic; not needed where there is one alone.
+        group: The topic, or several with commas between them; not needed where
+            there is one alone.
 
     Raises:
         ReadError: One line.
@@ -43,26 +48,41 @@ def read_ros_bag(path: Path, group: str | None) -> Arrays:
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.LATEST)
+    wanted = [None] if group is None else [t.strip() for t in group.split(",")]
     with AnyReader([path], default_typestore=store) as reader:
-        topic = pick("topic", reader.topics, group)
-        connections = [c for c in reader.connections if c.topic == topic]
-        rows: list[dict[str, float]] = []
-        names: dict[str, None] = {}
-        for connection, when, data in reader.messages(connections=connections):
-            message = reader.deserialize(data, connection.msgtype)
-            row = {LOG_TIME: 1e-9 * when, **dict(_fields("", message))}
-            names.update(dict.fromkeys(row))
-            rows.append(row)
-            check_room(len(rows) * len(names))
-            if len(rows) > _MOST_MESSAGES:
-                raise ReadError(f"has more than {_MOST_MESSAGES} messages")
-    columns = {
-        name: np.array([row.get(name, math.nan) for row in rows])
-        for name in names
-    }
+        topics = [pick("topic", reader.topics, topic) for topic in wanted]
+        tables = [_read_topic(reader, topic) for topic in topics]
+    columns = tables[0]
+    when = columns[LOG_TIME]
+    for topic, other in zip(topics[1:], tables[1:], strict=True):
+        last = np.searchsorted(other[LOG_TIME], when, side="right") - 1
+        for name, values in other.items():
+            held = np.where(last >= 0, values[last], math.nan)
+            columns[f"{topic}:{name}"] = held
     for name in {LOG_TIME, STAMP} & columns.keys():
         columns[name] = columns[name] - columns[name][0]
     return columns
+
+
+def _read_topic(reader, topic: str) -> Arrays:
+    """Columns of a topic that holds messages, their times as they are."""
+    connections = [c for c in reader.connections if c.topic == topic]
+    rows: list[dict[str, float]] = []
+    names: dict[str, None] = {}
+    for connection, when, data in reader.messages(connections=connections):
+        message = reader.deserialize(data, connection.msgtype)
+        row = {LOG_TIME: 1e-9 * when, **dict(_fields("", message))}
+        names.update(dict.fromkeys(row))
+        rows.append(row)
+        check_room(len(rows) * len(names))
+        if len(rows) > _MOST_MESSAGES:
+            raise ReadError(f"has more than {_MOST_MESSAGES} messages")
+    if not rows:
+        raise ReadError(f"topic {quoted(topic)} has no messages")
+    return {
+        name: np.array([row.get(name, math.nan) for row in rows])
+        for name in names
+    }
 
 
 def _fields(name: str, value) -> Iterator[tuple[str, float]]:
