@@ -21,8 +21,7 @@ ENTRY_POINTS = {
         "brace_drake.recording.WriteCampaign",
         "brace_drake.recording.importing.mapped.ImportCampaign",
     ),
-    "Diagnose it, and write what was found": (
-        "brace_drake.diagnose.diagnose",
+    "Write what a diagnosis has found": (
         "brace_drake.document.document.MakeDocument",
         "brace_drake.report.WriteReport",
         "brace_drake.validation.repaired.WriteRepairedScenario",

@@ -25,9 +25,9 @@ where monday.map.yaml says which column is which channel:
   - {file: second.tdms, motion: push, split: validation}
 
 Files: CSV, MATLAB up to -v7 (*.mat), NI TDMS, JSON messages of MCAP (options:
-{group: TOPIC}). `rate_hz` resamples them; `gaps: split` makes a run of each
-part of a file with gaps in time; `nominal` and `control` go to campaign.yaml.
-What `brace-drake export` has written (*.mcap) needs no map.
+{group: TOPIC}). `rate_hz` resamples. `gaps: split` makes a run of each part
+between gaps in time. `nominal` and `control` go to campaign.yaml.
+A file that `brace-drake export` has written (*.mcap) needs no map.
 """
 
 
