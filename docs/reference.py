@@ -41,7 +41,7 @@ ENTRY_POINTS = {
         "brace_drake.effects.card.Effect",
         "brace_drake.effects.registry.register_effect",
         "brace_drake.effects.registry.effects_for",
-        "brace_drake.devices.register_device",
+        "brace_drake.devices.registry.register_device",
     ),
     "Make a torso, run a policy, control a brace": (
         "brace_drake.torso.personalize.personalize",
