@@ -27,6 +27,7 @@ def words_out():
 
 
 WORDS_OUT = tuple(words_out())
+_ANY = re.compile("|".join(p.pattern for p, _ in WORDS_OUT), re.IGNORECASE)
 
 
 def found_in(text):
@@ -35,6 +36,8 @@ def found_in(text):
     Code in `quotes` is no prose.
     """
     text = " ".join(re.sub(r"`[^`]*`", "``", text).split())
+    if not _ANY.search(text):
+        return []
     return [
         f"{text[max(0, m.start() - 40) : m.end() + 40]!r}: say {instead!r}"
         for pattern, instead in WORDS_OUT
