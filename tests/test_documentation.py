@@ -1,6 +1,7 @@
 """What is written down holds: commands parse, drawings are current."""
 
 import argparse
+import ast
 import contextlib
 import io
 import json
@@ -9,8 +10,10 @@ import shlex
 import subprocess
 import sys
 import tempfile
+import textwrap
 import unittest
 import xml.etree.ElementTree as ElementTree
+from importlib import import_module
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from itertools import chain
 from pathlib import Path
@@ -20,6 +23,8 @@ import yaml
 
 from brace_drake.cli.data.doctor import _packages, examine_machine
 from brace_drake.cli.main import make_parser
+from brace_drake.recording.manifest import parse_manifest
+from brace_drake.scenario.load import LoadScenario
 from tests.commands import run_command
 from tests.shared_data import EXAMPLE
 from tests.test_layering import LAYERS
@@ -42,6 +47,26 @@ def commands_in(text):
         line = re.sub(r"\[[^\[\]]*\]", "", line)
         words = shlex.split(line, comments=True)[1:]
         yield words[: words.index(">")] if ">" in words else words
+
+
+def commands_within(text):
+    """Commands with arguments that stand in `quotes` within a sentence."""
+    for span in re.findall(r"`(brace-drake [^`]+)`", text):
+        words = shlex.split(span.replace("COMMAND --help", "check --help"))[1:]
+        if len(words) > 1 and "--help" not in words:
+            yield words
+
+
+def written_pages():
+    """Pages that are written by hand."""
+    for page in PAGES:
+        if not MADE & set(page.relative_to(ROOT).parts):
+            yield page
+
+
+def blocks_in(text, language):
+    """The fenced blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.M | re.S)
 
 
 def parsers(parser, name=""):
@@ -77,12 +102,14 @@ class TestCommands(unittest.TestCase):
         self.assertGreater(counted, 20)
 
     def test_every_command_of_the_pages_parses(self):
-        for page in PAGES:
-            if MADE & set(page.relative_to(ROOT).parts):
-                continue
-            for words in commands_in(page.read_text()):
+        counted = 0
+        for page in written_pages():
+            text = page.read_text()
+            for words in (*commands_in(text), *commands_within(text)):
                 with self.subTest(page=page.name, command=shlex.join(words)):
                     self.assert_parses(words)
+                counted += 1
+        self.assertGreater(counted, 80)
 
     def test_every_command_is_in_the_readme(self):
         text = (ROOT / "README.md").read_text()
@@ -102,6 +129,77 @@ class TestCommands(unittest.TestCase):
                 with self.subTest(page=page.name, module=name):
                     path = ROOT / f"{name.replace('.', '/')}.py"
                     self.assertTrue(path.exists())
+
+
+class TestBlocks(unittest.TestCase):
+    def test_python_of_the_pages_imports_what_there_is(self):
+        for page in written_pages():
+            for block in blocks_in(page.read_text(), "python"):
+                for node in ast.walk(ast.parse(textwrap.dedent(block))):
+                    if not isinstance(node, ast.ImportFrom):
+                        continue
+                    if not node.module.startswith("brace_drake"):
+                        continue
+                    module = import_module(node.module)
+                    for name in node.names:
+                        with self.subTest(page=page.name, name=name.name):
+                            self.assertTrue(hasattr(module, name.name))
+
+    def test_scenarios_and_campaigns_of_the_pages_are_accepted(self):
+        scenarios = campaigns = 0
+        for page in written_pages():
+            for block in blocks_in(page.read_text(), "yaml"):
+                content = yaml.safe_load(block)
+                with self.subTest(page=page.name, keys=list(content)):
+                    if "runs" in content and "campaign" in content["format"]:
+                        _, problems = parse_manifest(block.encode())
+                        errors = [p for p in problems if p.severity == "error"]
+                        self.assertEqual(errors, [])
+                        campaigns += 1
+                    elif "format" not in content:
+                        with tempfile.TemporaryDirectory() as folder:
+                            path = Path(folder) / "a.scenario.yaml"
+                            path.write_text(block)
+                            LoadScenario(path)
+                        scenarios += 1
+        self.assertGreaterEqual((scenarios, campaigns), (2, 2))
+
+    def test_the_tutorial_tells_what_the_stored_diagnosis_has_found(self):
+        page = ROOT / "docs" / "tutorials" / "example.md"
+        stored = EXAMPLE.parent / "example_diagnosis" / "diagnosis.json"
+        found = json.loads(stored.read_text())
+        rows = {
+            row["name"]: (row, row.get("nominal", 1.0))
+            for row in (
+                *found["verdict"]["supported"][0]["parameters"],
+                *found["subject"]["parameters"],
+            )
+        }
+        told = {
+            "arm stiffness, N/m": ("arm_stiffness_N_m", "{:.0f}"),
+            "relaxation time, s": ("relaxation_time_s", "{:.3f}"),
+            "contact stiffness over nominal": (
+                "contact_stiffness_N_m",
+                "{:.4f}",
+            ),
+            "torso mass over nominal": ("torso_mass_kg", "{:.4f}"),
+        }
+        text = page.read_text()
+        for label, (name, form) in told.items():
+            row, nominal = rows[name]
+            value, low, high = (
+                form.format(row[key] / nominal)
+                for key in ("value", "lower95", "upper95")
+            )
+            line = f"{value} ({low} to {high}) |"
+            with self.subTest(label=label):
+                self.assertRegex(
+                    text, rf"\| {label} \| .* \| {re.escape(line)}"
+                )
+        closed = 100.0 * found["shrink"]["closed"]
+        self.assertIn(f"closes {closed:.1f} % of the gap", text)
+        probability = 100.0 * found["verdict"]["probability"]
+        self.assertIn(f"probability of {probability:.0f} %", text)
 
 
 class TestFamily(unittest.TestCase):
@@ -187,16 +285,25 @@ class TestBuild(unittest.TestCase):
             self.assertEqual(ended.returncode, 0, ended.stderr)
             first = (Path(out) / "index.html").read_text()
             self.assertIn("says <strong>why</strong>", first)
+            captions = re.findall(r'caption-text">(.*?)<', first)
+            kinds = ("Tutorials", "How-to guides", "Reference", "Explanation")
+            self.assertEqual(tuple(dict.fromkeys(captions)), kinds)
             effects = (Path(out) / "reference" / "effects.html").read_text()
             self.assertIn("register_effect", effects)
 
 
+def load_reference():
+    """The module that makes the pages of the reference."""
+    path = ROOT / "docs" / "reference.py"
+    spec = spec_from_file_location("docs_reference", path)
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
 class TestReference(unittest.TestCase):
     def test_a_page_of_a_part_that_is_gone_is_removed(self):
-        path = ROOT / "docs" / "reference.py"
-        spec = spec_from_file_location("docs_reference", path)
-        reference = module_from_spec(spec)
-        spec.loader.exec_module(reference)
+        reference = load_reference()
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             (folder / "gone.md").write_text("# brace_drake.gone\n")
@@ -206,6 +313,24 @@ class TestReference(unittest.TestCase):
             self.assertEqual(pages, rooms | {"api", "commands"})
             selection = (folder / "selection.md").read_text()
             self.assertIn("brace_drake.selection.search.search", selection)
+
+    def test_the_reference_opens_with_the_entry_points(self):
+        reference = load_reference()
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            reference.WriteReference(folder, make_parser())
+            page = (folder / "api.md").read_text()
+            first, parts = page.split("## Parts of the package")
+            for names in reference.ENTRY_POINTS.values():
+                for entry in names:
+                    with self.subTest(entry=entry):
+                        self.assertRegex(first, rf"`{entry}`: \w+ \w+")
+            self.assertIn("(effects.md): The library of effects", parts)
+            effects = (folder / "effects.md").read_text()
+            modules = re.findall(r"automodule:: ([\w.]+)", effects)
+            card, registry = modules[1:3]
+            self.assertEqual(card, "brace_drake.effects.card")
+            self.assertEqual(registry, "brace_drake.effects.registry")
 
 
 class TestPages(unittest.TestCase):
@@ -252,6 +377,31 @@ class TestPages(unittest.TestCase):
                     self.assertTrue(any(p.match(place) for p in paths))
         heads = {"format", "campaign", "device", "subject_name", "warnings"}
         self.assertEqual(told | heads, set(document))
+
+    def test_the_readme_is_short(self):
+        text = (ROOT / "README.md").read_text()
+        self.assertLess(len(text.splitlines()), 200)
+        # What nobody may miss is said before the first heading.
+        first = text.split("\n## ")[0]
+        for words in ("Not a medical device", "simulated", "columns"):
+            self.assertIn(words, first)
+
+    def test_the_glossary_has_each_term_once(self):
+        page = (ROOT / "docs" / "glossary.md").read_text()
+        heads = re.findall(r"^- \*\*(.+?)\*\*: ", page, re.M)
+        terms = [term for head in heads for term in head.split(", ")]
+        self.assertEqual(len(terms), len(set(terms)))
+        for term in ("run", "campaign", "block", "effect", "gap", "tolerance"):
+            self.assertIn(term, terms)
+
+    def test_every_page_is_in_a_table_of_contents(self):
+        index = (ROOT / "docs" / "index.md").read_text()
+        listed = set(re.findall(r"^[\w/]+$", index, re.M))
+        for page in written_pages():
+            if page.name in ("README.md", "index.md"):
+                continue
+            name = page.relative_to(ROOT / "docs").with_suffix("")
+            self.assertIn(str(name), listed)
 
     def test_links_between_pages_lead_somewhere(self):
         link = re.compile(r"\]\((?!https?:)([^)#\s]+)")

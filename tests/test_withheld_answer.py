@@ -29,7 +29,7 @@ class TestMake(unittest.TestCase):
         folder = Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
         cls.cases = folder / "cases"
         cls.vault = folder / "vault" / "truth.json"
-        # With nothing wrong: only its decoy has to be measured.
+        # With nothing wrong: only its background has to be measured.
         cls.status, _, cls.errors = run_command(
             *("withheld", "make", "--cases", 1, "--seed", 18),
             *("--out", cls.cases, "--vault", cls.vault),
@@ -52,10 +52,10 @@ class TestMake(unittest.TestCase):
         seals = yaml.safe_load((self.cases / SEALS).read_text())["seals"]
         check_seal("case000", kept["truth"], kept["salt"], seals["case000"])
         self.assertNotIn("within_tolerances", kept["truth"])
-        decoy = kept["truth"]["floors"]["decoy"]
+        background = kept["truth"]["floors"]["background"]
         # Every machine has its imperfections, but they must not show.
-        self.assertGreater(decoy["rms"], 0.0)
-        self.assertLess(decoy["rms"], 0.3)
+        self.assertGreater(background["rms"], 0.0)
+        self.assertLess(background["rms"], 0.3)
 
     def test_cases_do_not_depend_on_how_many_are_made_at_a_time(self):
         def drawn(path, kind, rng, tolerances):

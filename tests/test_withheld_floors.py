@@ -30,7 +30,7 @@ class TestPair(unittest.TestCase):
             alone = measure(
                 self.motions,
                 self.case.subject,
-                self.case.decoy,
+                self.case.background,
                 self.case.without(other),
                 refit=False,
             )

@@ -138,13 +138,13 @@ class TestCases(unittest.TestCase):
         counts = [kinds.count(k) for k in KINDS]
         self.assertEqual(counts, [10, 10, 10, 20])
 
-    def test_a_case_is_its_faults_and_its_decoy(self):
+    def test_a_case_is_its_faults_and_its_background(self):
         fault = next(f for f in FAULTS if f.name == "saturation")
         case = build_case(
             np.random.default_rng(0), "single", (fault,), "medium", lambda _: 8
         )
         self.assertAlmostEqual(case.flaws.legs.limit, 8 * fault.strengths[1])
-        self.assertEqual(case.flaws.ring, case.decoy.ring)
+        self.assertEqual(case.flaws.ring, case.background.ring)
         self.assertEqual(case.truth()["blocks"], ["actuation"])
         json.dumps(case.truth(), allow_nan=False)
 
@@ -155,10 +155,10 @@ class TestCases(unittest.TestCase):
             np.random.default_rng(0), "pair", pair, "small", lambda _: 8
         )
         drag, drift = pair
-        self.assertEqual(case.without(drag).legs, case.decoy.legs)
+        self.assertEqual(case.without(drag).legs, case.background.legs)
         self.assertEqual(case.without(drag).torso, case.flaws.torso)
         self.assertEqual(case.without(drift).legs, case.flaws.legs)
-        self.assertEqual(case.without(drift).torso, case.decoy.torso)
+        self.assertEqual(case.without(drift).torso, case.background.torso)
 
 
 class WithFiles(unittest.TestCase):

@@ -115,12 +115,12 @@ class TestCase(unittest.TestCase):
         self.assertNotIn("within_tolerances", case.truth())
         self.assertEqual(case.subject.stiffness, 4689.784442553317)
         self.assertEqual(case.flaws.ring.leg_mass, 0.021744999658616915)
-        self.assertEqual(case.machine, case.decoy)
+        self.assertEqual(case.machine, case.background)
         self.assertEqual(rng.integers(10**9), 48546489)
 
     def test_the_label_holds_what_the_machine_is_off(self):
         case = make([])
-        machine, decoy = case.machine, case.decoy
+        machine, background = case.machine, case.background
         told = case.truth()["within_tolerances"]
         json.dumps(told, allow_nan=False)
         expected = {
@@ -134,12 +134,12 @@ class TestCase(unittest.TestCase):
         }
         self.assertEqual(told, expected)
         self.assertIsInstance(machine.legs.delay, int)
-        moved = np.subtract(machine.ring.lower, decoy.ring.lower)
+        moved = np.subtract(machine.ring.lower, background.ring.lower)
         self.assertAlmostEqual(np.std(moved) / 5e-5, 1.0, delta=0.5)
         # The rest of the machine is what it was.
-        self.assertEqual(machine.ring.leg_mass, decoy.ring.leg_mass)
-        self.assertEqual(machine.torso, decoy.torso)
-        self.assertEqual(machine.pads, decoy.pads)
+        self.assertEqual(machine.ring.leg_mass, background.ring.leg_mass)
+        self.assertEqual(machine.torso, background.torso)
+        self.assertEqual(machine.pads, background.pads)
 
     def test_a_fault_adds_to_what_the_machine_is_off(self):
         for name, (number, _) in LEAST.items():
@@ -178,7 +178,7 @@ class TestCase(unittest.TestCase):
         self.assertEqual(
             pairs,
             [
-                (Flaws(), case.decoy),
+                (Flaws(), case.background),
                 (case.machine, case.flaws),
                 *((case.without(f), case.flaws) for f in case.faults),
             ],

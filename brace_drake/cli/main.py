@@ -22,7 +22,7 @@ _EPILOG = """\
 exit codes:
   0    done
   2    a problem with input, machine or result; one line on standard error
-  130  stopped by Ctrl-C, or told to end; what was done until then is kept
+  130  stopped by Ctrl-C or a signal; finished work is kept
 
 examples:
   brace-drake check tests/data/example

@@ -73,13 +73,13 @@ def AddJobCount(parser: argparse.ArgumentParser, help_text: str) -> None:
 def AddJobs(parser: argparse.ArgumentParser) -> None:
     """Adds --jobs, --cluster and --seed."""
     AddJobCount(
-        parser, "threads (default: all cores); results do not depend on it"
+        parser, "threads (default: all cores); the results are the same"
     )
     parser.add_argument(
         "--cluster",
         metavar="ADDRESS",
-        help="Dask scheduler whose workers do the work, as in"
-        " tcp://host:8786; same results",
+        help="Dask scheduler to run on, as in tcp://host:8786; the results"
+        " are the same",
     )
     parser.add_argument(
         "--seed",
@@ -127,7 +127,7 @@ def AddJson(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--json",
         action="store_true",
-        help="print one JSON document on standard output, and nothing else",
+        help="print one JSON document on standard output and nothing else",
     )
 
 

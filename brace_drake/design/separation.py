@@ -44,7 +44,7 @@ def separate_pairs(
     """Separation of each pair of rivals by one run, the least first.
 
     Args:
-        predictions: Weighted recording (rows,) that each rival foresees.
+        predictions: Weighted recording (rows,) that each rival predicts.
         sensitivities: To what is estimated anyway (rows, n).
         own: To each rival's own parameters (rows, n_j), where it has some.
     """

@@ -1,7 +1,7 @@
 """The search for a law: terms of a dictionary, one after the other.
 
-Each term is screened by a linearised replay in the closed loop, the most
-promising ones are fitted beside the subject and the terms before, and that of
+Each term is screened by a linearised replay in the closed loop, the best
+predicted ones are fitted beside the subject and the terms before, and that of
 the best score stays (orthogonal matching pursuit: Pati, Rezaiifar,
 Krishnaprasad, Asilomar Conference 1993; in the loop, so that nothing has to be
 differentiated). A term has to pay for itself, on motions that are left out in

@@ -65,7 +65,7 @@ def _derived():
 
 @dataclass(frozen=True)
 class Effect:
-    """A card: physics, parameters, place in the diagram, impostors.
+    """A card: physics, parameters, place in the diagram, confusable effects.
 
     Attributes:
         name: Identifier as in a diagnosis.
@@ -85,7 +85,8 @@ class Effect:
         constants: What the laws take of the twin's numbers, at the end of p:
             numbers -> values, a row for each stage.
         signature: What it looks like in a recording.
-        impostors: Other effects it is taken for, and what tells them apart.
+        impostors: Effects that it is confused with, and what tells them
+            apart.
         experiment: The motion that shows it best.
         needs: What a device must have for it beside the plug points of its
             laws, see `places`.

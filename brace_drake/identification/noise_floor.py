@@ -1,4 +1,4 @@
-"""The noise floor: how far a recording strays from a perfect twin."""
+"""The noise floor: how far a recording is from a perfect twin."""
 
 from __future__ import annotations
 

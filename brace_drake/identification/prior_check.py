@@ -22,7 +22,7 @@ _TOLD = 0.5
 # Median of the square of a unit normal variable.
 _MEDIAN = 0.4549
 # Standard deviations beyond which a direction does not count for the spread.
-_STRAY = 3.0
+_OUTLIER = 3.0
 # Level of each test, at most.
 _LEVEL = 1e-3
 
@@ -48,7 +48,7 @@ def refit_spread(
 ) -> float:
     """The spread that the directions themselves show.
 
-    Their root mean square, strays left out: where the twin is not exact, or
+    Their root mean square, outliers left out: where the twin is not exact, or
     the effect is another, a few directions that the recording tells little of
     go far, and would draw the spread after them.
 
@@ -62,7 +62,7 @@ def refit_spread(
     typical = np.median(squares) / _MEDIAN
     if typical == 0.0:
         return spread
-    kept = squares[squares <= _STRAY**2 * typical]
+    kept = squares[squares <= _OUTLIER**2 * typical]
     return spread * float(np.sqrt(np.mean(kept)))
 
 
@@ -71,7 +71,7 @@ def looks_scattered(fit: CandidateFit) -> bool:
 
     With dozens of parameters an effect can imitate many others; but then a
     few directions among them carry all, and the rest is nearly nothing. Two
-    tests: that of Kolmogorov and Smirnov, and, for strays, the mean square
+    tests: that of Kolmogorov and Smirnov, and, for outliers, the mean square
     held against an F law of as many directions. As the spread is found from
     the same directions, both refuse a true draw less often than their level.
     True where no effect has such parameters.
@@ -92,8 +92,8 @@ def looks_scattered(fit: CandidateFit) -> bool:
     if len(sample) == 0:
         return True
     shape = stats.kstest(np.abs(sample), stats.halfnorm.cdf).pvalue
-    strays = stats.f.sf(np.mean(sample**2), len(sample), len(sample))
-    return bool(2.0 * min(shape, strays) > _LEVEL)
+    outliers = stats.f.sf(np.mean(sample**2), len(sample), len(sample))
+    return bool(2.0 * min(shape, outliers) > _LEVEL)
 
 
 def _places(fit: CandidateFit) -> np.ndarray:

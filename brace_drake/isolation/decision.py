@@ -64,11 +64,12 @@ def suspected_blocks(
 ) -> list[str]:
     """The block with the largest share of what is above its threshold.
 
-    Where all are within theirs, as of a gap of about the noise, the one that
-    is nearest to it. The controller, which is exact, is none. Where contact,
-    torso and reading as a whole hold on the recorded way of the ring they are
-    none, and where they are less beyond their threshold than drives and ring
-    contact and torso are none.
+    If all blocks are within their thresholds, as for a gap of about the noise,
+    it is the block nearest to its threshold. The controller is exact and is
+    never suspected. Contact, torso and reading are cleared if together they
+    match the recording on the recorded trajectory of the ring. Contact and
+    torso are cleared if they are less beyond their threshold than drives and
+    ring.
 
     Args:
         tests: Rows of `run_block_tests`.

@@ -1,9 +1,9 @@
-"""Open-loop replay on imposed motion: what answers to the ring's way.
+"""Open-loop replay on imposed motion: what follows from the ring's trajectory.
 
-Where drives stick and slip by chance a twin in closed loop comes to no floor,
-and a second effect is lost in what it leaves. On the recorded way of the ring
-nothing sticks: an effect of contact, torso or force reading shows there as it
-would without friction, and so does the subject.
+Where drives stick and slip by chance a twin in closed loop does not reach the
+noise floor, and a second effect is lost in what it leaves. On the recorded
+trajectory of the ring nothing sticks: an effect of contact, torso or force
+reading shows there as it would without friction, and so does the subject.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _THRESHOLD = 1.17
 
 @dataclass(frozen=True)
 class ImposedMotionFit:
-    """The subject's fit on the recorded way of the ring.
+    """The subject's fit on the recorded trajectory of the ring.
 
     Attributes:
         evaluator: Of the twin on imposed motion, over the fit runs.

@@ -39,8 +39,8 @@ class RecordingFault:
         law: The recording as a function of the truth, in plain text.
         signature: What it looks like in a campaign.
         remedy: What the user can do.
-        impostors: Effects of the machine it is taken for, and what tells
-            them apart.
+        impostors: Effects of the machine that it is confused with, and
+            what tells them apart.
         parameters: In the order in which they are reported.
         undo: Takes the fault back; None where nothing can.
         is_of_run: Whether its parameters tell of one run, as when a sensor got

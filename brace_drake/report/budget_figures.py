@@ -1,4 +1,4 @@
-"""The gap's budget as pictures: shares of blocks, and the cube."""
+"""The gap's budget as pictures: shares of blocks, and of channels."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def make_card(key: str, role: str, verdict: dict) -> dict:
 
 
 def _parameters(effect: Effect) -> list[tuple[str, str]]:
-    """Names and meanings; of many that are drawn alike their deviation."""
+    """Names and meanings; of repeated ones their deviation."""
     if effect.spread is None:
         return [(p.name, p.meaning) for p in effect.parameters]
     first, last = effect.parameters[0], effect.parameters[-1]

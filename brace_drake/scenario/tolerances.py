@@ -23,7 +23,8 @@ class _Origin:
 
     Attributes:
         is_stated: Whether somebody has stated them, as the shipped files do;
-            a file without a word on them leaves them assumed.
+            a file without them leaves
+            them assumed.
     """
 
     # Without an annotation it is no key of a file.

@@ -86,7 +86,7 @@ def _decision(criterion, fit, verdict, is_tied) -> str:
     if not verdict.gap:
         return "no gap to explain"
     if not fit.is_searched:
-        return "screened only: one replay promised less than others"
+        return "screened only: one replay predicted less than others"
     if is_tied:
         return "as good as the first on these data"
     if not fit.is_scattered:

@@ -36,8 +36,8 @@ class Case:
         kind: One of KINDS.
         faults: What is wrong with it, none to two.
         severity: Of all its faults; None where there is none.
-        subject: The wearer.
-        decoy: Flaws that every machine has.
+        subject: Who or what is in the brace.
+        background: Flaws that every machine has.
         changes: What the faults changed, per fault.
         off: How far the machine is off within its tolerances.
     """
@@ -46,7 +46,7 @@ class Case:
     faults: tuple[Fault, ...]
     severity: str | None
     subject: Subject
-    decoy: Flaws
+    background: Flaws
     changes: dict[str, dict] = field(default_factory=dict)
     off: Deviations = Deviations()
 
@@ -81,7 +81,7 @@ class Case:
 
         A fault sets a number, the machine's deviation adds to that.
         """
-        out, flaws = {f.name for f in faults}, self.decoy
+        out, flaws = {f.name for f in faults}, self.background
         for name, change in self.changes.items():
             if name not in out:
                 flaws = with_flaws(flaws, change)
@@ -106,7 +106,7 @@ def draw_subject(rng: np.random.Generator) -> Subject:
     return Subject(*(float(v * rng.uniform(*_SUBJECT)) for v in Subject()))
 
 
-def draw_decoy(rng: np.random.Generator) -> Flaws:
+def draw_background(rng: np.random.Generator) -> Flaws:
     """The small imperfections of one machine."""
     return with_flaws(
         Flaws(),
@@ -159,7 +159,7 @@ def build_case(
             bench with nothing wrong.
         tolerances: Multiple of them that the machine is off by.
     """
-    subject, decoy = draw_subject(rng), draw_decoy(rng)
+    subject, background = draw_subject(rng), draw_background(rng)
     changes = {}
     for fault in faults:
         strength = fault.strength(SEVERITIES.index(severity), tolerances)
@@ -168,4 +168,4 @@ def build_case(
             change = {"legs.limit": strength * largest_command(subject)}
         changes[fault.name] = change
     off = draw_deviations(rng, tolerances)
-    return Case(kind, faults, severity, subject, decoy, changes, off)
+    return Case(kind, faults, severity, subject, background, changes, off)

@@ -76,10 +76,12 @@ def largest_command(motions: list[Motion]) -> Callable[[Subject], float]:
 
 def size_of(case: Case, motions: list[Motion]) -> dict:
     """Sizes in floors of the faults on their machine and, apart from them, of
-    the decoy; of two faults also what each adds beside the other.
+    the background; of two faults also what each adds beside the other.
     """
-    decoy = measure(motions, case.subject, Flaws(), case.decoy, refit=False)
-    sizes = {"decoy": decoy._asdict(), "faults": None}
+    background = measure(
+        motions, case.subject, Flaws(), case.background, refit=False
+    )
+    sizes = {"background": background._asdict(), "faults": None}
     if case.faults:
         gap = measure(motions, case.subject, case.machine, case.flaws)
         sizes["faults"] = gap._asdict()

@@ -33,7 +33,7 @@ def load_judged(folder: Path, vault: Path, answers: Path) -> list[Judged]:
     """Truth beside answers, once seals and commitment have been verified.
 
     Raises:
-        SealError: Truth or answers are not those promised.
+        SealError: Truth or answers are not those that were sealed.
         AnswerError: A file is missing or of another format.
     """
     seals = read_seals(folder)
@@ -44,9 +44,9 @@ def load_judged(folder: Path, vault: Path, answers: Path) -> list[Judged]:
         if set(other) != set(seals):
             raise SealError(f"{what}: not the cases of {folder}")
     judged = []
-    for name, promised in seals.items():
+    for name, sealed in seals.items():
         truth = truths[name]["truth"]
-        check_seal(name, truth, truths[name]["salt"], promised)
+        check_seal(name, truth, truths[name]["salt"], sealed)
         answer = given[name]
         judged.append(Judged(name, truth, answer["verdict"], answer["closed"]))
     return judged

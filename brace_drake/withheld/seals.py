@@ -1,7 +1,7 @@
-"""Seals and commitments: promised now, checked later, not read before.
+"""Seals and commitments: given now, checked later, not read before.
 
 A seal is the SHA-256 of a secret salt followed by the document as canonical
-JSON; the salt keeps anyone from trying the few possible answers. Seals promise
+JSON; the salt keeps anyone from trying the few possible answers. Seals fix
 the truth of cases before they are answered, a commitment the answers before
 the truth is opened.
 """
@@ -29,7 +29,7 @@ _CASE_KEYS = {
 
 
 class SealError(BraceError, ValueError):
-    """A sealed document is not what was promised."""
+    """A sealed document is not the one that was sealed."""
 
 
 class AnswerError(BraceError, ValueError):
@@ -49,13 +49,13 @@ def seal(document: object, salt: str) -> str:
     return hashlib.sha256((salt + text).encode()).hexdigest()
 
 
-def check_seal(name: str, document: object, salt: str, promised: str) -> None:
+def check_seal(name: str, document: object, salt: str, sealed: str) -> None:
     """Compares a document with its seal.
 
     Raises:
         SealError: It is another one.
     """
-    if seal(document, salt) != promised:
+    if seal(document, salt) != sealed:
         raise SealError(f"{name}: not the document that was sealed")
 
 
@@ -138,8 +138,8 @@ def check_commitment(folder: Path, answers: Path) -> None:
         AnswerError: There is no commitment.
     """
     path = answers / COMMITMENT
-    promised = LoadYaml(path, AnswerError)
-    expected = promised.get("answers_sha256"), promised.get("seals_sha256")
+    committed = LoadYaml(path, AnswerError)
+    expected = committed.get("answers_sha256"), committed.get("seals_sha256")
     if None in expected:
         raise AnswerError(f"{path}: no commitment")
     kept = answers / ANSWERS, folder / SEALS

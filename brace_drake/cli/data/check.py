@@ -21,10 +21,9 @@ _EPILOG = """\
 example:
   brace-drake check campaigns/monday
 
-Prints one line per problem: of the files, and of what recorded channels say
-of each other by the device's own laws, such as commands that do not follow
-from the readings. Ends with status 0 when there is no error
-(warnings are allowed) and with 2 when there is one.
+Prints one line per problem. Checks the files, and checks by the device's own
+laws that the channels agree, for example that commands follow from readings.
+Ends with status 2 if there is an error, else with 0; warnings are allowed.
 """
 
 

@@ -27,11 +27,10 @@ example:
   brace-drake doctor --json
   brace-drake doctor diagrams/bench.scenario.yaml
 
-Of a scenario, or of a campaign's device, it also tells how exactly each number
-is known, and whether that is stated or assumed.
+With a scenario or a campaign it also lists the tolerance of each number, and
+whether the tolerance is stated or assumed.
 
-Ends with status 2 when something is missing that is needed, and with 0 when
-only optional things are.
+Ends with status 2 if something needed is missing, else with 0.
 """
 _OK, _OPTIONAL, _MISSING = "ok", "optional", "missing"
 _LEAST_MEMORY, _LEAST_DISK = 4.0, 2.0  # GB that a diagnosis wants.

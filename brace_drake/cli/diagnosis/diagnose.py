@@ -28,11 +28,11 @@ _EPILOG = """\
 example:
   brace-drake diagnose campaigns/monday --out results/monday
 
-Writes diagnosis.json and report.html into the folder and, where effects were
-found, repaired.scenario.yaml: the twin with them, for --scenario. Where causes
-stay open, next_run.csv is the safe motion that separates them best. Nothing is
-estimated on runs of the validation split; they only show how far the gap
-shrinks.
+Writes diagnosis.json and report.html into the folder. If effects were found, it
+writes the twin with them, repaired.scenario.yaml, for --scenario. If causes
+cannot be told apart, it writes next_run.csv, the safe motion that separates
+them best. Nothing is estimated on validation runs. They show how far the gap
+closes.
 """
 
 

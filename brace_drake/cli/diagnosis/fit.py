@@ -26,7 +26,7 @@ _EPILOG = """\
 example:
   brace-drake fit campaigns/monday --out results/monday
 
-Prints the parameters with standard errors; with --out writes fit.json.
+Prints the parameters with standard errors. --out also writes fit.json.
 """
 # Evaluations that a fit usually takes; for the estimate of the time left.
 _USUAL = 8

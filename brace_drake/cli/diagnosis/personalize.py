@@ -15,8 +15,8 @@ example:
 
 A scan (.obj, .stl, .ply) is the closed surface of the trunk, without head and
 arms. The origin is the centre of ring 2, at the vertebra T7, in the scan's own
-coordinates and unit; the axes are those of the scan that point to the front,
-the left and up. Nothing of a scan is repaired.
+coordinates and unit. The axes are those of the scan that point to the front,
+the left and up. A scan is never repaired; a bad one is refused.
 
 Writes torso.obj (surface), torso.vtk (tetrahedra), torso.sdf (model with mass
 and contact), pads.yaml with a face for each pad, torso.png, and the scenarios
@@ -31,8 +31,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "personalize",
         Run,
-        help="make a torso, its pads and a scenario from a scan or measures",
-        description="Makes a patient's torso, and pads that fit it.",
+        help="make a torso, its pads and a scenario from a scan",
+        description="Makes a subject's torso, and pads that fit it.",
         epilog=_EPILOG,
     )
     parser.add_argument(

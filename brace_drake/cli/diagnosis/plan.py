@@ -22,10 +22,10 @@ _EPILOG = """\
 example:
   brace-drake plan --motions push,stairs,free_reversal --out plans/monday
 
-Every effect of the library is put into the twin at the size at which it makes
-a gap of one noise floor, and the subject's parameters are fitted to it. What
-is left is its signature; two effects with parallel signatures could not be
-told apart. Nothing has to be recorded for that.
+Every effect of the library is put into the twin at the size that makes a gap of
+one noise floor, and the subject's parameters are fitted to it. What is left is
+its signature. Two effects with parallel signatures could not be told apart.
+Nothing has to be recorded for this.
 """
 
 # Floors of gap below which a size has met its limit; from 0.8 to 1.25 are one.
@@ -39,7 +39,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "plan",
         Run,
         help="say which effects planned runs could not tell apart",
-        description="Foresees what a planned campaign could tell apart.",
+        description="Says which effects planned runs could not tell apart.",
         epilog=_EPILOG,
     )
     source = parser.add_mutually_exclusive_group()

@@ -32,13 +32,13 @@ example:
   brace-drake simulate diagrams/bench.scenario.yaml --motion push \\
       --tolerances 7 --noise-seed 7 --out simulated/real
 
-The motion is a file with the columns time_s, ring2_y_desired_m,
-ring2_vy_desired_m_s and ring2_ay_desired_m_s2, or a name of the library;
-rings 1 and 3 of a brace may have such columns too, and stay where they start
-without. Where a file's name begins with "free", or its column `contact` is 0,
-the torso is absent. What is written is a campaign with that one run,
-of the stages that the scenario picks; stage 2 alone records as the bench does.
-With --tolerances the folder also has label.yaml: what the machine is made with.
+The motion is a name of the library, or a file with the columns time_s,
+ring2_y_desired_m, ring2_vy_desired_m_s and ring2_ay_desired_m_s2. Rings 1 and 3
+of a brace may have such columns too; without them they stay where they start.
+The torso is absent if the file's name begins with "free", or if its column
+`contact` is 0. The result is a campaign with one run of the scenario's stages.
+Stage 2 alone records as the bench does. --tolerances also writes label.yaml:
+how far each number of the machine is off.
 """
 
 
@@ -70,15 +70,16 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--limits",
         metavar="FILE",
-        help="hold these limits as on a device, such as diagrams/limits.yaml:"
-        " what breaks them releases the rings (default: no supervisor)",
+        help="hold these limits as on a device, such as diagrams/limits.yaml;"
+        " a broken limit releases the rings (default: no supervisor)",
     )
     parser.add_argument(
         "--tolerances",
         type=not_negative,
         metavar="SEED",
         help="draw how far each number of the machine is off within its"
-        " tolerance; the controller keeps the scenario's (default: exact)",
+        " tolerance; the controller keeps the scenario's numbers (default:"
+        " exact)",
     )
     AddNoiseSeed(parser)
     AddPlaybackOptions(parser)

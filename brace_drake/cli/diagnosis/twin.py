@@ -25,12 +25,12 @@ example:
   brace-drake twin --port /dev/ttyACM0 --motion reversal --scenario \\
       results/monday/repaired.scenario.yaml
 
-The device follows the motion; the twin does the same beside it. A page shows
-both in 3D, the twin as a ghost, and their curves in one plot, how far they are
-apart, in noise floors, and what stiffness and damping the contact of the ring
-that moves has. A channel that leaves its band raises an
-alarm, which ends the motion with --stop-at-alarm. The page is for this machine
-alone unless --host says so.
+The device follows the motion, and the twin does the same beside it. A page
+shows both in 3D, the twin as a ghost. It also shows their curves, the distance
+between them in noise floors, and the stiffness and damping of the contact at
+the moving ring. A channel that leaves its band raises an alarm; with
+--stop-at-alarm it ends the motion. Only this machine can open the page, unless
+--host says otherwise.
 """
 _SHOW = 0.2
 

@@ -22,10 +22,12 @@ _EPILOG = """\
 example:
   brace-drake validate campaigns/monday --out out/monday
 
-Writes replay.png (the recorded reference in the twin, beside ring and torso),
-regression.png (the paper's network on the measured force, and its error),
-force.png (twin and measured force before and after the optimisation, on a fit
-run and on one held back), and validation.json with their numbers.
+Writes
+  replay.png       the twin on the recorded reference, beside ring and torso
+  regression.png   the paper's network on the measured force, and its error
+  force.png        twin and measured force before and after the fit, on a fit
+                   run and on a validation run
+  validation.json  their numbers
 """
 
 _PARAMETER = {

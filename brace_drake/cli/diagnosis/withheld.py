@@ -23,8 +23,8 @@ example:
   brace-drake withheld score cases --vault secret/vault.json --answers answers
 
 The cases come from an independent simulator of the bench, which shares no code
-with the twin. Their truth lies in the vault; SEALS.yaml among the cases
-promises it by hash, COMMITMENT among the answers promises those.
+with the twin. Their truth is in the vault. SEALS.yaml, among the cases, commits
+to the truth by hash. COMMITMENT, among the answers, commits to the answers.
 """
 
 
@@ -171,7 +171,7 @@ def RunMake(args: argparse.Namespace) -> int:
             args.jobs,
             args.tolerances,
         )
-    print(f"cases: {out}, promised by {out / SEALS}")
+    print(f"cases: {out}, sealed by {out / SEALS}")
     print(f"truth: {args.vault}")
     return 0
 

@@ -19,11 +19,11 @@ _EPILOG = """\
 example:
   brace-drake compare --out out/compare
 
-Without SCENARIO: the paper's push of 10 mm in 12 s on the whole brace whose
-second ring is in contact (diagrams/paper_brace.scenario.yaml), then the paper's
-own two scenarios of stage 2, beside its Table 1. Writes comparison.csv,
-comparison.md and comparison.png; status 2 where a controller leaves 50 N along
-y or 20 mm along x and z.
+Without SCENARIO it runs the paper's push of 10 mm in 12 s on the whole brace
+with its second ring in contact (diagrams/paper_brace.scenario.yaml). Then it
+runs the paper's own two scenarios of stage 2, and shows the paper's Table 1
+beside them. Writes comparison.csv, comparison.md and comparison.png. Ends with
+status 2 if a controller exceeds 50 N along y, or 20 mm along x and z.
 """
 
 

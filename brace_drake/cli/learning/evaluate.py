@@ -19,12 +19,12 @@ example:
   brace-drake evaluate runs/seed0/best.npz runs/seed1/best.npz \\
       runs/seed2/best.npz --out out/evaluation
 
-Policies of the same task are seeds of one training; of other tasks, rivals.
-Beside them: PIC, NPIC, MRAIC, VPIC, and the constant stiffness that a search
-finds, on the nominal subject and on others. Readings are exact and nothing is
-random. Writes table_1.csv, unseen.csv, pushes.csv, constants.csv,
-figure_8.png to figure_13.png, unseen.png, and all of it on one page,
-evaluation.html.
+Policies of the same task count as seeds of one training, those of other tasks
+as rivals. They are compared with PIC, NPIC, MRAIC, VPIC and the best constant
+stiffness that a search finds, on the nominal subject and on others. Readings
+are exact and nothing is random. Writes table_1.csv (as in the paper),
+unseen.csv, pushes.csv, constants.csv, figure_8.png to figure_13.png,
+unseen.png, and all of it on one page, evaluation.html.
 """
 
 
@@ -34,7 +34,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "evaluate",
         Run,
-        help="the paper's Table 1 and Figures 8 to 13, and unseen subjects",
+        help="compare policies with controllers, on unseen subjects too",
         description="Compares policies with controllers, without chance.",
         epilog=_EPILOG,
     )

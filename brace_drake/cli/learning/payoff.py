@@ -20,11 +20,11 @@ example:
   brace-drake payoff --out out/payoff
   brace-drake payoff --out out/payoff --causes command_delay --episodes 200
 
-For each cause: a campaign of the independent simulator that has it, its
-diagnosis, the repaired twin, a policy trained there, and one of the nominal
-twin; then pushes of that simulator under both and under PIC. Started again with
-the same options it goes on with what the folder has. Writes payoff.yaml, the
-options, payoff.csv and payoff.md. Needs pip install -e '.[train]'.
+For each cause: record a campaign of the independent simulator with that cause,
+diagnose it, train one policy on the nominal and one on the repaired twin. Then
+push the simulator under both policies and under PIC. Started again with the
+same options, it continues with what the folder has. Writes payoff.yaml (the
+options), payoff.csv and payoff.md. Needs pip install -e '.[train]'.
 """
 
 
@@ -34,12 +34,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         subparsers,
         "payoff",
         Run,
-        help="policies of the nominal and the repaired twin, on the machine",
+        help="compare policies trained on the nominal and the repaired twin",
         description="Measures what closing the gap is worth to a policy.",
         epilog=_EPILOG,
     )
     add = parser.add_argument
-    add("--out", required=True, metavar="DIR", help="folder for all of it")
+    add("--out", required=True, metavar="DIR", help="folder for the results")
     add(
         "--causes",
         metavar="A,B",
@@ -64,7 +64,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         type=float,
         default=20.0,
         metavar="N",
-        help="F_max of the reward (default: 20; the bench's wearer is stiffer"
+        help="F_max of the reward (default: 20; the bench's subject is stiffer"
         " than the paper's)",
     )
     add(

@@ -20,10 +20,10 @@ example:
       --readings noisy
   brace-drake train --out runs/paper --resume        # after a stop or a kill
 
-Written are policy.npz (the last), best.npz, curve.csv, curve.png, the task,
+Writes policy.npz (the last one), best.npz, curve.csv, curve.png, the task,
 hyper-parameters, scenario, seed and versions, and a checkpoint after each
-update. A run that was stopped goes on to the same weights bit for bit. Needs
-pip install -e '.[train]'.
+update. A run that was stopped and resumed ends with the same weights bit for
+bit. Needs pip install -e '.[train]'.
 """
 
 
@@ -34,28 +34,40 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "train",
         Run,
         help="train a policy that sets the stiffness",
-        description="PPO on the twin with the paper's hyper-parameters.",
+        description="Trains a policy: PPO with the paper's hyper-parameters.",
         epilog=_EPILOG,
     )
     add = parser.add_argument
     add("--out", required=True, metavar="DIR", help="folder of the run")
-    add("--resume", action="store_true", help="go on with the run in DIR")
-    add("--task", metavar="FILE", help="LearningTask as YAML")
+    add("--resume", action="store_true", help="continue the training in DIR")
+    add("--task", metavar="FILE", help="the task, LearningTask as YAML")
     add("--training", metavar="FILE", help="TrainingNumbers as YAML")
-    add("--full", action="store_true", help="three rings, 18 degrees")
+    add(
+        "--full", action="store_true", help="three rings, 18 degrees of freedom"
+    )
     add(
         "--reward",
         choices=("paper", "improved"),
-        help="the paper's as written, or with a barrier below its force",
+        help="the paper's as written, or one that pays for less force",
     )
     add(
         "--subjects",
         choices=("nominal", "between"),
-        help="the scenario's own, or 0.7 to 1.5 times its numbers",
+        help="the scenario's own, or drawn from 0.7 to 1.5 times its numbers",
     )
     add("--readings", choices=("exact", "noisy"), help="what the policy sees")
-    add("--episodes", type=positive, metavar="N", help="budget (paper: 1000)")
-    add("--envs", type=positive, metavar="N", help="side by side (default: 1)")
+    add(
+        "--episodes",
+        type=positive,
+        metavar="N",
+        help="budget (the paper: 1000)",
+    )
+    add(
+        "--envs",
+        type=positive,
+        metavar="N",
+        help="environments side by side (default: 1)",
+    )
     add("--patience", type=not_negative, metavar="N", help="0: no early stop")
     add(
         "--seed",

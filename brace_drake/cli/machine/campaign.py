@@ -18,9 +18,9 @@ example:
   brace-drake campaign --port /dev/ttyACM0 --subject "phantom 2" --out monday
   brace-drake diagnose monday --out results/monday
 
-Guides through free runs, then runs with the torso, some of them for validation
-alone. Begun again on the same folder it goes on where it stopped. Another set
-of runs is a file:
+Guides through free runs, then through runs with the torso. Some of them are for
+validation alone. Started again on the same folder, it continues where it
+stopped. A file can name other runs:
   format: brace-plan/1
   runs:
   - {motion: push}
@@ -41,7 +41,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddDevice(parser)
     parser.add_argument(
-        "--plan", metavar="FILE", help="runs to record (default: the standard)"
+        "--plan",
+        metavar="FILE",
+        help="runs to record (default: the standard set)",
     )
     AddRecording(parser)
 

@@ -25,15 +25,18 @@ example:
       --controller mraic --motion push
   brace-drake deploy --port /dev/ttyACM0 --policy runs/paper/best.npz
 
-Before it arms: device and twin must agree on kind, rate, geometry and limits,
-and a dry run of two seconds must have kept its time. --dry-run ends there.
-A policy (of `train`) sets the stiffness of the variable impedance control; its
-bounds and its rate are enforced outside of the network, and once more by the
-limits of the device. Its scenario is a brace with as many stages as it was
-trained for, by default that of its training; stage 2 alone is the bench.
+Before the device is armed, device and twin must agree on kind, rate, geometry
+and limits, and a dry run of two seconds must have kept its time. --dry-run ends
+there.
 
---out gets ticks.csv of the last run and timing.json of both, of a run that was
-stopped too, with the cause. A motion beyond 12 mm is refused.
+A policy (of `train`) sets the stiffness of the variable impedance control.
+Bounds and rate of the stiffness are enforced outside of the network, and once
+more by the limits of the device. The policy's scenario is a brace with as many
+stages as it was trained for, by default that of its training; stage 2 alone is
+the bench.
+
+--out gets ticks.csv of the last run, and timing.json of both runs. A stopped
+run is there too, with the cause. A motion beyond 12 mm is refused.
 """
 _DRY_SECONDS = 2.0
 
@@ -45,7 +48,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "deploy",
         Run,
         help="run a controller or a policy on a device",
-        description="Puts a device in the plant's place.",
+        description="Runs a controller or a policy on a device.",
         epilog=_EPILOG,
     )
     AddDevice(parser)

@@ -30,7 +30,7 @@ Lines on standard input change it while it runs:
   to-device delay 0.005      of frames; delay: s
   noise 500                  bytes of noise before each hello
   unplug | plug              the line
-  stop                       ends
+  stop                       end
 """
 _LONGEST_LINE, _MOST_NOISE = 1000, 100_000
 
@@ -42,8 +42,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "emulate",
         Run,
         help="serve an emulated brace on a pseudo-terminal",
-        description="A device with the laws of bench or brace, for working"
-        " without one.",
+        description="Emulates a device with the laws of bench or brace.",
         epilog=_EPILOG,
     )
     add = parser.add_argument
@@ -62,8 +61,8 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         action="append",
         default=[],
         metavar="NAME[:P=V,...]",
-        help="effect of the library, at its first start; twice at most; on a"
-        " brace alike on every stage",
+        help="effect of the library, with its first start values; two at most;"
+        " on a brace every stage has it",
     )
     add(
         "--subject",

@@ -77,7 +77,7 @@ def AddRecording(parser: argparse.ArgumentParser) -> None:
         "--out",
         required=True,
         metavar="DIR",
-        help="folder of the campaign, made or gone on with",
+        help="folder of the campaign, new or to continue",
     )
     add(
         "--subject",

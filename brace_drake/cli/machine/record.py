@@ -21,11 +21,12 @@ example:
 
 The motion is a name of the library (push, stairs, reversal, multisine,
 quiet_hold, free_reversal ...), a reference (*.csv), or a plan of runs (*.yaml,
-see `brace-drake campaign --help`), all of which are recorded. On a brace ring 2
-follows it, or that of --ring, and the others are held; a reference may have
-columns of each ring. What is in the folder stays; a motion that is there
-already is recorded as its repeat (of a plan, where it says so). Any key stops;
-so does Ctrl-C. A crash or an unplugged device leaves a shorter recording.
+see `brace-drake campaign --help`). Of a plan, all runs are recorded. On a
+brace, ring 2 or the ring of --ring follows the motion, and the others are held.
+A reference may have columns of each ring. The folder's recordings stay. A
+motion that is there already is recorded as its repeat; in a plan, if the plan
+says so. Any key stops, and so does Ctrl-C. A crash or an unplugged device
+leaves a shorter recording.
 """
 _PLANS = (".yaml", ".yml")
 

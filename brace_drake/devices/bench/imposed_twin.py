@@ -80,7 +80,7 @@ class GuidedBenchTwin(BenchTwin):
         return len(self.carried) + 2 <= MAX_EFFECTS
 
     def motion(self, run: Run) -> GuidedMotion:
-        """The recorded way of the ring, with the reference."""
+        """The recorded trajectory of the ring, with the reference."""
         return self._guided(super().motion(run), self.measured(run))
 
     def active(self, run: Run) -> np.ndarray:

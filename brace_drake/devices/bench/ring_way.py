@@ -1,4 +1,4 @@
-"""The recorded way of the ring, and the leg forces that go with it."""
+"""The recorded trajectory of the ring, and its leg forces."""
 
 from __future__ import annotations
 

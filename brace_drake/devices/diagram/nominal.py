@@ -85,7 +85,7 @@ def MakeDiagramScenario(
 def _take_step(
     scenario: DiagramScenario, make: MakeDiagram, runs: Sequence[Run]
 ) -> None:
-    """The longest step that half of it betters by less than the noise."""
+    """The longest step that differs from half of it by less than noise."""
     sigma = np.array([scenario.noise[n] for n in scenario.readings])
 
     def replay(run: Run) -> np.ndarray:

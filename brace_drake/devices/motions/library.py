@@ -243,7 +243,7 @@ STANDARD = (
 
 
 def MakeMotion(name: str) -> SafeMotion:
-    """The motion of a name.
+    """The motion of the library that has a name.
 
     Raises:
         CampaignError: No such motion; the message offers the closest.

@@ -1,6 +1,6 @@
 """What a device may be asked for, and what no motion may pass.
 
-The bench has limits of its own, which its twin foresees; of a drive and of a
+The bench has limits of its own, which its twin predicts; of a drive and of a
 pad nothing is known but how far their recordings reached.
 """
 

@@ -1,1 +1,1 @@
-"""Effects of the wearer's own motion."""
+"""Effects of the subject's own motion."""

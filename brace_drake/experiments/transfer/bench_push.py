@@ -36,7 +36,7 @@ def push_bench(
     seed: int | Sequence[int] = 0,
     noise: bool = True,
 ) -> Push:
-    """Pushes the wearer of an independent simulator; rows are decisions.
+    """Pushes the subject of an independent simulator; rows are decisions.
 
     Positions and rates are those of the ring itself, the force is as the
     sensor behind its filter has it.

@@ -34,7 +34,7 @@ from brace_drake.recording.columns import BRACE
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import LoadRecord, LoadScenario, SaveScenario
 from brace_drake.validation.repaired import FILE, MakeRepairedScenario
-from brace_drake.withheld.cases import Case, draw_decoy, draw_subject
+from brace_drake.withheld.cases import Case, draw_background, draw_subject
 from brace_drake.withheld.faults import FAULTS, SEVERITIES
 from brace_drake.withheld.make import record_campaign
 from brace_drake.withheld.simulator import make_motions
@@ -58,7 +58,7 @@ class TransferOptions:
     Attributes:
         severity: Of the faults: small, medium or large.
         force_limit: F_max of the reward and of the measures, N. The bench's
-            wearer is stiffer than the paper's, and more than its 4 N is on him
+            subject is stiffer than the paper's, and feels more than its 4 N
             from the start.
         seed: Of machines, campaigns, diagnoses and pushes.
     """
@@ -112,7 +112,7 @@ def KeepOptions(folder: Path, options: TransferOptions) -> None:
 
 
 def make_case(cause: str, severity: str, seed: int) -> Case:
-    """A machine with one fault, and its wearer.
+    """A machine with one fault, and its subject.
 
     Raises:
         BraceError: No such fault.
@@ -123,9 +123,9 @@ def make_case(cause: str, severity: str, seed: int) -> Case:
     fault = FAULTS[names.index(cause)]
     rng = np.random.default_rng([seed, names.index(cause)])
     strength = fault.strengths[SEVERITIES.index(severity)]
-    subject, decoy = draw_subject(rng), draw_decoy(rng)
+    subject, background = draw_subject(rng), draw_background(rng)
     changes = {cause: fault.make(rng, strength)}
-    return Case("single", (fault,), severity, subject, decoy, changes)
+    return Case("single", (fault,), severity, subject, background, changes)
 
 
 def repair_twin(

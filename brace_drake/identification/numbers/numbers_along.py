@@ -1,10 +1,10 @@
 """Fits of parameters together with numbers that are known to a tolerance.
 
-Where numbers bend, as anchors do where drives stick, a fit beside their
-straight line leaves what they do beyond it. Here they go along with the fit's
-parameters: Gauss-Newton in all of them, the columns kept (the chord method;
-Kelley, Solving Nonlinear Equations with Newton's Method, SIAM 2003), the twin
-replayed with the numbers off as they then are.
+Where the twin is not linear in its numbers, as in anchors where drives stick,
+a linear fit leaves what they do beyond it. Here the numbers are fitted together
+with the parameters: Gauss-Newton in all of them with the columns kept (the
+chord method; Kelley, Solving Nonlinear Equations with Newton's Method, SIAM
+2003), and the twin replayed with the fitted numbers.
 """
 
 from __future__ import annotations

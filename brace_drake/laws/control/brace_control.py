@@ -150,7 +150,7 @@ def start_held(start, rest, memory):
 
 @compiled_maker
 def make_controller(kind, law, held):
-    """The `Controller` of a kind and law that goes on with what is `HELD`."""
+    """The `Controller` of a kind and law that continues from `HELD`."""
     pose, memory, virtual, impedance = held
     nc = law.shape[1]
     poses, state, F, work = take_work(nc // 6)

@@ -40,7 +40,7 @@ class ThresholdAdam(torch.optim.Adam):
 class ActorCritic(ActorCriticPolicy):
     """Section 3: two layers of 256 with ReLU, for actor and critic each.
 
-    The actor goes on with a layer and tanh, the mean, in parallel with a layer
+    The actor has one more layer and tanh, the mean, in parallel with a layer
     for the deviation (softplus). Actor and critic share nothing and have an L2
     weight each.
 

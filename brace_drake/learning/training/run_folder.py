@@ -80,13 +80,13 @@ def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
     """
     manifest = folder / "manifest.json"
     if not (manifest.is_file() and (folder / CHECKPOINT).is_file()):
-        raise PolicyError(f"{folder}: no training run to go on with")
+        raise PolicyError(f"{folder}: no training run to continue")
     begun, here = _load_versions(manifest), installed_versions(PACKAGES)
     for name, value in begun.items():
         if here.get(name) != value:
             raise PolicyError(
                 f"{folder}: begun with {name} {value}; here is"
-                f" {here.get(name)}: a run goes on with the same alone"
+                f" {here.get(name)}: a run continues with the same alone"
             )
     task = LoadRecord(LearningTask(), folder / "task.yaml")
     kept = folder / SCENARIO
@@ -98,7 +98,7 @@ def LoadStart(folder: Path) -> tuple[LearningTask, TrainingNumbers]:
 def CheckSame(
     folder: Path, task: LearningTask, numbers: TrainingNumbers
 ) -> None:
-    """Refuses to go on with a run of another task, scenario or numbers.
+    """Refuses to continue a run of another task, scenario or numbers.
 
     Where the scenario's file lies does not matter, what is in it does.
 

@@ -64,7 +64,7 @@ def StartTraining(
 
 
 def ResumeTraining(folder: Path, progress: Progress | None = None) -> dict:
-    """Goes on with a run, as `StartTraining` would have without a stop.
+    """Continues a run, as `StartTraining` would have without a stop.
 
     The weights come out the same bit for bit, wherever it was killed.
 
@@ -85,7 +85,7 @@ def ResumeTraining(folder: Path, progress: Progress | None = None) -> dict:
 def TrainPolicy(
     folder: Path, task: LearningTask, numbers: TrainingNumbers
 ) -> Path:
-    """Trains into a folder, or goes on with what it holds; the best policy.
+    """Trains into a folder, or continues what it holds; the best policy.
 
     A run that is finished is not run again.
 

@@ -1,11 +1,11 @@
 """The search for causes: forward and backward over sets of effects.
 
 From the nominal twin, then from the best sets so far, every further effect is
-screened by a linearised replay, the most promising ones are searched and the
-best led to their end; a set is also tried without each of its effects. It ends
-where the criterion says that one effect more does not pay, or that nothing is
-left (stepwise selection with a beam; Hastie, Tibshirani, Friedman, The Elements
-of Statistical Learning, section 3.3).
+screened by a linearised replay. The best predicted ones are searched, and the
+best of these fitted to their end. A set is also tried without each of its
+effects. The search ends where one effect more does not improve the criterion,
+or nothing is left (stepwise selection with a beam; Hastie, Tibshirani,
+Friedman, The Elements of Statistical Learning, section 3.3).
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ def run_bench(
     Args:
         wanted: Reference y, y', y'' at 1 kHz, (n, 3), SI units.
         contact: Whether the torso is there.
-        subject: The wearer.
+        subject: Who or what is in the brace.
         flaws: What is wrong.
         rng: Of everything random; the same one gives the same run.
         noise: False for ideal instruments, which do not round either.

@@ -60,7 +60,7 @@ class PadFlaws(NamedTuple):
 
 
 class TorsoFlaws(NamedTuple):
-    """Of the wearer, beyond what a subject's numbers hold."""
+    """Of the subject, beyond what a subject's numbers hold."""
 
     breath: float = 0.0  # m of chest expansion
     breath_rate: float = 0.25  # Hz

@@ -42,7 +42,7 @@ MARKER_NOISE = 5e-5  # m
 
 
 class Subject(NamedTuple):
-    """The wearer, and how tight the brace sits."""
+    """The subject, and how tight the brace sits."""
 
     stiffness: float = 6400.0  # N/m, of each pad's tissue
     damping: float = 150.0  # N s/m

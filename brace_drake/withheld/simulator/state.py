@@ -20,7 +20,7 @@ class Bench(NamedTuple):
 
     Attributes:
         contact: Whether the torso is there.
-        subject: The wearer.
+        subject: Who or what is in the brace.
         flaws: What is wrong.
         anchors: Of the legs as they are: lower in W, upper in the ring (6, 3),
             m.
