@@ -1,9 +1,9 @@
 """Alarms: one false-alarm level shared out over all tests of a page.
 
 Half of the level goes to numbers, by Holm's correction over all their tests;
-half to effects, by Holm's correction over effects. A number raises an alarm where
-it moves by more than its stated intervals. What kind of alarm it is follows from
-tests beside a scatter between sessions, at the same level: a drift or a step that
+half to effects, by Holm's correction over effects. A number raises an alarm
+where it moves by more than its stated intervals. Tests beside a scatter between
+sessions, at the same level, tell the kind of alarm: a drift or a step that
 stands out of the scatter is called so, all else is called scatter.
 """
 
@@ -161,9 +161,7 @@ def judge_effects(
     timeline: Timeline, level: float = LEVEL / 2.0
 ) -> list[EffectHistory]:
     """Tests every effect that a session names for its coming or going."""
-    titles = {
-        e.name: e.title for s in timeline.sessions for e in s.effects
-    }
+    titles = {e.name: e.title for s in timeline.sessions for e in s.effects}
     raw = [_history(timeline, name, title) for name, title in titles.items()]
     corrected = holm([history.p for history in raw])
     return [

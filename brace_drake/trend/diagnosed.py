@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
 
@@ -50,7 +51,7 @@ def LoadOrDiagnose(
     seed: int = 0,
     scenario=None,
     diagram: Callable | None = None,
-    progress: Callable[[str, float], None] | None = None,
+    bar: Callable = nullcontext,
 ) -> tuple[Session, dict | None]:
     """The session of a folder.
 
@@ -60,7 +61,9 @@ def LoadOrDiagnose(
 
     Args:
         folder: With diagnosis.json, or a campaign.
-        workers, seed, scenario, diagram, progress: See `diagnose`.
+        workers, seed, scenario, diagram: See `diagnose`.
+        bar: Makes a context of what `diagnose` tells its progress to; used
+            where something is diagnosed.
 
     Returns:
         The session, and the document of a campaign's diagnosis.
@@ -75,9 +78,10 @@ def LoadOrDiagnose(
     place = None if diagram else _place(campaign, scenario, seed)
     document = _kept(place)
     if document is None:
-        document = _diagnose(
-            campaign, workers, seed, scenario, diagram, progress
-        )
+        with bar() as progress:
+            document = _diagnose(
+                campaign, workers, seed, scenario, diagram, progress
+            )
         if place is not None:
             WriteJson(MakeFolder(place) / DIAGNOSIS, document)
     session = session_of(document, folder, str(folder))

@@ -14,17 +14,17 @@ from brace_drake.trend.alarms import (
     judge_series,
 )
 from brace_drake.trend.grouping import Timeline
-from brace_drake.trend.series import (
-    Point,
-    Series,
-    gap_series,
-    parameter_series,
-)
 from brace_drake.trend.sentences import (
     effect_sentence,
     series_sentence,
     state_level,
     summary_sentence,
+)
+from brace_drake.trend.series import (
+    Point,
+    Series,
+    gap_series,
+    parameter_series,
 )
 from brace_drake.trend.sessions import Session
 from brace_drake.trend.statistics import Coefficient, detectable
@@ -46,7 +46,9 @@ def MakeTrendDocument(
     judged = judge_series(series, level / 2.0)
     effects = judge_effects(timeline, level / 2.0)
     tests = sum(len(j.p) for j in judged)
-    rows = [_series_row(j, timeline, level / 2.0 / max(1, tests)) for j in judged]
+    rows = [
+        _series_row(j, timeline, level / 2.0 / max(1, tests)) for j in judged
+    ]
     effect_rows = [_effect_row(h, timeline) for h in effects]
     alarms = [_alarm_row(row, timeline) for row in [*rows, *effect_rows]]
     first = timeline.sessions[0]
@@ -72,7 +74,9 @@ def MakeTrendDocument(
         "gap": rows[-1],
         "effects": effect_rows,
         "provenance": {
-            "versions": {"brace_drake": importlib.metadata.version("brace_drake")},
+            "versions": {
+                "brace_drake": importlib.metadata.version("brace_drake")
+            },
             "data_sha256": [s.data_sha256 for s in timeline.sessions],
         },
     }
@@ -164,9 +168,10 @@ def _tests_row(series: Series, judged: Judged, level: float) -> dict | None:
             "span": span,
             "p_corrected": judged.p.get("trend"),
             "p_corrected_with_scatter": judged.p_scattered.get("trend"),
-            "detectable_change": _finite(
-                abs(span) * detectable(found, freedom, level)
-            ),
+            # Of one degree of freedom it would be many times the value.
+            "detectable_change": abs(span) * detectable(found, freedom, level)
+            if line.freedom > 1
+            else None,
         }
     stated, beside = tests.step
     row["step"] = {

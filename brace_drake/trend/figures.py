@@ -145,9 +145,7 @@ def _draw_alarm(axes, row, points, place, factor: float) -> None:
         used = [p["session"] for p in points if not p["left_out"]]
         slope = tests["trend"]["with_scatter"]["value"] * factor
         x, middle = place[used], tests["mean"]["value"] * factor
-        values = np.array(
-            [p["value"] for p in points if not p["left_out"]]
-        )
+        values = np.array([p["value"] for p in points if not p["left_out"]])
         weight = np.array(
             [p["standard_error"] for p in points if not p["left_out"]]
         )

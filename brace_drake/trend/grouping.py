@@ -31,48 +31,45 @@ class Timeline:
     source: str
 
 
-def with_dates(sessions: Sequence[Session], dates: str) -> list[Session]:
-    """Sessions with the dates of an option, one for each, in its order.
+def parse_dates(text: str, count: int) -> list[datetime]:
+    """The dates of the option --dates, one for each of `count` folders.
 
     Raises:
         CampaignError: Not as many dates, or one that is none.
     """
-    words = [word.strip() for word in dates.split(",")]
-    if len(words) != len(sessions):
+    words = [word.strip() for word in text.split(",")]
+    if len(words) != count:
         raise CampaignError(
-            f"--dates has {len(words)} dates for {len(sessions)} folders;"
-            " allowed: one for each folder, in its order"
+            f"--dates has {len(words)} dates for {count} folders; allowed: one"
+            " for each folder, in its order"
         )
-    found = [parse_date(word, "--dates") for word in words]
-    return [s.with_date(d) for s, d in zip(sessions, found, strict=True)]
+    return [parse_date(word, "--dates") for word in words]
 
 
 def make_timeline(
-    sessions: Sequence[Session], dates: str | None = None
+    sessions: Sequence[Session], source: str | None = None
 ) -> Timeline:
     """Sessions of one trend in their order.
 
     Args:
         sessions: In the order in which they were given.
-        dates: Of the option --dates, which goes before all others.
+        source: Where their dates come from; None: from the recordings.
 
     Raises:
         CampaignError: Fewer than two, one that is there twice, or dates of
-            some sessions only.
+            some of them only.
     """
     if len(sessions) < 2:
         raise CampaignError(
             f"{_place(sessions)}one session; a trend needs two or more"
         )
     _check_different(sessions)
-    source = "given by --dates" if dates else "recording dates"
-    if dates:
-        sessions = with_dates(sessions, dates)
+    source = f"dates of {source or 'the recordings'}"
     undated = [s for s in sessions if s.date is None]
     if undated and len(undated) < len(sessions):
         raise CampaignError(
-            f"{undated[0].folder}: no date, and others have one; allowed: `date`"
-            " in each campaign.yaml, or --dates for all"
+            f"{undated[0].folder}: no date, and others have one; allowed:"
+            " `date` in each campaign.yaml, or --dates for all"
         )
     if undated:
         times = tuple(float(i) for i in range(len(sessions)))

@@ -1,4 +1,4 @@
-"""Writes a trend: trend.json, trend.csv, and its page that needs nothing else."""
+"""Writes trend.json, trend.csv, and a page that needs nothing else."""
 
 from __future__ import annotations
 
@@ -67,7 +67,11 @@ def _session_cells(session: dict) -> dict:
     if session["recording_fault"]:
         tone = "failed"
     date = (session["date"] or "").replace("T00:00:00", "").replace("T", " ")
-    return session | {"day": date, "verdict": verdict_word(session), "tone": tone}
+    return session | {
+        "day": date,
+        "verdict": verdict_word(session),
+        "tone": tone,
+    }
 
 
 def _strip_row(row: dict, document: dict) -> dict:
@@ -78,7 +82,11 @@ def _strip_row(row: dict, document: dict) -> dict:
         told = percent(row["probability"][i]) if named else ""
         word = {"open": "open", "there": told, "absent": "no"}[kind]
         cells.append(
-            {"kind": kind, "text": word, "is_alarm": row["alarm"] and i == row["at"]}
+            {
+                "kind": kind,
+                "text": word,
+                "is_alarm": row["alarm"] and i == row["at"],
+            }
         )
     return row | {"cells": cells}
 

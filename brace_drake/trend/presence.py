@@ -2,9 +2,9 @@
 
 Each session names an effect or does not, and its verdict is wrong with a known
 probability. Under the null the effect is always there, or never; then every
-pattern of names comes from wrong verdicts alone. The statistic compares the best
-single switch with the better of the two nulls; its probability under either null
-is counted over all patterns, or drawn where there are too many of them.
+pattern of names comes from wrong verdicts alone. The statistic compares the
+best single switch with the better of the two nulls; its probability under
+either null is counted over all patterns, or drawn where there are too many.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from brace_drake.report.words import (
     significant,
 )
 from brace_drake.trend.alarms import (
+    APPEARS,
     DISAPPEARS,
     DRIFT,
     GROWS,
@@ -72,8 +73,8 @@ def series_sentence(row: dict, unit: str) -> str:
         own = step["stated"]
         size = amount(own, shown)
         return (
-            f"{name} differs by {size} from session {row['at'] + 1} on, which is"
-            f" more than its intervals ({probability(_least(tests))}). With"
+            f"{name} differs by {size} from session {row['at'] + 1} on, which"
+            f" is more than its intervals ({probability(_least(tests))}). With"
             f" {tests['sessions']} sessions a change cannot be told from a"
             " scatter between sessions."
         )
@@ -82,9 +83,9 @@ def series_sentence(row: dict, unit: str) -> str:
         ratio = significant(tests["constancy"]["birge_ratio"], 2)
         return (
             f"{name} scatters from session to session by {size} (one standard"
-            f" deviation): its intervals would have to be {ratio} times as wide"
-            f" ({probability(_least(tests))}). Neither a drift nor a step stands"
-            " out of that scatter."
+            f" deviation): its intervals would have to be {ratio} times as"
+            f" wide ({probability(_least(tests))}). Neither a drift nor a step"
+            " stands out of that scatter."
         )
     if alarm == GROWS:
         own = step["stated"]
@@ -143,17 +144,17 @@ def state_level(level: float, timeline: Timeline) -> str:
     """What the false-alarm level means, and what few sessions cannot say."""
     n = len(timeline.sessions)
     text = (
-        f"Where nothing changes, and intervals and probabilities of the diagnoses"
-        f" are right, at most {percent(level)} of such pages raise any alarm."
+        "Where nothing changes, and intervals and probabilities of the"
+        f" diagnoses are right, at most {percent(level)} of such pages raise any alarm."
     )
     if n < 4:
         return text + (
-            f" {n} sessions cannot tell a change from a scatter between sessions;"
-            " four or more can."
+            f" {n} sessions cannot tell a change from a scatter between"
+            " sessions; four or more can."
         )
     return text + (
-        " A drift or a step is called so only where it stands out of the scatter"
-        " between sessions."
+        " A drift or a step is called so only where it stands out of the"
+        " scatter between sessions."
     )
 
 
@@ -163,24 +164,27 @@ def summary_sentence(document: dict) -> str:
     if not alarms:
         return f"No change beyond its uncertainty in {n} sessions."
     by_kind: dict[str, list[str]] = {}
+    rows = {(r["of"], r["name"]): r for r in document["parameters"]}
     for alarm in alarms:
-        by_kind.setdefault(alarm["kind"], []).append(alarm["name"])
-    rows = {r["name"]: r for r in document["parameters"]}
-    parts = []
-    for kind, names in by_kind.items():
-        told = [
-            number_name(rows[name]) if name in rows else name.replace("_", " ")
-            for name in names
-        ]
-        parts.append(f"{_KINDS.get(kind, kind)}: {', '.join(told)}")
+        row = rows.get((alarm["of"], alarm["name"]))
+        name = number_name(row) if row else alarm["name"].replace("_", " ")
+        by_kind.setdefault(alarm["kind"], []).append(name)
+    parts = [
+        f"{', '.join(names[:-1])} and {names[-1]} {_KINDS[kind][1]}"
+        if names[1:]
+        else f"{names[0]} {_KINDS[kind][0]}"
+        for kind, names in by_kind.items()
+    ]
     return f"In {n} sessions: {'; '.join(parts)}."
 
 
+# What one number does, and what several do.
 _KINDS = {
-    DRIFT: "drift of",
-    STEP: "step of",
-    MOVED: "more than its uncertainty moved",
-    SCATTER: "scatter beyond the stated intervals",
-    GROWS: "growing",
+    DRIFT: ("drifts", "drift"),
+    STEP: ("steps", "step"),
+    MOVED: ("moves by more than its intervals", "move by more than theirs"),
+    SCATTER: ("scatters beyond its intervals", "scatter beyond theirs"),
+    GROWS: ("grows", "grow"),
+    APPEARS: ("appears", "appear"),
+    DISAPPEARS: ("disappears", "disappear"),
 }
-

@@ -91,7 +91,9 @@ def make_series(name: str, unit: str, of: str, points, note="") -> Series:
     used = () if note else tuple(p for p in points if not p.left_out)
     tests = None
     if len(used) >= 2:
-        tests = run_tests(*(_array(used, k) for k in ("time", "value", "error")))
+        tests = run_tests(
+            *(_array(used, k) for k in ("time", "value", "error"))
+        )
     elif not note:
         note = "fewer than two sessions estimate it with an interval"
     return Series(name, unit, of, tuple(points), tests, note, used)
@@ -161,9 +163,7 @@ def gap_series(timeline: Timeline) -> Series:
         error, why = None, "without an interval"
         if ends and high > low:
             error, why = (high - low) / _WIDTH, ""
-        points.append(
-            Point(i, timeline.times[i], value, error, low, high, why)
-        )
+        points.append(Point(i, timeline.times[i], value, error, low, high, why))
     note = ""
     if len(motions) > 1:
         note = (

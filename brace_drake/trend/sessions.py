@@ -23,9 +23,11 @@ _FREE = Field("text", lambda v: isinstance(v, str))
 _TRUTH = Field("true or false", lambda v: isinstance(v, bool))
 _PAIR = Field(
     "two numbers",
-    lambda v: isinstance(v, list)
-    and len(v) == 2
-    and all(_NUMBER.accepts(x) for x in v),
+    lambda v: (
+        isinstance(v, list)
+        and len(v) == 2
+        and all(_NUMBER.accepts(x) for x in v)
+    ),
     required=False,
 )
 _WORDS = Field(

@@ -1,15 +1,16 @@
 """Is a change more than its uncertainty? Tests of estimates over time.
 
-Each estimate x_i at time t_i comes with a standard error s_i. Two models of what
-else is in it:
+Each estimate x_i at time t_i comes with a standard error s_i. Two models of
+what else is in it:
 
 - stated: x_i = model(t_i) + s_i e_i, nothing else. Its tests say whether the
   estimates differ by more than their intervals.
 - scattered: x_i = model(t_i) + sqrt(s_i^2 + tau^2) e_i, where tau is a scatter
   between sessions (a cable laid otherwise, a torso put down anew) that is
-  estimated from the same few estimates, by the method of moments. Its tests have
-  the standard errors of Knapp and Hartung and Student's t with n - p degrees of
-  freedom, so that few sessions give wide intervals.
+  estimated from the same few estimates, by the method of moments (DerSimonian
+  and Laird). Its tests have the standard errors of Knapp and Hartung, never
+  smaller ones, and Student's t with n - p degrees of freedom, so that few
+  sessions give wide intervals.
 """
 
 from __future__ import annotations

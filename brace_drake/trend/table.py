@@ -71,13 +71,14 @@ def _session_lines(document: dict) -> list[str]:
     sessions = document["sessions"]
     width = max(len(s["name"]) for s in sessions)
     lines = [
-        f"    {'session':{width}}  {'date':16}  {'gap':>6} {'closed':>7}  verdict"
+        f"    {'session':{width}}  {'date':16}  {'gap':>6} {'closed':>7}"
+        "  verdict"
     ]
     for i, s in enumerate(sessions, start=1):
         date = (s["date"] or "-").replace("T00:00:00", "")[:16]
         lines.append(
-            f"{i:3d} {s['name']:{width}}  {date:16}  {times(s['gap_before']):>6}"
-            f" {percent(s['closed']):>7}  {verdict_word(s)}"
+            f"{i:3d} {s['name']:{width}}  {date:16}"
+            f"  {times(s['gap_before']):>6} {percent(s['closed']):>7}  {verdict_word(s)}"
             f" ({s['probability']:.2f})"
         )
     return lines
@@ -132,7 +133,9 @@ def number_cells(row: dict) -> dict[str, str]:
         change = f"{middle} ({low} to {high})"
     constancy = tests["constancy"]
     parts = (constancy, tests["step"], trend or {})
-    found = [p["p_corrected"] for p in parts if p.get("p_corrected") is not None]
+    found = [
+        p["p_corrected"] for p in parts if p.get("p_corrected") is not None
+    ]
     ratio = constancy["chi2"] / constancy["degrees_of_freedom"]
     return {
         "mean": f"{significant(mean * factor, 4)} {shown}".rstrip(),
