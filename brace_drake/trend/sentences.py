@@ -145,7 +145,8 @@ def state_level(level: float, timeline: Timeline) -> str:
     n = len(timeline.sessions)
     text = (
         "Where nothing changes, and intervals and probabilities of the"
-        f" diagnoses are right, at most {percent(level)} of such pages raise any alarm."
+        f" diagnoses are right, at most {percent(level)} of such pages raise"
+        " any alarm."
     )
     if n < 4:
         return text + (

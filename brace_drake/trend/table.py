@@ -78,8 +78,8 @@ def _session_lines(document: dict) -> list[str]:
         date = (s["date"] or "-").replace("T00:00:00", "")[:16]
         lines.append(
             f"{i:3d} {s['name']:{width}}  {date:16}"
-            f"  {times(s['gap_before']):>6} {percent(s['closed']):>7}  {verdict_word(s)}"
-            f" ({s['probability']:.2f})"
+            f"  {times(s['gap_before']):>6} {percent(s['closed']):>7}"
+            f"  {verdict_word(s)} ({s['probability']:.2f})"
         )
     return lines
 
