@@ -90,12 +90,12 @@ def _check_different(sessions: Sequence[Session]) -> None:
     first: dict[str, Session] = {}
     for session in sessions:
         key = session.data_sha256 or str(session.folder.resolve())
-        other = first.setdefault(key, session)
-        if other is not session:
+        if key in first:
             raise CampaignError(
-                f"{session.folder}: the same recordings as {other.folder};"
-                " allowed: each once"
+                f"{session.folder}: the same recordings as"
+                f" {first[key].folder}; allowed: each once"
             )
+        first[key] = session
 
 
 def split_sessions(sessions: Sequence[Session]) -> dict[str, list[Session]]:

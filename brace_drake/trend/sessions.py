@@ -10,80 +10,10 @@ from typing import Any
 
 from brace_drake.core.errors import CampaignError, quoted
 from brace_drake.core.reading import LoadJson
-from brace_drake.recording.fields import HUGE, TEXT, Field, number_from, take
+from brace_drake.recording.fields import take
+from brace_drake.trend import form
 
 DIAGNOSIS = "diagnosis.json"
-FORMAT = "brace-diagnosis/2"
-
-_NUMBER = number_from(-HUGE, HUGE)
-_MAYBE = _NUMBER._replace(required=False)
-_SHARE = number_from(0.0, 1.0)
-_WORD = TEXT._replace(required=True)
-_FREE = Field("text", lambda v: isinstance(v, str))
-_TRUTH = Field("true or false", lambda v: isinstance(v, bool))
-_PAIR = Field(
-    "two numbers",
-    lambda v: (
-        isinstance(v, list)
-        and len(v) == 2
-        and all(_NUMBER.accepts(x) for x in v)
-    ),
-    required=False,
-)
-_WORDS = Field(
-    "a list of words",
-    lambda v: isinstance(v, list) and all(isinstance(x, str) for x in v),
-)
-_MAPS = Field(
-    "a list of maps",
-    lambda v: isinstance(v, list) and all(isinstance(x, dict) for x in v),
-)
-_MAP = Field("a map of keys", lambda v: isinstance(v, dict))
-_HEAD = {
-    "format": Field(repr(FORMAT), lambda v: v == FORMAT),
-    "campaign": _FREE,
-    "device": _WORD,
-    "subject_name": _FREE,
-    "verdict": _MAP,
-    "subject": _MAP,
-    "provenance": _MAP,
-    "shrink": _MAP._replace(required=False),
-}
-_VERDICT = {
-    "gap": _TRUTH,
-    "effects": _WORDS,
-    "supported": _MAPS,
-    "outside_library": _TRUTH,
-    "ambiguous_with": _WORDS,
-    "probability": _SHARE,
-    "sentence": _FREE,
-    "recording": _MAPS._replace(required=False),
-}
-_SUPPORTED = {
-    "effect": _WORD,
-    "title": _FREE,
-    "probability": _SHARE,
-    "closes": _MAYBE,
-    "parameters": _MAPS,
-}
-_PARAMETER = {
-    "name": _WORD,
-    "unit": _FREE,
-    "value": _NUMBER,
-    "standard_error": _MAYBE,
-    "lower95": _MAYBE,
-    "upper95": _MAYBE,
-    "nominal": _MAYBE,
-    "at_limit": _TRUTH,
-}
-_SHRINK = {
-    "runs": _WORDS,
-    "before": _MAYBE,
-    "before_interval": _PAIR,
-    "after": _MAYBE,
-    "closed": _MAYBE,
-    "closed_interval": _PAIR,
-}
 
 
 @dataclass(frozen=True)
@@ -207,8 +137,8 @@ def session_of(document: Any, folder: Path, source: str) -> Session:
     Raises:
         CampaignError: One line: source, key, value, what is allowed.
     """
-    head = _taken(document, _HEAD, source, "")
-    verdict = _taken(head["verdict"], _VERDICT, source, "verdict.")
+    head = _taken(document, form.HEAD, source, "")
+    verdict = _taken(head["verdict"], form.VERDICT, source, "verdict.")
     own = head["subject"].get("parameters")
     parameters = _estimates(own, "subject", source, "subject.parameters")
     provenance = head["provenance"]
@@ -229,13 +159,13 @@ def session_of(document: Any, folder: Path, source: str) -> Session:
         effects=tuple(_effects(verdict["supported"], source)),
         ambiguous=tuple(verdict["ambiguous_with"]),
         parameters=parameters,
-        shrink=_taken(shrink, _SHRINK, source, "shrink.") if shrink else {},
+        shrink=_taken(shrink, form.SHRINK, source, "shrink.") if shrink else {},
     )
 
 
 def _taken(values, fields, source: str, at: str) -> dict[str, Any]:
     if not isinstance(values, dict):
-        wanted = f"a map of keys, format {FORMAT}"
+        wanted = f"a map of keys, format {form.FORMAT}"
         raise CampaignError(
             f"{source}: {at or 'the whole text'} is"
             f" {quoted(values)}; allowed: {wanted}"
@@ -252,7 +182,7 @@ def _taken(values, fields, source: str, at: str) -> dict[str, Any]:
 def _effects(rows: Sequence[dict], source: str):
     for i, row in enumerate(rows):
         at = f"verdict.supported[{i}]."
-        taken = _taken(row, _SUPPORTED, source, at)
+        taken = _taken(row, form.SUPPORTED, source, at)
         name = taken["effect"]
         yield NamedEffect(
             name,
@@ -264,13 +194,13 @@ def _effects(rows: Sequence[dict], source: str):
 
 
 def _estimates(rows, of: str, source: str, at: str) -> tuple[Estimate, ...]:
-    if not _MAPS.accepts(rows):
+    if not form.MAPS.accepts(rows):
         raise CampaignError(
-            f"{source}: {at} is {quoted(rows)}; allowed: {_MAPS.wanted}"
+            f"{source}: {at} is {quoted(rows)}; allowed: {form.MAPS.wanted}"
         )
     found = []
     for i, row in enumerate(rows):
-        taken = _taken(row, _PARAMETER, source, f"{at}[{i}].")
+        taken = _taken(row, form.PARAMETER, source, f"{at}[{i}].")
         found.append(
             Estimate(
                 taken["name"],
