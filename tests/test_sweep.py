@@ -63,7 +63,7 @@ class TestNumbers(unittest.TestCase):
             ("contact.ring2.stiffness", "N/m", 6400.0),
             ("torso.posture_stiffness[1]", "N/m", 1800.0),
             ("effects.relaxation.arm_stiffness_N_m", "N/m", 3000.0),
-            ("sensors.log_period", "s", 0.005),
+            ("ring.mass", "kg", 0.85),
         )
         for path, unit, value in cases:
             with self.subTest(path=path):

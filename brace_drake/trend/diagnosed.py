@@ -24,7 +24,7 @@ from brace_drake.trend.sessions import (
     session_of,
 )
 
-_DATE = "date"  # of a campaign, in campaign.yaml
+_DATE = "recorded"  # key of campaign.yaml
 
 
 def is_campaign(folder: Path) -> bool:
@@ -89,7 +89,7 @@ def LoadOrDiagnose(
 
 
 def campaign_date(folder: Path):
-    """The `date` of campaign.yaml; None without.
+    """When a campaign was recorded, by its campaign.yaml; None without.
 
     Raises:
         CampaignError: It is no date.

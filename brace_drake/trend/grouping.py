@@ -69,7 +69,7 @@ def make_timeline(
     if undated and len(undated) < len(sessions):
         raise CampaignError(
             f"{undated[0].folder}: no date, and others have one; allowed:"
-            " `date` in each campaign.yaml, or --dates for all"
+            " `recorded` in each campaign.yaml, or --dates for all"
         )
     if undated:
         times = tuple(float(i) for i in range(len(sessions)))
