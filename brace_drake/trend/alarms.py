@@ -104,18 +104,22 @@ def _stated(series: Series) -> dict[str, float]:
     if tests is None:
         return {}
     step = tests.step[0]
+    if series.name == GAP:
+        # That it shrinks is no alarm, nor that it is now this and now that.
+        change = step.fit.stated
+        if len(series.used) == 2:
+            return {"step": _growth(change.p, change.value)}
+        found = {"step": step.p if change.value > 0.0 else 1.0}
+        if tests.line is not None:
+            line = tests.line.stated
+            found["trend"] = _growth(line.p, line.value)
+        return found
+    # Of two values all tests are one.
+    if len(series.used) == 2:
+        return {"constancy": tests.constancy_p}
     found = {"constancy": tests.constancy_p, "step": step.p}
     if tests.line is not None:
         found["trend"] = tests.line.stated.p
-    if series.name != GAP:
-        return found
-    # That it shrinks is no alarm, nor that it is now this and now that.
-    del found["constancy"]
-    grows = step.fit.stated.value > 0.0
-    found["step"] = step.p if grows else 1.0
-    if tests.line is not None:
-        line = tests.line.stated
-        found["trend"] = _growth(line.p, line.value)
     return found
 
 

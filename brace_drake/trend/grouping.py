@@ -105,8 +105,8 @@ def split_sessions(sessions: Sequence[Session]) -> dict[str, list[Session]]:
         Groups by a name that tells them apart, in the order of first sight.
     """
     groups: dict[tuple, list[Session]] = {}
-    for session in sessions:
-        groups.setdefault(_identity(session), []).append(session)
+    for session, key in zip(sessions, _identities(sessions), strict=True):
+        groups.setdefault(key, []).append(session)
     keys = list(groups)
     varying = [i for i in range(3) if len({k[i] for k in keys}) > 1]
     names: dict[str, list[Session]] = {}
@@ -133,9 +133,8 @@ def check_alike(sessions: Sequence[Session]) -> None:
         CampaignError: They are not; the message says what differs.
     """
     first = sessions[0]
-    own = _identity(first)
-    for session in sessions[1:]:
-        other = _identity(session)
+    own, *others = _identities(sessions)
+    for session, other in zip(sessions[1:], others, strict=True):
         told = ", or --split for a trend of each"
         for i, what in enumerate(("device", "subject")):
             if own[i] != other[i]:
@@ -151,8 +150,17 @@ def check_alike(sessions: Sequence[Session]) -> None:
             )
 
 
-def _identity(session: Session) -> tuple[str, str, tuple]:
-    nominal: tuple = ()
-    if session.device in _OF_SCENARIO:
-        nominal = tuple((p.name, p.nominal) for p in session.parameters)
-    return session.device, session.subject, (session.scenario, nominal)
+def _identities(sessions: Sequence[Session]) -> list[tuple[str, str, tuple]]:
+    """Device, subject, and what tells the scenario of each.
+
+    Hashes of scenarios count where all diagnoses have one.
+    """
+    has_hashes = all(s.scenario for s in sessions)
+    found = []
+    for s in sessions:
+        scenario: tuple = ()
+        if s.device in _OF_SCENARIO:
+            nominal = tuple((p.name, p.nominal) for p in s.parameters)
+            scenario = (s.scenario if has_hashes else "", nominal)
+        found.append((s.device, s.subject, scenario))
+    return found

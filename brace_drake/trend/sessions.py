@@ -226,7 +226,7 @@ def _scenario_of(provenance: dict) -> str:
 
 
 def _date_of(document: dict, source: str) -> datetime | None:
-    found = document.get("date") or document["provenance"].get("recorded")
+    found = document["provenance"].get("recorded")
     return None if found is None else parse_date(found, source)
 
 

@@ -30,9 +30,9 @@ examples:
 
 Folders hold a diagnosis.json, or are campaigns, which are diagnosed first; what
 comes out is kept, so that a second call is quick. The date of a campaign is
-`date: 2026-01-12` in its campaign.yaml; without dates the order counts. Writes
-trend.json, trend.csv and trend.html. Where nothing changes, a page raises an
-alarm with the probability --level at most.
+`recorded: 2026-01-12` in its campaign.yaml; without dates the order counts.
+Writes trend.json, trend.csv and trend.html. Where nothing changes, a page
+raises an alarm with the probability --level at most.
 """
 
 
