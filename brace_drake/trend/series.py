@@ -160,9 +160,10 @@ def gap_series(timeline: Timeline) -> Series:
             continue
         motions.add(tuple(sorted(shrink["runs"])))
         low, high = ends or (None, None)
+        width = high - low if ends else 0.0
         error, why = None, "without an interval"
-        if ends and high > low:
-            error, why = (high - low) / _WIDTH, ""
+        if width > 0.0:
+            error, why = width / _WIDTH, ""
         points.append(Point(i, timeline.times[i], value, error, low, high, why))
     note = ""
     if len(motions) > 1:
