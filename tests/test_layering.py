@@ -27,6 +27,7 @@ LAYERS = (
     ("diagnose",),
     ("report",),
     ("document",),
+    ("trend", "sweep"),
     ("playback", "drawing"),
     ("link.emulator",),
     ("link.operation",),

@@ -70,9 +70,10 @@ def measure_shrinkage(
     repaired = is_repaired(compared)
     which = "after" if repaired else "before"
     before, after = rms_gap(compared, "before"), rms_gap(compared, which)
+    parts = [[c.squares(w) for c in compared] for w in ("before", which)]
+    ends = [interval_of_rms(compared, [part], seed) for part in parts]
     interval, channels = None, []
     if repaired:
-        parts = [[c.squares(w) for c in compared] for w in ("before", "after")]
         interval = interval_of_rms(compared, parts, seed, closed_share)
     for c, name in enumerate(device.twin.channels):
         mine, then = (rms_gap(compared, w, c) for w in ("before", which))
@@ -87,7 +88,9 @@ def measure_shrinkage(
     return {
         "runs": [c.prepared.run.name for c in compared],
         "before": before,
+        "before_interval": ends[0],
         "after": after,
+        "after_interval": ends[1],
         "floor": 1.0,
         "closed": closed_share(before, after) if repaired else None,
         "closed_interval": interval,
