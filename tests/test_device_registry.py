@@ -9,7 +9,7 @@ import numpy as np
 from brace_drake.core.errors import CampaignError
 from brace_drake.devices import register_device
 from brace_drake.devices.registry import forget_device
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.recording import (
     Campaign,
     CheckCampaign,

@@ -24,7 +24,7 @@ LAYERS = (
     ("validation",),
     ("discrepancy",),
     ("design",),
-    ("diagnose",),
+    ("diagnosis",),
     ("report",),
     ("document",),
     ("playback", "drawing"),
@@ -33,6 +33,7 @@ LAYERS = (
     ("learning",),
     ("withheld",),
     ("experiments",),
+    ("api",),
     ("cli",),
 )
 LEVEL = {name: i for i, row in enumerate(LAYERS) for name in row}

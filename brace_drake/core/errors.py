@@ -68,6 +68,10 @@ class PolicyError(BraceError, ValueError):
     """A policy, or what is needed to train or to use one, is not there."""
 
 
+class ExtraError(BraceError, ImportError):
+    """An optional package is needed that is not installed."""
+
+
 class ClusterError(BraceError, RuntimeError):
     """A cluster cannot be reached, or has lost its workers."""
 

@@ -22,7 +22,7 @@ from brace_drake.recording.fields import (
 )
 from brace_drake.recording.findings import Problem, error, warning
 from brace_drake.recording.ports import parse_ports
-from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 
 MANIFEST = "campaign.yaml"
 FORMAT = "brace-campaign/1"
@@ -38,6 +38,11 @@ _HEAD = {
     "rate_hz": RATE,
     "runs": Field("a list of runs", lambda v: isinstance(v, list) and v != []),
     "settled_s": DURATION,
+    "scenario": Field(
+        "a path relative to the campaign's folder",
+        lambda v: TEXT.accepts(v) and not isabs(v.replace("\\", "/")),
+        required=False,
+    ),
 }
 _RUN = {
     "file": TEXT,
@@ -99,6 +104,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         ),
         stages=tuple(stages),
         ports=ports,
+        scenario=ScenarioFile(head["scenario"]) if "scenario" in head else None,
         **numbers,
     )
     return campaign, problems

@@ -34,6 +34,7 @@ from brace_drake.recording.table import Columns, parse_table
 
 # Less shows no motion, and cannot be fitted.
 LEAST_ROWS = 10
+_MOST_SCENARIO_MB = 4
 
 
 def LoadCampaign(path: str | Path) -> Campaign:
@@ -89,6 +90,14 @@ def _examine(
         return None, [_explain_absence(path, e)]
     if campaign is None:
         return None, problems
+    scenario = campaign.scenario
+    if scenario is not None:
+        try:
+            data = ReadBytes(path / scenario.name, _MOST_SCENARIO_MB)
+            scenario = replace(scenario, data=data)
+        except ReadError as e:
+            where = f"scenario: {scenario.name} {e}"
+            problems.append(error(MANIFEST, where))
     channels = campaign.known_channels
     limits = limits or _default_limits(campaign)
     spoilt = {p.file for p in problems if p.severity == "error"}
@@ -110,7 +119,11 @@ def _examine(
         for run in runs.values()
     )
     campaign = replace(
-        campaign, path=path.absolute(), runs=filled, warnings=tuple(problems)
+        campaign,
+        path=path.absolute(),
+        runs=filled,
+        warnings=tuple(problems),
+        scenario=scenario,
     )
     return campaign, problems
 
