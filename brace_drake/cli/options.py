@@ -9,7 +9,6 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NoReturn
 
 from brace_drake.core.errors import PolicyError
 from brace_drake.core.output import WriteJson
@@ -36,14 +35,6 @@ def AddCommand(
     )
     parser.set_defaults(run=run)
     return parser
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """Says what is wrong with the arguments in one line, without the usage."""
-
-    def error(self, message: str) -> NoReturn:
-        text = " ".join(message.split())
-        self.exit(2, f"brace-drake: {text}; see {self.prog} --help\n")
 
 
 def AddCampaign(

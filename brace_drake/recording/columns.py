@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from brace_drake.core.errors import closest
+
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
 _UNITS = (
     *("mm_s2", "cm_s2", "m_s2", "rad_s", "mm_s", "cm_s", "m_s", "N_m"),
@@ -13,6 +15,8 @@ _UNITS = (
 )
 
 _AXES = "xyz"
+# Columns so much alike are one, misspelt.
+_MISSPELT = 0.85
 
 
 @dataclass(frozen=True)
@@ -67,11 +71,18 @@ def shown_unit(unit: str) -> str:
 def near_misses(
     names: Iterable[str], header: Iterable[str]
 ) -> dict[str, str | None]:
-    """The column of `header` that holds each name in another unit or case."""
+    """The column of `header` that holds each name in another unit or case, or
+    misspelt; None where there is none.
+    """
     quantities: dict[str, str] = {}
-    for candidate in header:
+    there = list(header)
+    for candidate in there:
         quantities.setdefault(split_unit(candidate)[0].lower(), candidate)
-    return {n: quantities.get(split_unit(n)[0].lower()) for n in names}
+    return {
+        n: quantities.get(split_unit(n)[0].lower())
+        or closest(n, there, _MISSPELT)
+        for n in names
+    }
 
 
 # A run lasts minutes: larger values are clock time, or milliseconds.

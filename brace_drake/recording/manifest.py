@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from posixpath import isabs, normpath
 
@@ -66,14 +67,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         content = parse_yaml(data)
     except ReadError as e:
         return None, [error(MANIFEST, str(e))]
-    absent = [key for key in _KEYS if key not in content]
-    unknown = [key for key in content if key not in _KEYS]
-    hints = {key: suggest(str(key).lower(), absent) for key in unknown}
-    problems = [
-        warning(MANIFEST, f"no key {quoted(key)}{hint}")
-        for key, hint in hints.items()
-        if hint
-    ]
+    problems = _misspelt(content, _KEYS)
     head, faults = take(content, _HEAD)
     name = head.get("device", "")
     device = DEVICES.get(name, Device({}))
@@ -84,6 +78,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         if declared and not (section == "control" and not content.get(section)):
             numbers[section], found = take_numbers(content, section, device)
             faults += found
+            problems += _misspelt(content.get(section), declared, section)
     stages: list[int] = []
     if device.stages:
         taken, found = take(content, {"stages": _neighbours(device.stages)})
@@ -108,6 +103,23 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         **numbers,
     )
     return campaign, problems
+
+
+def _misspelt(
+    content: object, known: Iterable[str], place: str = ""
+) -> list[Problem]:
+    """Keys that nobody knows, and that look like one that is not there."""
+    if not isinstance(content, dict):
+        return []
+    absent = [key for key in known if key not in content]
+    unknown = [key for key in content if key not in known]
+    hints = {key: suggest(str(key).lower(), absent) for key in unknown}
+    where = f"{place}: " if place else ""
+    return [
+        warning(MANIFEST, f"{where}no key {quoted(key)}{hint}")
+        for key, hint in hints.items()
+        if hint
+    ]
 
 
 def _needed(device: Device) -> tuple[str, ...]:
@@ -179,6 +191,7 @@ def _parse_runs(
                 message = f"{place} has no {', '.join(missing)}"
                 problems.append(error(MANIFEST, message))
             problems += [_error_of(fault, f"{place}: ") for fault in faults]
+        problems += _misspelt(item, _RUN, f"run {number}")
         values |= {"repeat_of": None, **taken}
         runs.append(Run(channels={}, settled_s=settled_s, **values))
     if runs:

@@ -20,6 +20,7 @@ from brace_drake.recording.columns import (
     LEG_BENCH,
     Channel,
     near_misses,
+    split_unit,
 )
 from brace_drake.recording.dropouts import fill_dropouts, lost_rows
 from brace_drake.recording.findings import Problem, counted, error, warning
@@ -220,7 +221,11 @@ def _describe_missing(
     for name, hint in hints.items():
         if hint is not None:
             message = f"missing column; did you mean {quoted(hint)}?"
-            problems.append(error(file, message, name))
+            # In another unit it is there; what only looks alike may not be.
+            own, other = (split_unit(n)[0].lower() for n in (name, hint))
+            is_sure = channels[name].required or own == other
+            tell = error if is_sure else warning
+            problems.append(tell(file, message, name))
         elif channels[name].required:
             problems.append(error(file, "missing column", name))
         else:
