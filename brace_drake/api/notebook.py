@@ -27,7 +27,7 @@ def render_diagnosis(document: Mapping[str, Any]) -> str:
         supported=supported,
         shrink=document["shrink"],
         warnings=document["warnings"],
-        scenario=document["provenance"]["scenario"],
+        scenario=document["provenance"].get("scenario"),
     )
 
 
