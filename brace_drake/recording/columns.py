@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -17,6 +18,7 @@ _UNITS = (
 _AXES = "xyz"
 # Columns so much alike are one, misspelt.
 _MISSPELT = 0.85
+_MARKS = re.compile(r"\d+|(?<=_)[xyz](?=_)")
 
 
 @dataclass(frozen=True)
@@ -78,11 +80,14 @@ def near_misses(
     there = list(header)
     for candidate in there:
         quantities.setdefault(split_unit(candidate)[0].lower(), candidate)
-    return {
-        n: quantities.get(split_unit(n)[0].lower())
-        or closest(n, there, _MISSPELT)
-        for n in names
-    }
+    found = {}
+    for name in names:
+        # Another leg, ring or axis is no misspelling.
+        alike = [n for n in there if _MARKS.findall(n) == _MARKS.findall(name)]
+        found[name] = quantities.get(
+            split_unit(name)[0].lower(), closest(name, alike, _MISSPELT)
+        )
+    return found
 
 
 # A run lasts minutes: larger values are clock time, or milliseconds.
