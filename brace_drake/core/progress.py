@@ -33,6 +33,11 @@ class _Lines(tqdm):
             self.fp.write(f"{str(self).strip()}\n")
             self.fp.flush()
 
+    def close(self) -> None:
+        """Ends; there is nothing to clear."""
+        self.sp = None
+        super().close()
+
 
 def open_bar(line: str | None = None, **options: Any) -> tqdm:
     """A bar on standard error that leaves nothing behind on a terminal.
