@@ -15,13 +15,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from brace_drake.api.campaigns import load
-    from brace_drake.api.diagnoses import DiagnosisResult, diagnose
-    from brace_drake.api.fits import FitResult, fit
-    from brace_drake.api.plans import PlanResult, plan
-    from brace_drake.api.repaired import RepairedTwin
     from brace_drake.core.errors import BraceError
     from brace_drake.recording.recording import Campaign, Run
+    from brace_drake.results.campaigns import load
+    from brace_drake.results.diagnoses import DiagnosisResult, diagnose
+    from brace_drake.results.fits import FitResult, fit
+    from brace_drake.results.plans import PlanResult, plan
+    from brace_drake.results.repaired import RepairedTwin
 
 __all__ = [
     "BraceError",
@@ -42,15 +42,15 @@ __all__ = [
 _PLACES = {
     "BraceError": "core.errors",
     "Campaign": "recording.recording",
-    "DiagnosisResult": "api.diagnoses",
-    "FitResult": "api.fits",
-    "PlanResult": "api.plans",
-    "RepairedTwin": "api.repaired",
+    "DiagnosisResult": "results.diagnoses",
+    "FitResult": "results.fits",
+    "PlanResult": "results.plans",
+    "RepairedTwin": "results.repaired",
     "Run": "recording.recording",
-    "diagnose": "api.diagnoses",
-    "fit": "api.fits",
-    "load": "api.campaigns",
-    "plan": "api.plans",
+    "diagnose": "results.diagnoses",
+    "fit": "results.fits",
+    "load": "results.campaigns",
+    "plan": "results.plans",
 }
 
 

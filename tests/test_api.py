@@ -13,8 +13,6 @@ from unittest import mock
 import numpy as np
 
 import brace_drake as bd
-from brace_drake.api.notebook import render_diagnosis, render_fit, render_plan
-from brace_drake.api.tables import diagnosis_tables, fit_tables, plan_tables
 from brace_drake.core.errors import (
     BraceError,
     CampaignError,
@@ -25,6 +23,12 @@ from brace_drake.core.errors import (
 )
 from brace_drake.devices import register_device
 from brace_drake.devices.registry import forget_device
+from brace_drake.results.notebook import (
+    render_diagnosis,
+    render_fit,
+    render_plan,
+)
+from brace_drake.results.tables import diagnosis_tables, fit_tables, plan_tables
 from brace_drake.scenario.load import LoadScenario
 from tests.diagnoses import make_diagnosis, make_unexplained
 from tests.foreign.oven import CARD, READING, OvenScenario

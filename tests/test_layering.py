@@ -33,7 +33,7 @@ LAYERS = (
     ("learning",),
     ("withheld",),
     ("experiments",),
-    ("api",),
+    ("results",),
     ("cli",),
 )
 LEVEL = {name: i for i, row in enumerate(LAYERS) for name in row}

@@ -30,8 +30,8 @@ from tests.test_station import smooth_push
 # Motions that are over before they cost a test its time.
 SHORT = {
     "free_hold": ("still", 1, ("quiet_hold",)),
-    "push": ("a push", 1, ("push", -0.003, 0.4)),
-    "push_fast": ("a push", 1, ("push", -0.003, 0.3)),
+    "push": ("a push", 5, ("push", -0.005, 3.0)),
+    "push_fast": ("a push", 5, ("push", -0.005, 2.0)),
 }
 HEAD = "time_s,ring2_y_desired_m,ring2_vy_desired_m_s,ring2_ay_desired_m_s2"
 

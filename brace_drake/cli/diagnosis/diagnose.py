@@ -128,7 +128,7 @@ def _Diagnose(
     campaign, scenario, diagram, out: Path, args: argparse.Namespace
 ) -> dict:
     """Diagnoses one campaign, writes its files, returns the document."""
-    from brace_drake.api.diagnoses import diagnose
+    from brace_drake.results.diagnoses import diagnose
 
     found = diagnose(
         campaign,

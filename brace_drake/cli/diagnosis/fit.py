@@ -57,7 +57,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Fits, prints a table, and writes fit.json where asked."""
-    from brace_drake.api.fits import fit
+    from brace_drake.results.fits import fit
 
     campaign = LoadCampaign(args.campaign)
     out = HoldFolder(Path(args.out)) if args.out else None

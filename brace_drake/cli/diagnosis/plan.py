@@ -68,7 +68,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Plans, prints a table, and writes plan.json where asked."""
     out = HoldFolder(Path(args.out)) if args.out else None
-    from brace_drake.api.plans import plan
+    from brace_drake.results.plans import plan
 
     found = plan(
         args.motions,

@@ -103,7 +103,7 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def _fit(campaign, scenario, args) -> dict:
-    from brace_drake.api import fits
+    from brace_drake.results import fits
 
     options = {"jobs": args.jobs, "cluster": args.cluster, "seed": args.seed}
     return fits.fit(campaign, scenario=scenario, **options).document

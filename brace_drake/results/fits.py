@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from brace_drake.api.campaigns import as_campaign
-from brace_drake.api.options import Names, Progress, make_choice, open_jobs
-from brace_drake.api.tables import fit_tables
 from brace_drake.core.frames import pick_frames
 from brace_drake.core.output import MakeFolder, WriteJson
 from brace_drake.core.progress import open_bar
 from brace_drake.recording.recording import Campaign
+from brace_drake.results.campaigns import as_campaign
+from brace_drake.results.options import Names, Progress, make_choice, open_jobs
+from brace_drake.results.tables import fit_tables
 
 # Evaluations that a fit usually takes; for the estimate of the time left.
 _USUAL = 8
@@ -48,7 +48,7 @@ class FitResult:
         raise KeyError(name)
 
     def _repr_html_(self) -> str:
-        from brace_drake.api.notebook import render_fit
+        from brace_drake.results.notebook import render_fit
 
         return render_fit(self.document)
 

@@ -5,19 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from brace_drake.api.options import (
+from brace_drake.core.errors import CampaignError
+from brace_drake.core.frames import pick_frames
+from brace_drake.core.output import MakeFolder, WriteJson
+from brace_drake.devices.choice import as_names
+from brace_drake.recording.recording import Campaign, Run
+from brace_drake.results.options import (
     Names,
     Progress,
     make_choice,
     open_jobs,
     tell,
 )
-from brace_drake.api.tables import plan_tables
-from brace_drake.core.errors import CampaignError
-from brace_drake.core.frames import pick_frames
-from brace_drake.core.output import MakeFolder, WriteJson
-from brace_drake.devices.choice import as_names
-from brace_drake.recording.recording import Campaign, Run
+from brace_drake.results.tables import plan_tables
 
 
 class PlanResult:
@@ -44,7 +44,7 @@ class PlanResult:
         return f"{text}>"
 
     def _repr_html_(self) -> str:
-        from brace_drake.api.notebook import render_plan
+        from brace_drake.results.notebook import render_plan
 
         return render_plan(self.document)
 

@@ -7,8 +7,12 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from brace_drake.api.campaigns import as_campaign
-from brace_drake.api.options import (
+from brace_drake.core.errors import CampaignError, quoted, suggest
+from brace_drake.core.frames import pick_frames
+from brace_drake.core.output import MakeFolder, WriteJson
+from brace_drake.recording.recording import Campaign
+from brace_drake.results.campaigns import as_campaign
+from brace_drake.results.options import (
     Names,
     Progress,
     find_diagram,
@@ -16,15 +20,11 @@ from brace_drake.api.options import (
     open_jobs,
     tell,
 )
-from brace_drake.api.tables import diagnosis_tables
-from brace_drake.core.errors import CampaignError, quoted, suggest
-from brace_drake.core.frames import pick_frames
-from brace_drake.core.output import MakeFolder, WriteJson
-from brace_drake.recording.recording import Campaign
+from brace_drake.results.tables import diagnosis_tables
 
 if TYPE_CHECKING:
-    from brace_drake.api.repaired import RepairedTwin
     from brace_drake.diagnosis import Diagnosis
+    from brace_drake.results.repaired import RepairedTwin
 
 
 class DiagnosisResult:
@@ -63,7 +63,7 @@ class DiagnosisResult:
         return f"{text}>"
 
     def _repr_html_(self) -> str:
-        from brace_drake.api.notebook import render_diagnosis
+        from brace_drake.results.notebook import render_diagnosis
 
         return render_diagnosis(self.document)
 
@@ -74,7 +74,7 @@ class DiagnosisResult:
         Raises:
             CampaignError: None was found.
         """
-        from brace_drake.api.repaired import RepairedTwin
+        from brace_drake.results.repaired import RepairedTwin
 
         return RepairedTwin(self.found)
 
