@@ -12,8 +12,8 @@ is first asked for.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+# As of typing, which would take longer to import than all of this.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from brace_drake.core.errors import BraceError
     from brace_drake.recording.recording import Campaign, Run

@@ -155,6 +155,27 @@ class TestNamedScenario(unittest.TestCase):
         WriteCampaign(LoadMcapCampaign(file), self.path)
         self.assertEqual(self.lag(), 2.2)
 
+    def test_an_import_takes_the_scenario_that_its_map_names(self):
+        (self.folder / "own.yaml").write_text(OWN)
+        map_file = self.folder / "oven.map.yaml"
+        head = (
+            "format: brace-import/1\ndevice: oven\nscenario: own.yaml\n"
+            "columns: {time_s: time_s, heater_W: heater_W,"
+            " temperature_K: temperature_K}\n"
+            "runs: [{file: oven/r0.csv, split: fit}]\n"
+        )
+        map_file.write_text(head)
+        out = self.folder / "imported"
+        status, _, errors = run_command("import", map_file, "--out", out)
+        self.assertEqual(status, 0, errors)
+        self.assertEqual((out / "own.yaml").read_text(), OWN)
+        twin = MakeDevice(LoadCampaign(out)).twin
+        self.assertEqual(twin.scenario.lag, 2.2)
+        map_file.write_text(head.replace("own.yaml", "none.yaml"))
+        status, _, errors = run_command("import", map_file, "--out", out)
+        self.assertEqual((status, errors.count("\n")), (2, 1))
+        self.assertIn("scenario: none.yaml: cannot be read", errors)
+
     def test_a_block_that_fits_is_no_part_of_the_machine(self):
         self.name(text=HELD)
         self.assertEqual(self.lag(), 2.2)
