@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 from unittest import mock
 
 import numpy as np
@@ -22,13 +23,18 @@ from brace_drake.core.errors import (
     ScenarioError,
 )
 from brace_drake.devices import register_device
+from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.motions.library import MakeMotion
 from brace_drake.devices.registry import forget_device
+from brace_drake.effects.registry import find_effect
 from brace_drake.results.notebook import (
     render_diagnosis,
     render_fit,
     render_plan,
 )
+from brace_drake.results.repaired import RepairedTwin
 from brace_drake.results.tables import diagnosis_tables, fit_tables, plan_tables
+from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import LoadScenario
 from tests.diagnoses import make_diagnosis, make_unexplained
 from tests.foreign.oven import CARD, READING, OvenScenario
@@ -283,6 +289,58 @@ class TestNothingFound(unittest.TestCase):
         self.assertTrue(within["lag_s"]["at_limit"])
         file = both.save(folder / "out")
         self.assertEqual(json.loads(file.read_text()), both.document)
+
+
+class TestRepairedBench(unittest.TestCase):
+    """The bench's twin with an effect, without the search that finds it."""
+
+    def make(self, name, values):
+        """A repaired twin, and the twin of its scenario."""
+        card, twin = find_effect(name), BenchTwin(BenchScenario())
+        subject = 1.1 * np.array([p.nominal for p in twin.subject])
+        uses = ((card, np.array(values)),)
+        fit = SimpleNamespace(
+            subject=subject, effects=(card,), uses=uses, within=()
+        )
+        found = SimpleNamespace(
+            repair=fit,
+            device=SimpleNamespace(twin=twin),
+            campaign=SimpleNamespace(name="c", device=twin.device, runs=()),
+            evaluator=SimpleNamespace(prepared=[]),
+        )
+        repaired = RepairedTwin(found)
+        return repaired, BenchTwin(repaired.scenario)
+
+    def replay(self, twin, run, seed=None):
+        """What the twin of the saved scenario records."""
+        subject = np.array([p.nominal for p in twin.subject])
+        noise = None if seed is None else np.random.default_rng(seed)
+        return twin.simulate(twin.motion(run), subject, (), noise)
+
+    def test_it_moves_as_the_library_asks_and_as_its_scenario_does(self):
+        repaired, twin = self.make("relaxation", [3000.0, 0.7])
+        run = MakeMotion("push_fast").run
+        got = repaired.simulate("push_fast")
+        for name in ("time_s", "ring2_y_desired_m"):
+            np.testing.assert_array_equal(
+                got.channels[name], run.channels[name]
+            )
+        want = self.replay(twin, run)
+        np.testing.assert_allclose(got.stack(twin.channels), want, atol=1e-9)
+        noisy = repaired.simulate("push_fast", seed=4).stack(twin.channels)
+        want = self.replay(twin, run, 4)
+        np.testing.assert_allclose(noisy, want, atol=1e-9)
+        again = repaired.simulate(run).stack(twin.channels)
+        np.testing.assert_array_equal(again, got.stack(twin.channels))
+        with self.assertRaisesRegex(CampaignError, "did you mean push_fast"):
+            repaired.simulate("push_fats")
+
+    def test_where_noise_moves_the_machine_exact_readings_are_a_mean(self):
+        repaired, twin = self.make("coulomb_friction", [2.0])
+        run = MakeMotion("push_fast").run
+        got = repaired.simulate("push_fast").stack(twin.channels)
+        want = [self.replay(twin, run, [0, i]) for i in range(3)]
+        np.testing.assert_allclose(got, np.mean(want, axis=0), atol=1e-9)
 
 
 class TestPlan(unittest.TestCase):
