@@ -85,7 +85,8 @@ def open_workers_option(args: argparse.Namespace) -> Workers:
 
 def AddScenario(
     parser: argparse.ArgumentParser,
-    help_text: str = "file of the nominal bench (default: the package's)",
+    help_text: str = "file of the nominal twin (default: the one that"
+    " campaign.yaml names, else the package's)",
 ) -> None:
     """Adds --scenario."""
     parser.add_argument("--scenario", metavar="FILE", help=help_text)
