@@ -190,11 +190,11 @@ def _warnings(d: Diagnosis) -> list[str]:
 def _provenance(d: Diagnosis) -> dict:
     """What the diagnosis was made from, and the numbers it rests on."""
     packages = ("brace_drake", "drake", "numpy", "scipy", "numba")
-    criterion, chosen = d.criterion, d.choice.describe()
+    criterion = d.criterion
     return {
         "data_sha256": campaign_hash(d.campaign),
         "scenario": d.scenario.describe(d.device.twin.scenario),
-        **({"choice": chosen} if chosen else {}),
+        "choice": d.choice.describe(),
         "seed": d.seed,
         "time_step_s": d.device.twin.time_step,
         "misfit": criterion.misfit(d.nominal),
