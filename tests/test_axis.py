@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.core.errors import CampaignError
 from brace_drake.devices.axis.twin import simulate_axis
 from brace_drake.devices.device import MakeDevice
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.effects.registry import find_effect
 from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.recording.importing.mapped import ImportCampaign

@@ -8,7 +8,7 @@ import numpy as np
 
 from brace_drake.devices.axis.follower import Commanded, simulate_response
 from brace_drake.devices.device import MakeDevice
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.effects.registry import find_effect
 from brace_drake.recording.recording import Campaign, Run
 

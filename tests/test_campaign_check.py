@@ -20,6 +20,7 @@ from brace_drake.recording import (
     LoadCampaign,
     WriteCampaign,
 )
+from brace_drake.recording.columns import near_misses
 from brace_drake.recording.forces import explained
 from brace_drake.recording.manifest import parse_manifest
 from brace_drake.recording.samples import check_time, flat_extremes
@@ -324,6 +325,38 @@ class TestTable(CheckTest):
                 self.assert_problem(
                     "missing", f"did you mean '{name}'", column="leg1_length_m"
                 )
+
+    def test_a_misspelt_column_gets_a_hint(self):
+        text = (self.path / "push.csv").read_text()
+        for name, meant in (
+            ("leg1_lenght_m", "leg1_length_m"),
+            ("ring2_froce_y_N", "ring2_force_y_N"),
+        ):
+            with self.subTest(name):
+                (self.path / "push.csv").write_text(text.replace(meant, name))
+                self.assert_problem(f"did you mean '{name}'", column=meant)
+
+    def test_another_leg_or_axis_is_no_misspelling(self):
+        header = ["leg7_length_m", "ring2_force_z_N", "leg1_lengthh_m"]
+        found = near_misses(
+            ["leg1_length_m", "leg2_length_m", "ring2_force_y_N"], header
+        )
+        self.assertEqual(
+            found,
+            {
+                "leg1_length_m": "leg1_lengthh_m",
+                "leg2_length_m": None,
+                "ring2_force_y_N": None,
+            },
+        )
+
+    def test_a_column_that_is_not_needed_and_misspelt_is_a_warning(self):
+        text = (self.path / "push.csv").read_text()
+        spoilt = text.replace("torso_x_m", "torsoo_x_m")
+        (self.path / "push.csv").write_text(spoilt)
+        self.assert_problem(
+            "did you mean 'torsoo_x_m'", column="torso_x_m", severity="warning"
+        )
 
     def test_a_recording_of_another_device_is_one_error(self):
         self.describe(device="brace")
@@ -733,6 +766,17 @@ class TestHints(unittest.TestCase):
         self.assertTrue(any("did you mean rate_hz?" in s for s in said), said)
         _, problems = parse_manifest(b"recorded: {by: me}\nnotes: none\n")
         self.assertFalse(any("did you mean" in str(p) for p in problems))
+
+    def test_keys_of_runs_and_of_numbers_are_pointed_out_too(self):
+        text = (
+            "format: brace-campaign/1\ndevice: leg bench\nrate_hz: 200\n"
+            "nominal: {mas_kg: 3, viscous_N_s_m: 1}\n"
+            "runs: [{file: a.csv, motion: push, contact: true, spilt: fit}]\n"
+        )
+        _, problems = parse_manifest(text.encode())
+        said = " ".join(map(str, problems))
+        self.assertIn("nominal: no key 'mas_kg', did you mean mass_kg?", said)
+        self.assertIn("run 1: no key 'spilt', did you mean split?", said)
 
     def test_the_row_behind_one_that_is_early_is_no_gap(self):
         time = np.arange(100) / 200.0

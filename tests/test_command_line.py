@@ -265,7 +265,21 @@ class TestBadArguments(unittest.TestCase):
             (("twin", "--port", "p", "--memory", "nan"), ("--memory", "nan")),
             (("record", *at, "--countdown", -1), ("--countdown", "'-1'")),
             (("fit",), ("CAMPAIGN", "brace-drake fit --help")),
-            (("fitt",), ("fitt",)),
+            (("fitt",), ("'fitt'", "did you mean fit?")),
+            (("withheld", "mak"), ("'mak'", "did you mean make?")),
+            (
+                ("fit", "c", "--scenaro", "x"),
+                ("did you mean --scenario?", "brace-drake fit --help"),
+            ),
+            (("plan", "--effcts=a"), ("did you mean --effects?",)),
+            (
+                ("diagnose", "c", "--otu", "x"),
+                ("required: --out", "no option --otu, did you mean --out?"),
+            ),
+            (("--versoin",), ("did you mean --version?",)),
+            (("fit", "c", "d"), ("unrecognized arguments: d;",)),
+            (("fit", "c", "--fix", "a=b"), ("'b' in 'a=b'", "not a number")),
+            (("fit", "c", "--bounds", "a=3"), ("not NAME=LO:HI",)),
         ):
             with self.subTest(command=command):
                 self.assert_refused(command, *words)

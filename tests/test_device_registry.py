@@ -9,37 +9,12 @@ import numpy as np
 from brace_drake.core.errors import CampaignError
 from brace_drake.devices import register_device
 from brace_drake.devices.registry import forget_device
-from brace_drake.diagnose import diagnose
-from brace_drake.recording import (
-    Campaign,
-    CheckCampaign,
-    LoadCampaign,
-    Run,
-    WriteCampaign,
-)
+from brace_drake.diagnosis import diagnose
+from brace_drake.recording import CheckCampaign, LoadCampaign
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.validation.repaired import MakeRepairedScenario
-from tests.foreign.oven import CARD, HEATER, READING
-
-RATE, LAG_S, LATE_S = 20.0, 2.5, 0.3
-
-
-def heated(seed: int) -> dict[str, np.ndarray]:
-    """An oven that is heated in steps, its thermometer late by a lag; Euler's
-    method at a thousandth of a second.
-    """
-    rng = np.random.default_rng(seed)
-    t = np.arange(400) / RATE
-    heat = 100.0 * (rng.random(20) > 0.5)[(t / 1.0).astype(int)]
-    fine = 50
-    temperature, read, rows = 0.0, 0.0, []
-    for u in heat:
-        rows.append(read)
-        for _ in range(fine):
-            temperature += (0.6 * u - temperature) / LAG_S / RATE / fine
-            read += (temperature - read) / LATE_S / RATE / fine
-    noise = 0.02 * rng.standard_normal(len(t))
-    return {"time_s": t, HEATER: heat, READING: np.array(rows) + noise}
+from tests.foreign.oven import CARD
+from tests.oven_recordings import LAG_S, LATE_S, write_oven
 
 
 class TestRegistry(unittest.TestCase):
@@ -47,15 +22,9 @@ class TestRegistry(unittest.TestCase):
     def setUpClass(cls):
         register_device(CARD)
         cls.addClassCleanup(forget_device, CARD.name)
-        runs = [
-            Run(f"r{i}.csv", True, "steps", None, split, heated(i))
-            for i, split in enumerate(["fit", "fit", "validation"])
-        ]
-        campaign = Campaign(Path("o"), "oven", RATE, "oven", tuple(runs))
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
-        cls.path = Path(folder.name) / "oven"
-        WriteCampaign(campaign, cls.path)
+        cls.path = write_oven(Path(folder.name) / "oven")
 
     def test_its_campaigns_are_checked_by_its_channels(self):
         self.assertEqual(CheckCampaign(self.path), [])

@@ -11,7 +11,7 @@ import numpy as np
 
 from brace_drake.cli.main import main
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.document.document import MakeDocument
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator

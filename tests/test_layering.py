@@ -24,7 +24,7 @@ LAYERS = (
     ("validation",),
     ("discrepancy",),
     ("design",),
-    ("diagnose",),
+    ("diagnosis",),
     ("report",),
     ("document",),
     ("trend", "sweep"),
@@ -34,6 +34,7 @@ LAYERS = (
     ("learning",),
     ("withheld",),
     ("experiments",),
+    ("results",),
     ("cli",),
 )
 LEVEL = {name: i for i, row in enumerate(LAYERS) for name in row}

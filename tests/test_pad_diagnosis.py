@@ -12,7 +12,7 @@ import numpy as np
 from brace_drake.cli.main import main
 from brace_drake.core.errors import BraceError
 from brace_drake.design.next_run import WriteNextRun, choose_next_run
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.held_out import check_fit

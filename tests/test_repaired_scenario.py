@@ -16,7 +16,7 @@ from brace_drake.devices.device import MakeDevice
 from brace_drake.devices.leg_bench.twin import LegBenchTwin
 from brace_drake.devices.motions.reference import reference_at_ticks
 from brace_drake.devices.pad_bench.twin import PadBenchTwin
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.identification.evaluation import Evaluator

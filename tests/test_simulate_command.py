@@ -18,6 +18,7 @@ from brace_drake.devices.motions.reference import (
     format_reference,
 )
 from brace_drake.effects.registry import find_effect
+from brace_drake.link.operation.campaign import LoadPlan
 from brace_drake.recording import LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.effects import describe_use
@@ -26,6 +27,12 @@ from tests.commands import run_command
 from tests.shared_data import EXAMPLE
 from tests.test_station import smooth_push
 
+# Motions that are over before they cost a test its time.
+SHORT = {
+    "free_hold": ("still", 1, ("quiet_hold",)),
+    "push": ("a push", 5, ("push", -0.005, 3.0)),
+    "push_fast": ("a push", 5, ("push", -0.005, 2.0)),
+}
 HEAD = "time_s,ring2_y_desired_m,ring2_vy_desired_m_s,ring2_ay_desired_m_s2"
 
 
@@ -78,6 +85,72 @@ class TestSimulate(unittest.TestCase):
         code, text, _ = run_command("check", self.folder / "checked")
         self.assertEqual(code, 0)
         self.assertIn("0 errors", text)
+
+    def test_a_plan_becomes_one_campaign(self):
+        plan = self.folder / "plan.yaml"
+        plan.write_text(
+            "format: brace-plan/1\nruns:\n- {motion: free_hold}\n"
+            "- {motion: push}\n- {motion: push, repeat: true}\n"
+            "- {motion: push_fast, split: validation}\n"
+        )
+        out = self.folder / "planned"
+        words = ("simulate", self.file, "--plan", plan, "--out", out)
+        with mock.patch.dict(
+            "brace_drake.devices.motions.library._LIBRARY", SHORT
+        ):
+            status, _, error = run_command(*words)
+        self.assertEqual(status, 0, error)
+        self.assertEqual(run_command("check", out)[0], 0)
+        campaign = LoadCampaign(out)
+        rows = [
+            (r.file, r.contact, r.split, r.repeat_of) for r in campaign.runs
+        ]
+        self.assertEqual(
+            rows,
+            [
+                ("free_hold.csv", False, "fit", None),
+                ("push.csv", True, "fit", None),
+                ("push_2.csv", True, "fit", "push.csv"),
+                ("push_fast.csv", True, "validation", None),
+            ],
+        )
+        # The motion is the same, the noise is not.
+        first, second = (r.channels for r in campaign.runs[1:3])
+        for name in ("time_s", "ring2_y_desired_m"):
+            np.testing.assert_array_equal(first[name], second[name])
+        self.assertFalse(
+            np.array_equal(first["leg1_length_m"], second["leg1_length_m"])
+        )
+
+    def test_a_plan_shows_no_single_run(self):
+        out = self.folder / "shown"
+        status, _, error = run_command(
+            "simulate", self.file, "--plan", "--html", "a", "--out", out
+        )
+        self.assertEqual((status, error.count("\n")), (2, 1))
+        self.assertIn("--plan records several runs", error)
+
+    def test_the_plan_of_a_plan_command_is_one_too(self):
+        file = self.folder / "plan.json"
+        file.write_text(
+            '{"format": "brace-plan/1", "runs": ["push", "stairs"]}'
+        )
+        self.assertEqual([r.motion for r in LoadPlan(file)], ["push", "stairs"])
+
+    def test_a_campaign_stands_for_the_scenario_that_it_names(self):
+        named = self.folder / "named"
+        self.simulate("named", "--noise-seed", "3")
+        (named / "own.yaml").write_text(self.file.read_text())
+        manifest = named / "campaign.yaml"
+        manifest.write_text(manifest.read_text() + "scenario: own.yaml\n")
+        out = self.folder / "from_campaign"
+        status, _, error = run_command(
+            "simulate", named, "--motion", self.reference, "--out", out,
+            "--noise-seed", "3",
+        )  # fmt: skip
+        self.assertEqual(status, 0, error)
+        first, again = (p / "push.csv" for p in (named, out))
+        self.assertEqual(first.read_text(), again.read_text())
 
     def test_the_seed_decides_the_noise(self):
         column = "leg1_length_m"

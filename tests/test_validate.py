@@ -87,7 +87,7 @@ class TestValidate(unittest.TestCase):
 
     def test_a_run_that_is_not_there_is_refused_before_the_fit(self):
         words = ("validate", self.campaign, "--show", "walk", "--out")
-        with mock.patch("brace_drake.cli.diagnosis.fit.fit_with_bar") as fit:
+        with mock.patch("brace_drake.results.fits.fit") as fit:
             code, _, error = run_command(*words, self.folder / "late")
         fit.assert_not_called()
         self.assertEqual((code, error.count("\n")), (2, 1))

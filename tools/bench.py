@@ -26,7 +26,7 @@ from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.reference import (
     MakeBraceReference,
 )
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.identification.subject.campaign_fit import fit_campaign
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.subjects import EffectRange, SubjectRanges

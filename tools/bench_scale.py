@@ -110,7 +110,7 @@ def cut_runs(campaign, count: int):
 
 def run_task(task: Task, answer) -> None:
     """Diagnoses; sends CPU s, wall s, peak MB, the verdict, the stages."""
-    from brace_drake.diagnose import diagnose
+    from brace_drake.diagnosis import diagnose
     from brace_drake.document.document import MakeDocument
     from brace_drake.recording import LoadCampaign
 

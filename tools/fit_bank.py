@@ -61,7 +61,7 @@ class StoredCriterion(Criterion):
 
 def collect(case: Path, folder: Path) -> str:
     """Diagnoses a case and writes its fits; returns the case's name."""
-    from brace_drake.diagnose import diagnose
+    from brace_drake.diagnosis import diagnose
     from brace_drake.recording import LoadCampaign
 
     d = diagnose(LoadCampaign(case), jobs=1, seed=0)

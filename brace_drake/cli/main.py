@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 # Folders of commands, in the order in which the help lists them.
-_GROUPS = ("data", "diagnosis", "learning", "machine")
+_GROUPS = ("data", "library", "diagnosis", "learning", "machine")
 _EPILOG = """\
 exit codes:
   0    done
@@ -215,7 +215,7 @@ def make_parser() -> argparse.ArgumentParser:
     import argparse
     import importlib.metadata
 
-    from brace_drake.cli.options import OneLineParser
+    from brace_drake.cli.parser import OneLineParser
 
     parser = OneLineParser(
         prog="brace-drake",

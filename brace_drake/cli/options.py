@@ -9,15 +9,11 @@ import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import NoReturn
-
-from tqdm import tqdm
 
 from brace_drake.core.errors import PolicyError
 from brace_drake.core.output import WriteJson
 from brace_drake.core.parallel import Workers, open_workers
-
-_BAR = "{desc} {bar:30} {n:3.0f} % [{elapsed}<{remaining}]"
+from brace_drake.core.progress import share_bar
 
 
 def AddCommand(
@@ -39,14 +35,6 @@ def AddCommand(
     )
     parser.set_defaults(run=run)
     return parser
-
-
-class OneLineParser(argparse.ArgumentParser):
-    """Says what is wrong with the arguments in one line, without the usage."""
-
-    def error(self, message: str) -> NoReturn:
-        text = " ".join(message.split())
-        self.exit(2, f"brace-drake: {text}; see {self.prog} --help\n")
 
 
 def AddCampaign(
@@ -97,7 +85,8 @@ def open_workers_option(args: argparse.Namespace) -> Workers:
 
 def AddScenario(
     parser: argparse.ArgumentParser,
-    help_text: str = "file of the nominal bench (default: the package's)",
+    help_text: str = "file of the nominal twin (default: the one that"
+    " campaign.yaml names, else the package's)",
 ) -> None:
     """Adds --scenario."""
     parser.add_argument("--scenario", metavar="FILE", help=help_text)
@@ -163,6 +152,33 @@ def TellDocument(
         print(f"{what}: {file}")
 
 
+def name_scenario_option(path: str | None):
+    """The scenario of --scenario with its file and hash; None without."""
+    if path is None:
+        return None
+    from brace_drake.devices.nominal_scenario import load_given
+
+    return load_given(path)
+
+
+def scenario_note(campaign, used: dict) -> str:
+    """Which scenario was used, and who has named it.
+
+    Args:
+        campaign: Loaded.
+        used: Provenance of the scenario, see `NominalScenario.describe`.
+    """
+    from brace_drake.recording.manifest import MANIFEST
+
+    if used["named_by"] == MANIFEST:
+        return f"scenario: {used['file']}, named by {MANIFEST}"
+    if used["file"] is None:
+        return "scenario: none named, the package's own"
+    named = campaign.scenario
+    text = f"scenario: {used['file']}, by --scenario"
+    return f"{text}, not {named.name} of {MANIFEST}" if named else text
+
+
 def load_scenario_option(path: str | None):
     """The scenario of --scenario, None for the package's own."""
     if path is None:
@@ -170,18 +186,6 @@ def load_scenario_option(path: str | None):
     from brace_drake.scenario.load import LoadScenario
 
     return LoadScenario(path)
-
-
-@contextlib.contextmanager
-def share_bar() -> Iterator[Callable[[str, float], None]]:
-    """A progress bar; yields a function of what is done and its share."""
-    with tqdm(total=100, unit="%", bar_format=_BAR, leave=False) as bar:
-
-        def progress(what: str, share: float) -> None:
-            bar.set_description(f"{what:<28.28}")
-            bar.update(round(100 * share) - bar.n)
-
-        yield progress
 
 
 def AddMotion(parser: argparse.ArgumentParser, **options) -> None:

@@ -68,6 +68,10 @@ class PolicyError(BraceError, ValueError):
     """A policy, or what is needed to train or to use one, is not there."""
 
 
+class ExtraError(BraceError, ImportError):
+    """An optional package is needed that is not installed."""
+
+
 class ClusterError(BraceError, RuntimeError):
     """A cluster cannot be reached, or has lost its workers."""
 
@@ -82,13 +86,23 @@ def reason(error: Exception) -> str:
     return words or type(error).__name__
 
 
+def closest(
+    word: object, words: Iterable[object], likeness: float = 0.6
+) -> str | None:
+    """The word that was meant, None where none is as much alike, 0 to 1."""
+    if len(str(word)) > _LONGEST_WORD:
+        return None
+    known = [w for w in map(str, words) if len(w) <= _LONGEST_WORD]
+    close = difflib.get_close_matches(
+        str(word), known[:_MOST_WORDS], n=1, cutoff=likeness
+    )
+    return close[0] if close else None
+
+
 def suggest(word: object, words: Iterable[object]) -> str:
     """A hint at the word that was meant, or nothing."""
-    if len(str(word)) > _LONGEST_WORD:
-        return ""
-    known = [w for w in map(str, words) if len(w) <= _LONGEST_WORD]
-    close = difflib.get_close_matches(str(word), known[:_MOST_WORDS], n=1)
-    return f", did you mean {close[0]}?" if close else ""
+    close = closest(word, words)
+    return f", did you mean {close}?" if close else ""
 
 
 def quoted(value: object, length: int = 60) -> str:

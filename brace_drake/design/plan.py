@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from brace_drake.core.errors import CampaignError
+from brace_drake.core.parallel import Workers
 from brace_drake.design.confusable import reason_of
 from brace_drake.design.planned import planned_floors, planned_runs
 from brace_drake.design.signature import (
@@ -36,7 +37,7 @@ def plan_campaign(
     runs: Sequence[Run],
     rate: float,
     effects: Sequence[Effect] | None = None,
-    jobs: int = 2,
+    jobs: int | Workers = 2,
     seed: int = 0,
     say: Callable[[str, float], None] = lambda what, share: None,
 ) -> dict:
@@ -47,7 +48,7 @@ def plan_campaign(
         runs: References, evenly sampled.
         rate: Of their samples, Hz.
         effects: Cards; None: all of the device.
-        jobs: Threads; the result does not depend on their number.
+        jobs: Threads, or workers; the result does not depend on their number.
         seed: Of the noise that floors and dithers are made of.
         say: Progress.
 

@@ -123,7 +123,8 @@ def subject_columns(
     Forward differences, each parameter counted in its `unit_step`; None where
     the twin broke down.
     """
-    units = [p.unit_step for p in evaluator.twin.subject]
+    known = evaluator.twin.subject
+    units = [0.0 if p.is_fixed else p.unit_step for p in known]
     points = [(subject, uses)]
     for i, unit in enumerate(units):
         moved = subject.copy()

@@ -9,6 +9,7 @@ from brace_drake.devices.brace.device import Brace
 from brace_drake.devices.declaration import Device
 from brace_drake.devices.diagram.device import DiagramDevice
 from brace_drake.devices.leg_bench.device import LegBench
+from brace_drake.devices.nominal_scenario import choose_scenario
 from brace_drake.devices.pad_bench.device import PadBench
 from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.recording.columns import AXIS, BRACE, DIAGRAM, LEG_BENCH
@@ -29,14 +30,17 @@ def MakeDevice(campaign: Campaign, scenario=None, diagram=None) -> Device:
 
     Args:
         campaign: Whose device and numbers it takes.
-        scenario: Of the device, other than the one that comes with the
-            package or from the recording itself.
+        scenario: Of the device, or its file, other than the one that the
+            campaign names, that comes with the package or from the recording
+            itself.
         diagram: Function that makes the nominal diagram of a campaign whose
             device is one.
 
     Raises:
         CampaignError: No twin of this device yet, or a scenario of another.
+        ScenarioError: The scenario's file is no scenario.
     """
+    scenario = choose_scenario(campaign, scenario).scenario
     if diagram is not None and campaign.device != DIAGRAM:
         raise CampaignError(
             f"{campaign.path}: recorded on {campaign.device!r}; a diagram is"

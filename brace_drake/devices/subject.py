@@ -31,6 +31,11 @@ class SubjectParameter:
     scale: float = 0.0
 
     @property
+    def is_fixed(self) -> bool:
+        """Whether it is held at its nominal value."""
+        return self.lower == self.upper
+
+    @property
     def unit_step(self) -> float:
         """What a fit counts the parameter in."""
         return self.scale if self.scale > 0.0 else abs(self.nominal)

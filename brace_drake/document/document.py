@@ -8,7 +8,7 @@ import importlib.metadata
 import numpy as np
 
 from brace_drake.design.next_run import describe_next
-from brace_drake.diagnose import Diagnosis
+from brace_drake.diagnosis import Diagnosis
 from brace_drake.document.law_rows import law_row, law_sentence
 from brace_drake.document.rows import (
     cause_rows,
@@ -176,8 +176,14 @@ def _warnings(d: Diagnosis) -> list[str]:
         f"{p.name}: the fit runs say nothing of it, {p.value:.4g} {p.unit} is"
         " where the fit began"
         for p in d.estimates.parameters
-        if p.standard_error is None
+        if p.standard_error is None and not p.fixed
     ]
+    if d.choice.limits_search:
+        found.append(
+            "the search was limited to"
+            f" {', '.join(dict.fromkeys(e.name for e in d.evaluator.effects))}:"
+            " what else there is would be taken for one of these, or for none"
+        )
     return found
 
 
@@ -187,6 +193,8 @@ def _provenance(d: Diagnosis) -> dict:
     criterion = d.criterion
     return {
         "data_sha256": campaign_hash(d.campaign),
+        "scenario": d.scenario.describe(d.device.twin.scenario),
+        "choice": d.choice.describe(),
         "seed": d.seed,
         "time_step_s": d.device.twin.time_step,
         "misfit": criterion.misfit(d.nominal),

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 from brace_drake.devices.stretch import noise_along
-from brace_drake.diagnose import Diagnosis
+from brace_drake.diagnosis import Diagnosis
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.identification.intervals import (
@@ -157,8 +157,8 @@ def effect_parameters(
 
 
 def estimate_row(p: ParameterEstimate) -> dict:
-    """One estimate in plain types."""
-    return {
+    """One estimate in plain types; `fixed` is there of what was held."""
+    row = {
         "name": p.name,
         "unit": p.unit,
         "value": p.value,
@@ -167,3 +167,4 @@ def estimate_row(p: ParameterEstimate) -> dict:
         "upper95": p.upper95,
         "at_limit": p.at_limit,
     }
+    return row | {"fixed": True} if p.fixed else row

@@ -11,6 +11,7 @@ from brace_drake.core.errors import CampaignError
 from brace_drake.devices.bench.recorded_motion import ring_poses
 from brace_drake.devices.bench.rollout import FORCE, LENGTHS, MARKER
 from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.nominal_scenario import choose_scenario
 from brace_drake.experiments.scores import rms
 from brace_drake.identification.subject.contact_start import (
     contact_motion,
@@ -139,14 +140,16 @@ def validate_twin(
     Args:
         campaign: Of the bench.
         found: What `fit_campaign` returns for it.
-        scenario: Of the nominal bench; None: the package's.
+        scenario: Of the nominal bench, or its file; None: the one that the
+            campaign names, else the package's.
         run_name: Of the fit run to show; None: the first in contact.
 
     Raises:
         CampaignError: Not of the bench, no such run, or a fit of another.
     """
     run = choose_run(campaign, run_name)
-    twin = BenchTwin(scenario or BenchScenario())
+    named = choose_scenario(campaign, scenario)
+    twin = BenchTwin(named.scenario or BenchScenario())
     fitted = _fitted_values(twin, campaign, found)
     start = start_values(twin, contact_starts(twin, campaign))
     shown = {"fit": run}

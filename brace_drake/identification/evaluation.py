@@ -10,6 +10,7 @@ import numpy as np
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.devices.tolerances import LinearTolerances
+from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.noise_floor import NoiseFloor
 from brace_drake.laws.hooks import MAX_EFFECTS
@@ -132,9 +133,15 @@ class Evaluator:
     tolerances: LinearTolerances | None = None
 
     def __init__(
-        self, twin, prepared: Sequence[PreparedRun], jobs: int | Workers
+        self,
+        twin,
+        prepared: Sequence[PreparedRun],
+        jobs: int | Workers,
+        effects: Sequence[Effect] | None = None,
     ):
+        """Takes a twin, runs, workers, and effects to try; None: all."""
         self.twin = twin
+        self._effects = effects
         self._twins = {"": twin, "coarse": twin.coarse(), "fine": twin.finer()}
         self.prepared, self.jobs = list(prepared), jobs
         self.replays = 0
@@ -145,6 +152,13 @@ class Evaluator:
         sizes = [p.num_weighted for p in self.prepared]
         self.ends = [int(n) for n in np.cumsum(sizes)]
         self.map = open_workers(jobs).map
+
+    @property
+    def effects(self) -> list[Effect]:
+        """Those that a search may try."""
+        if self._effects is None:
+            return list(self.twin.effects().values())
+        return list(self._effects)
 
     @property
     def room(self) -> int:

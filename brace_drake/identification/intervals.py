@@ -22,6 +22,7 @@ class ParameterEstimate:
 
     `standard_error` is None where the runs say nothing of the parameter: then
     its interval is all that is allowed. `nominal` is None for an effect's.
+    `fixed` tells that it was held at its value, and not estimated.
     """
 
     name: str
@@ -32,6 +33,7 @@ class ParameterEstimate:
     upper95: float
     at_limit: bool
     nominal: float | None = None
+    fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,8 +90,10 @@ def estimate_table(
     correlation[np.ix_(seen, seen)] = covariance / np.maximum(
         np.outer(deviation, deviation), 1e-300
     )
-    condition = None
-    if seen.all():
+    condition, is_fixed = None, np.zeros(len(seen), dtype=bool)
+    known_subject = evaluator.twin.subject
+    is_fixed[: len(known_subject)] = [p.is_fixed for p in known_subject]
+    if (seen | is_fixed).all():
         singular = np.linalg.svd(triangle, compute_uv=False)
         condition = float(singular[0] / max(singular[-1], 1e-300))
     return EstimateTable(
@@ -134,6 +138,12 @@ def _estimates(evaluator, fit, error):
     for (name, p, nominal), value, sigma in zip(
         moved, values.tolist(), errors.tolist(), strict=True
     ):
+        if nominal is not None and p.is_fixed:
+            ends = p.nominal, p.nominal
+            yield ParameterEstimate(
+                name, p.unit, p.nominal, None, *ends, False, nominal, True
+            )
+            continue
         margin = _AT_LIMIT * (p.upper - p.lower)
         yield ParameterEstimate(
             name,

@@ -44,6 +44,7 @@ class CandidateProblem:
 
     Attributes:
         num_subject, num_free: Parameters of the subject, and beyond.
+        fixed: Places of those of the subject that are held.
         alike: Which parameters have a common spread (n,).
         has_spread: Whether any has.
         is_rough: Whether noise dithers an effect.
@@ -87,6 +88,7 @@ class CandidateProblem:
         self._moved = []
         subject = evaluator.twin.subject
         self.num_subject = len(subject)
+        self.fixed = frozenset(i for i, p in enumerate(subject) if p.is_fixed)
         low, high = [p.lower for p in subject], [p.upper for p in subject]
         weights = [0.0] * len(subject)
         radius = [_SUBJECT_RADIUS] * len(subject)

@@ -31,7 +31,10 @@ def calc_sensitivities(
         first: Of the columns.
         base: The coarse residual at z, where it is known.
     """
-    groups = [g for g in problem.groups if g[0] >= first]
+    # What is held has no column: it looks like what no run tells of.
+    groups = [
+        g for g in problem.groups if g[0] >= first and g[0] not in problem.fixed
+    ]
     rows, steps = problem.evaluator.ends[-1], problem.steps
     out = np.zeros((rows + problem.num_prior, len(z) - first))
     out[rows:] = problem.prior_jacobian()[:, first:]

@@ -144,7 +144,9 @@ def _power(
         return np.nan
 
     known = evaluator.twin.subject
-    own = [i for i, p in enumerate(known) if p.name in test.own]
+    own = [
+        i for i, p in enumerate(known) if p.name in test.own and not p.is_fixed
+    ]
     parameters = [known[i] for i in own]
     units = np.array([p.unit_step for p in parameters])
 

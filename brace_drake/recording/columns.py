@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+
+from brace_drake.core.errors import closest
 
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
 _UNITS = (
@@ -13,6 +16,9 @@ _UNITS = (
 )
 
 _AXES = "xyz"
+# Columns so much alike are one, misspelt.
+_MISSPELT = 0.85
+_MARKS = re.compile(r"\d+|(?<=_)[xyz](?=_)")
 
 
 @dataclass(frozen=True)
@@ -67,11 +73,21 @@ def shown_unit(unit: str) -> str:
 def near_misses(
     names: Iterable[str], header: Iterable[str]
 ) -> dict[str, str | None]:
-    """The column of `header` that holds each name in another unit or case."""
+    """The column of `header` that holds each name in another unit or case, or
+    misspelt; None where there is none.
+    """
     quantities: dict[str, str] = {}
-    for candidate in header:
+    there = list(header)
+    for candidate in there:
         quantities.setdefault(split_unit(candidate)[0].lower(), candidate)
-    return {n: quantities.get(split_unit(n)[0].lower()) for n in names}
+    found = {}
+    for name in names:
+        # Another leg, ring or axis is no misspelling.
+        alike = [n for n in there if _MARKS.findall(n) == _MARKS.findall(name)]
+        found[name] = quantities.get(
+            split_unit(name)[0].lower(), closest(name, alike, _MISSPELT)
+        )
+    return found
 
 
 # A run lasts minutes: larger values are clock time, or milliseconds.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from posixpath import isabs, normpath
 
@@ -22,7 +23,7 @@ from brace_drake.recording.fields import (
 )
 from brace_drake.recording.findings import Problem, error, warning
 from brace_drake.recording.ports import parse_ports
-from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 
 MANIFEST = "campaign.yaml"
 FORMAT = "brace-campaign/1"
@@ -38,6 +39,11 @@ _HEAD = {
     "rate_hz": RATE,
     "runs": Field("a list of runs", lambda v: isinstance(v, list) and v != []),
     "settled_s": DURATION,
+    "scenario": Field(
+        "a path relative to the campaign's folder",
+        lambda v: TEXT.accepts(v) and not isabs(v.replace("\\", "/")),
+        required=False,
+    ),
 }
 _RUN = {
     "file": TEXT,
@@ -61,14 +67,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         content = parse_yaml(data)
     except ReadError as e:
         return None, [error(MANIFEST, str(e))]
-    absent = [key for key in _KEYS if key not in content]
-    unknown = [key for key in content if key not in _KEYS]
-    hints = {key: suggest(str(key).lower(), absent) for key in unknown}
-    problems = [
-        warning(MANIFEST, f"no key {quoted(key)}{hint}")
-        for key, hint in hints.items()
-        if hint
-    ]
+    problems = _misspelt(content, _KEYS)
     head, faults = take(content, _HEAD)
     name = head.get("device", "")
     device = DEVICES.get(name, Device({}))
@@ -79,6 +78,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         if declared and not (section == "control" and not content.get(section)):
             numbers[section], found = take_numbers(content, section, device)
             faults += found
+            problems += _misspelt(content.get(section), declared, section)
     stages: list[int] = []
     if device.stages:
         taken, found = take(content, {"stages": _neighbours(device.stages)})
@@ -99,9 +99,27 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         ),
         stages=tuple(stages),
         ports=ports,
+        scenario=ScenarioFile(head["scenario"]) if "scenario" in head else None,
         **numbers,
     )
     return campaign, problems
+
+
+def _misspelt(
+    content: object, known: Iterable[str], place: str = ""
+) -> list[Problem]:
+    """Keys that nobody knows, and that look like one that is not there."""
+    if not isinstance(content, dict):
+        return []
+    absent = [key for key in known if key not in content]
+    unknown = [key for key in content if key not in known]
+    hints = {key: suggest(str(key).lower(), absent) for key in unknown}
+    where = f"{place}: " if place else ""
+    return [
+        warning(MANIFEST, f"{where}no key {quoted(key)}{hint}")
+        for key, hint in hints.items()
+        if hint
+    ]
 
 
 def _needed(device: Device) -> tuple[str, ...]:
@@ -173,6 +191,7 @@ def _parse_runs(
                 message = f"{place} has no {', '.join(missing)}"
                 problems.append(error(MANIFEST, message))
             problems += [_error_of(fault, f"{place}: ") for fault in faults]
+        problems += _misspelt(item, _RUN, f"run {number}")
         values |= {"repeat_of": None, **taken}
         runs.append(Run(channels={}, settled_s=settled_s, **values))
     if runs:

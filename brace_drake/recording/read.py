@@ -20,6 +20,7 @@ from brace_drake.recording.columns import (
     LEG_BENCH,
     Channel,
     near_misses,
+    split_unit,
 )
 from brace_drake.recording.dropouts import fill_dropouts, lost_rows
 from brace_drake.recording.findings import Problem, counted, error, warning
@@ -34,6 +35,7 @@ from brace_drake.recording.table import Columns, parse_table
 
 # Less shows no motion, and cannot be fitted.
 LEAST_ROWS = 10
+_MOST_SCENARIO_MB = 4
 
 
 def LoadCampaign(path: str | Path) -> Campaign:
@@ -89,6 +91,14 @@ def _examine(
         return None, [_explain_absence(path, e)]
     if campaign is None:
         return None, problems
+    scenario = campaign.scenario
+    if scenario is not None:
+        try:
+            data = ReadBytes(path / scenario.name, _MOST_SCENARIO_MB)
+            scenario = replace(scenario, data=data)
+        except ReadError as e:
+            where = f"scenario: {scenario.name} {e}"
+            problems.append(error(MANIFEST, where))
     channels = campaign.known_channels
     limits = limits or _default_limits(campaign)
     spoilt = {p.file for p in problems if p.severity == "error"}
@@ -110,7 +120,11 @@ def _examine(
         for run in runs.values()
     )
     campaign = replace(
-        campaign, path=path.absolute(), runs=filled, warnings=tuple(problems)
+        campaign,
+        path=path.absolute(),
+        runs=filled,
+        warnings=tuple(problems),
+        scenario=scenario,
     )
     return campaign, problems
 
@@ -207,7 +221,11 @@ def _describe_missing(
     for name, hint in hints.items():
         if hint is not None:
             message = f"missing column; did you mean {quoted(hint)}?"
-            problems.append(error(file, message, name))
+            # In another unit it is there; what only looks alike may not be.
+            own, other = (split_unit(n)[0].lower() for n in (name, hint))
+            is_sure = channels[name].required or own == other
+            tell = error if is_sure else warning
+            problems.append(tell(file, message, name))
         elif channels[name].required:
             problems.append(error(file, "missing column", name))
         else:

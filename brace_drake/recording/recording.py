@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from brace_drake.core.frames import make_frame
 from brace_drake.recording.columns import (
     Channel,
     device_channels,
@@ -17,7 +19,7 @@ from brace_drake.recording.findings import Problem
 from brace_drake.recording.ports import Ports
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Run:
     """One recording: equally long channels, SI units in their names."""
 
@@ -29,6 +31,15 @@ class Run:
     channels: dict[str, np.ndarray]
     # How long the first reference had been held, s; 0: switched on with it.
     settled_s: float = 0.0
+
+    def __repr__(self) -> str:
+        if "time_s" not in self.channels or not len(self.time_s):
+            return f"<Run {self.name}: {self.split}, without samples>"
+        seconds = float(self.time_s[-1] - self.time_s[0])
+        return (
+            f"<Run {self.name}: {self.split}, {len(self.channels)} channels,"
+            f" {seconds:.4g} s>"
+        )
 
     @property
     def name(self) -> str:
@@ -48,12 +59,33 @@ class Run:
         nothing = np.zeros(len(self.time_s))
         return np.column_stack([self.channels.get(c, nothing) for c in columns])
 
+    def to_pandas(self) -> Any:
+        """Its channels as a DataFrame, a column each.
+
+        Raises:
+            ExtraError: pandas is not installed.
+        """
+        return make_frame(self.channels)
+
     def has(self, columns: Sequence[str]) -> np.ndarray:
         """Which of the columns were recorded, bool (len(columns),)."""
         return np.array([c in self.channels for c in columns])
 
 
 @dataclass(frozen=True)
+class ScenarioFile:
+    """The scenario that a campaign names.
+
+    Attributes:
+        name: Path as campaign.yaml has it, relative to the folder.
+        data: Its content.
+    """
+
+    name: str
+    data: bytes = field(repr=False, default=b"")
+
+
+@dataclass(frozen=True, repr=False)
 class Campaign:
     """A campaign folder: a device, and runs of it."""
 
@@ -67,6 +99,14 @@ class Campaign:
     stages: tuple[int, ...] = ()  # of a brace; empty: all
     warnings: tuple[Problem, ...] = ()
     ports: Ports | None = None  # of a diagram
+    scenario: ScenarioFile | None = None
+
+    def __repr__(self) -> str:
+        splits = [f"{len(self.split(s))} {s}" for s in ("fit", "validation")]
+        return (
+            f"<Campaign {self.name}: {self.device}, {self.rate_hz:g} Hz,"
+            f" {' and '.join(splits)} runs>"
+        )
 
     @property
     def name(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import uuid
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 import yaml
@@ -13,7 +13,7 @@ import yaml
 from brace_drake.core.errors import OutputError
 from brace_drake.recording.columns import split_unit
 from brace_drake.recording.manifest import FORMAT, MANIFEST, leaves_folder
-from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 
 # Decimals per unit: finer than any sensor of the bench resolves.
 DECIMALS = {"s": 6, "m": 8, "m_s": 8, "m_s2": 6, "N": 5}
@@ -77,10 +77,22 @@ def _WriteFiles(campaign: Campaign, folder: Path) -> None:
         describe(campaign), sort_keys=False, allow_unicode=True
     )
     (folder / MANIFEST).write_text(text, encoding="utf-8")
+    if campaign.scenario is not None:
+        name = scenario_name(campaign.scenario)
+        (folder / name).write_bytes(campaign.scenario.data)
     for run in campaign.runs:
         file = folder / run.file
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(format_table(run), encoding="utf-8", newline="\n")
+
+
+def scenario_name(scenario: ScenarioFile) -> str:
+    """Under which a campaign keeps the scenario that it names, beside its
+    other files.
+    """
+    name = PurePosixPath(scenario.name.replace("\\", "/")).name
+    is_taken = name in (MANIFEST, LABEL) or name.endswith(".csv")
+    return "scenario.yaml" if is_taken else name
 
 
 def describe(campaign: Campaign) -> dict:
@@ -97,6 +109,8 @@ def describe(campaign: Campaign) -> dict:
             head[name] = {key: float(v) for key, v in values.items()}
     if campaign.ports is not None:
         head["diagram"] = campaign.ports.section()
+    if campaign.scenario is not None:
+        head["scenario"] = scenario_name(campaign.scenario)
     if campaign.stages:
         head["stages"] = list(campaign.stages)
     settled_s = max((run.settled_s for run in campaign.runs), default=0.0)

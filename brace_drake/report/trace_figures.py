@@ -30,7 +30,16 @@ _PALE = "#b3bcc6"
 
 
 def draw_trace(trace: RunTrace) -> str | None:
-    """Panels of one run as a data URI; None when nothing can be drawn.
+    """Panels of one run as a data URI; None when nothing can be drawn."""
+    figure = make_trace_figure(trace)
+    if figure is None:
+        return None
+    with figure_style():
+        return to_data_uri(figure)
+
+
+def make_trace_figure(trace: RunTrace):
+    """Panels of one run as a figure; None when nothing can be drawn.
 
     The force along the correction with its residual, then the residual of the
     channel with the largest normalised gap among the others.
@@ -52,7 +61,7 @@ def draw_trace(trace: RunTrace) -> str | None:
         panels[-1].set_xlabel("time, s")
         panels[0].set_xlim(trace.time_s[0], trace.time_s[-1])
         _draw_legend(figure, trace)
-        return to_data_uri(figure)
+    return figure
 
 
 def draw_plane(trace: RunTrace) -> str | None:

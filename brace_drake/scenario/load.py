@@ -29,6 +29,8 @@ from brace_drake.scenario.leg_bench import LegBenchScenario
 from brace_drake.scenario.pad_bench import PadBenchScenario
 from brace_drake.scenario.tolerances import Tolerances, split_tolerances
 
+# Block of a file that says what a fit moves, see `devices.choice`.
+ESTIMATION = "estimation"
 # The device that a file names decides what it may hold.
 SCHEMAS = {
     BENCH: BenchScenario,
@@ -69,8 +71,26 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
     Raises:
         ScenarioError: One line: file, key path, value, what is allowed.
     """
-    source = str(path)
     data = LoadYaml(path, ScenarioError, may_be_empty=True)
+    return make_scenario(data, str(path), overrides)
+
+
+def make_scenario(
+    data: dict, source: str, overrides: str | None = None
+) -> Scenario:
+    """A scenario from the map that a file holds, see `LoadScenario`.
+
+    The block `estimation` is left alone: it is of a fit, not of a machine.
+
+    Args:
+        data: As YAML has it.
+        source: The file, for errors.
+        overrides: YAML text over it.
+
+    Raises:
+        ScenarioError: One line: file, key path, value, what is allowed.
+    """
+    path, data = source, {k: v for k, v in data.items() if k != ESTIMATION}
     if "format" in data:
         kind = " ".join(repr(data["format"]).split())
         raise ScenarioError(f"{path}: this is {kind:.60}, not a scenario")
@@ -111,7 +131,7 @@ def SaveScenario(scenario: Scenario, path: str | Path) -> None:
     path = Path(path)
     CheckScenario(scenario, str(path))
     try:
-        WriteText(path, _text(scenario))
+        WriteText(path, scenario_text(scenario))
     except OutputError as error:
         raise ScenarioError(str(error)) from error
 
@@ -130,8 +150,10 @@ def _merge(scenario: Scenario, data: dict, source: str) -> None:
         scenario.tolerances = tolerances
 
 
-def _text(scenario: Scenario) -> str:
-    """A scenario as YAML; tolerances that are assumed are not stated."""
+def scenario_text(scenario: Scenario) -> str:
+    """A scenario as the YAML of its file; tolerances that are assumed are not
+    stated.
+    """
     text = yaml_dump_typed(scenario)
     own = getattr(scenario, "tolerances", None)
     if own is None or own.is_stated or own != Tolerances():

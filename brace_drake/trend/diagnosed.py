@@ -101,7 +101,7 @@ def campaign_date(folder: Path):
 
 
 def _diagnose(campaign, workers, seed, scenario, diagram, progress) -> dict:
-    from brace_drake.diagnose import diagnose
+    from brace_drake.diagnosis import diagnose
     from brace_drake.document.document import MakeDocument
 
     try:

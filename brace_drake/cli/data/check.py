@@ -11,7 +11,8 @@ from brace_drake.cli.options import (
     AddJson,
     AddScenario,
     PrintJson,
-    load_scenario_option,
+    name_scenario_option,
+    scenario_note,
 )
 from brace_drake.core.errors import BraceError
 from brace_drake.recording import CheckCampaign, LoadCampaign
@@ -44,10 +45,10 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Prints the problems and a summary; 2 when there are errors, else 0."""
-    scenario = load_scenario_option(args.scenario)
+    scenario, note = name_scenario_option(args.scenario), ""
     problems = CheckCampaign(args.campaign)
     if not any(problem.severity == "error" for problem in problems):
-        problems = _WithRecordingFaults(problems, args.campaign, scenario)
+        problems, note = _WithRecordingFaults(problems, args.campaign, scenario)
     errors = sum(problem.severity == "error" for problem in problems)
     warnings = len(problems) - errors
     if args.json:
@@ -57,6 +58,8 @@ def Run(args: argparse.Namespace) -> int:
         return 2 if errors else 0
     for problem in problems:
         print(problem)
+    if note:
+        print(note)
     verdict = "not usable" if errors else "usable"
     print(
         f"{args.campaign}: {verdict}, {counted(errors, 'error')}, "
@@ -67,18 +70,22 @@ def Run(args: argparse.Namespace) -> int:
 
 def _WithRecordingFaults(
     problems: list[Problem], path: str, scenario
-) -> list[Problem]:
-    """Problems with the faults of the recording behind them."""
+) -> tuple[list[Problem], str]:
+    """Problems with the faults of the recording behind them; and which
+    scenario was used, empty where nobody has named one.
+    """
     # Numba and Drake are slow to import: only once the files are good.
     from brace_drake.devices.device import MakeDevice
+    from brace_drake.devices.nominal_scenario import choose_scenario
     from brace_drake.recording_faults import check_recording
 
     campaign = LoadCampaign(path)
+    named = choose_scenario(campaign, scenario)
     try:
-        device = MakeDevice(campaign, scenario)
+        device = MakeDevice(campaign, named)
     except BraceError:
         # No twin of it, or no numbers for one: its files can still be asked.
-        if scenario is not None:
+        if named.scenario is not None:
             raise
         device = None
     found = [
@@ -89,4 +96,7 @@ def _WithRecordingFaults(
     # A fault with a name stands for what was suspected of the same column.
     told = {(p.file, p.column) for p in found if p.column is not None}
     kept = [p for p in problems if (p.file, p.column) not in told]
-    return kept + found
+    note = ""
+    if named.file is not None:
+        note = scenario_note(campaign, named.describe(named.scenario))
+    return kept + found, note

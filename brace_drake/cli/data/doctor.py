@@ -40,6 +40,7 @@ _EXTRAS = {
     "mcap": "MCAP files [mcap]",
     "train": "training [train]",
     "onnx": "networks as ONNX [onnx]",
+    "pandas": "tables as DataFrames [pandas]",
     "cluster": "work on several machines [cluster]",
     "notebooks": "notebooks run by tests [notebooks]",
     "docs": "building the documentation [docs]",
@@ -114,12 +115,15 @@ def examine_tolerances(path: str) -> list[Finding]:
     """
     from dataclasses import fields
 
+    from brace_drake.devices.nominal_scenario import choose_scenario
     from brace_drake.recording import LoadCampaign
     from brace_drake.scenario.load import SCHEMAS, LoadScenario
 
     if Path(path).is_dir():
-        device = LoadCampaign(path).device
-        scenario, place = SCHEMAS[device](), f"the package's {device}"
+        campaign = LoadCampaign(path)
+        named, device = choose_scenario(campaign), campaign.device
+        scenario = named.scenario or SCHEMAS[device]()
+        place = named.file or f"the package's {device}"
     else:
         scenario, place = LoadScenario(path), path
     own = getattr(scenario, "tolerances", None)

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from brace_drake.cli.choice import AddChoice, choice_options
 from brace_drake.cli.options import (
     AddCampaign,
     AddCommand,
@@ -16,12 +17,11 @@ from brace_drake.cli.options import (
     AddScenario,
     PrintJson,
     find_diagram_option,
-    load_scenario_option,
-    open_workers_option,
-    share_bar,
+    name_scenario_option,
+    scenario_note,
 )
 from brace_drake.core.errors import BraceError
-from brace_drake.core.output import HoldFolder, MakeFolder, WriteJson
+from brace_drake.core.output import HoldFolder, MakeFolder
 from brace_drake.recording import LoadCampaign
 
 _EPILOG = """\
@@ -52,6 +52,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     AddScenario(parser)
     AddDiagram(parser)
+    AddChoice(parser)
     AddJobs(parser)
     AddJson(parser)
 
@@ -62,13 +63,14 @@ def Run(args: argparse.Namespace) -> int:
         return _RunMany(args)
     campaign = LoadCampaign(args.campaigns[0])
     out = HoldFolder(Path(args.out))
-    scenario = load_scenario_option(args.scenario)
+    scenario = name_scenario_option(args.scenario)
     diagram = find_diagram_option(args.diagram)
     document = _Diagnose(campaign, scenario, diagram, out, args)
     if args.json:
         PrintJson(document)
         return 0
     print(document["verdict"]["sentence"])
+    print(scenario_note(campaign, document["provenance"]["scenario"]))
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")
     for what, name in _MORE.items():
@@ -82,7 +84,7 @@ def _RunMany(args: argparse.Namespace) -> int:
     from brace_drake.report.summary import WriteSummary, failed_row, summary_row
 
     # What is wrong for all fails at once: scenario, diagram, place.
-    scenario = load_scenario_option(args.scenario)
+    scenario = name_scenario_option(args.scenario)
     diagram = find_diagram_option(args.diagram)
     out = HoldFolder(Path(args.out))
     rows = []
@@ -126,30 +128,19 @@ def _Diagnose(
     campaign, scenario, diagram, out: Path, args: argparse.Namespace
 ) -> dict:
     """Diagnoses one campaign, writes its files, returns the document."""
-    # Numba and Drake are slow to import: only once the input is good.
-    from brace_drake.design.next_run import WriteNextRun
-    from brace_drake.diagnose import diagnose
-    from brace_drake.document.document import MakeDocument
-    from brace_drake.document.traces import MakeTraces
-    from brace_drake.report import WriteReport
-    from brace_drake.validation.repaired import WriteRepairedScenario
+    from brace_drake.results.diagnoses import diagnose
 
-    with open_workers_option(args) as workers:
-        with share_bar() as progress:
-            found = diagnose(
-                campaign,
-                workers,
-                args.seed,
-                scenario,
-                progress=progress,
-                diagram=diagram,
-            )
-        document = MakeDocument(found)
-        WriteReport(document, MakeTraces(found), out / "report.html")
-        WriteRepairedScenario(found.device.twin, found.repair, out)
-        WriteNextRun(found.next_run, out)
-        WriteJson(out / "diagnosis.json", document)
-    return document
+    found = diagnose(
+        campaign,
+        scenario=scenario,
+        diagram=diagram,
+        jobs=args.jobs,
+        cluster=args.cluster,
+        seed=args.seed,
+        **choice_options(args),
+    )
+    found.save(out)
+    return found.document
 
 
 # Files that some diagnoses write beside the others.

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
+from brace_drake.cli.choice import AddChoice, choice_options
 from brace_drake.cli.options import (
     AddCampaign,
     AddCommand,
@@ -15,11 +15,10 @@ from brace_drake.cli.options import (
     AddJson,
     AddScenario,
     TellDocument,
-    load_scenario_option,
-    open_workers_option,
+    name_scenario_option,
+    scenario_note,
 )
 from brace_drake.core.output import HoldFolder
-from brace_drake.core.parallel import Workers
 from brace_drake.recording import LoadCampaign
 
 _EPILOG = """\
@@ -28,8 +27,6 @@ example:
 
 Prints the parameters with standard errors. --out also writes fit.json.
 """
-# Evaluations that a fit usually takes; for the estimate of the time left.
-_USUAL = 8
 # Floors of mean square beyond which the subject alone explains no recording.
 _FAR = 2.0
 
@@ -53,37 +50,31 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="solver of the MathematicalProgram (default: snopt)",
     )
     AddScenario(parser)
+    AddChoice(parser, has_effects=False)
     AddJobs(parser)
     AddJson(parser)
 
 
 def Run(args: argparse.Namespace) -> int:
     """Fits, prints a table, and writes fit.json where asked."""
+    from brace_drake.results.fits import fit
+
     campaign = LoadCampaign(args.campaign)
     out = HoldFolder(Path(args.out)) if args.out else None
-    scenario = load_scenario_option(args.scenario)
-    with open_workers_option(args) as workers:
-        found = fit_with_bar(
-            campaign, scenario, workers, args.seed, args.solver
-        )
+    scenario = name_scenario_option(args.scenario)
+    found = fit(
+        campaign,
+        scenario=scenario,
+        solver=args.solver,
+        jobs=args.jobs,
+        cluster=args.cluster,
+        seed=args.seed,
+        **choice_options(args),
+    ).document
     TellDocument(args, found, out, "fit", format_fit)
+    if not args.json:
+        print(scenario_note(campaign, found["scenario"]))
     return 0
-
-
-def fit_with_bar(
-    campaign, scenario, jobs: Workers, seed: int, solver: str = "snopt"
-) -> dict:
-    """`fit_campaign` under a bar of its evaluations."""
-    from brace_drake.identification.subject.campaign_fit import fit_campaign
-
-    with tqdm(total=_USUAL, unit="evaluation", leave=False) as bar:
-
-        def progress(evaluation: int, mean_square: float) -> None:
-            bar.total = max(bar.total, evaluation + 1)
-            bar.set_postfix_str(f"mean square {mean_square:.4g} floors")
-            bar.update(evaluation - bar.n)
-
-        return fit_campaign(campaign, jobs, seed, scenario, solver, progress)
 
 
 def format_fit(found: dict) -> str:
@@ -102,9 +93,12 @@ def format_fit(found: dict) -> str:
     )
     for p in found["parameters"]:
         flag = "  at its limit" if p["at_limit"] else ""
+        flag = "  held" if p["fixed"] else flag
         error = "unknown"
         if p["standard_error"] is not None:
             error = f"{p['standard_error']:.2g}"
+        elif p["fixed"]:
+            error = "-"
         lines.append(
             f"{p['name']:{width}}  {p['value']:11.5g}"
             f" {error:>10} {p['nominal']:10.5g}{flag}"

@@ -73,7 +73,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         metavar="M",
         help="largest facet under pads, m (default: 0.005)",
     )
-    AddScenario(parser)
+    AddScenario(parser, "file of the nominal bench (default: the package's)")
 
 
 def Run(args: argparse.Namespace) -> int:

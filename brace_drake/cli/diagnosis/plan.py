@@ -11,11 +11,7 @@ from brace_drake.cli.options import (
     AddJson,
     AddScenario,
     TellDocument,
-    load_scenario_option,
-    open_workers_option,
-    share_bar,
 )
-from brace_drake.core.errors import CampaignError
 from brace_drake.core.output import HoldFolder
 
 _EPILOG = """\
@@ -58,6 +54,11 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         metavar="A,B,C",
         help="effects to put in (default: all of the library)",
     )
+    parser.add_argument(
+        "--without",
+        metavar="A,B,C",
+        help="effects to leave out (default: none)",
+    )
     parser.add_argument("--out", metavar="DIR", help="folder for plan.json")
     AddScenario(parser)
     AddJobs(parser)
@@ -67,46 +68,20 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Plans, prints a table, and writes plan.json where asked."""
     out = HoldFolder(Path(args.out)) if args.out else None
-    scenario = load_scenario_option(args.scenario)
-    from brace_drake.design.plan import plan_campaign
-    from brace_drake.devices.bench.twin import BenchTwin
-    from brace_drake.devices.motions.reference import common_rate
-    from brace_drake.effects.registry import find_effect
-    from brace_drake.recording.columns import BENCH
-    from brace_drake.scenario.brace import BenchScenario
+    from brace_drake.results.plans import plan
 
-    scenario = scenario or BenchScenario()
-    if scenario.device != BENCH:
-        raise CampaignError(
-            f"{args.scenario}: plans are made for {BENCH!r}, this is a"
-            f" {scenario.device!r}"
-        )
-    effects = None
-    if args.effects:
-        effects = [find_effect(name) for name in args.effects.split(",")]
-    runs = _runs(args)
-    with open_workers_option(args) as workers, share_bar() as progress:
-        plan = plan_campaign(
-            BenchTwin(scenario),
-            runs,
-            common_rate(runs),
-            effects,
-            workers,
-            args.seed,
-            progress,
-        )
-    TellDocument(args, plan, out, "plan", format_plan)
+    found = plan(
+        args.motions,
+        references=args.references,
+        scenario=args.scenario,
+        effects=args.effects,
+        without=args.without,
+        jobs=args.jobs,
+        cluster=args.cluster,
+        seed=args.seed,
+    ).document
+    TellDocument(args, found, out, "plan", format_plan)
     return 0
-
-
-def _runs(args: argparse.Namespace):
-    from brace_drake.devices.motions.library import STANDARD, MakeMotion
-    from brace_drake.devices.motions.reference import LoadReferences
-
-    if args.references:
-        return LoadReferences(args.references)
-    names = args.motions.split(",") if args.motions else STANDARD
-    return tuple(MakeMotion(name.strip()).run for name in names)
 
 
 def format_plan(plan: dict) -> str:

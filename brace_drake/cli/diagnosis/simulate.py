@@ -13,6 +13,11 @@ from brace_drake.cli.diagnosis.playback import (
     PlayStates,
     wants_playback,
 )
+from brace_drake.cli.diagnosis.simulated_plan import (
+    AddPlan,
+    planned_motions,
+    refuse_playback,
+)
 from brace_drake.cli.options import (
     AddCommand,
     AddMotion,
@@ -31,13 +36,15 @@ example:
       --out simulated/push --html simulated/push.html
   brace-drake simulate diagrams/bench.scenario.yaml --motion push \\
       --tolerances 7 --noise-seed 7 --out simulated/real
+  brace-drake simulate diagrams/bench.scenario.yaml --plan --out simulated/all
 
 The motion is a name of the library, or a file with the columns time_s,
 ring2_y_desired_m, ring2_vy_desired_m_s and ring2_ay_desired_m_s2. Rings 1 and 3
 of a brace may have such columns too; without them they stay where they start.
 The torso is absent if the file's name begins with "free", or if its column
 `contact` is 0. The result is a campaign with one run of the scenario's stages.
-Stage 2 alone records as the bench does. --tolerances also writes label.yaml:
+Stage 2 alone records as the bench does. --plan records all runs of the plan,
+repeats and validation runs included. --tolerances also writes label.yaml:
 how far each number of the machine is off.
 """
 
@@ -55,9 +62,12 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "scenario",
         metavar="SCENARIO",
-        help="file of the bench or of the brace, *.scenario.yaml",
+        help="file of the bench or of the brace, *.scenario.yaml; or a"
+        " campaign, for the scenario that it names",
     )
-    AddMotion(parser, required=True)
+    what = parser.add_mutually_exclusive_group(required=True)
+    AddMotion(what)
+    AddPlan(what)
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="campaign folder to make"
     )
@@ -88,9 +98,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Simulates and writes a campaign; prints where."""
     from brace_drake.recording.columns import BENCH, BRACE
-    from brace_drake.scenario.load import LoadScenario
 
-    scenario = LoadScenario(args.scenario)
+    refuse_playback(args)
+    scenario = _load_scenario(args.scenario)
     if scenario.device not in (BENCH, BRACE):
         names = f"{BENCH!r} or {BRACE!r}"
         raise ScenarioError(
@@ -98,36 +108,57 @@ def Run(args: argparse.Namespace) -> int:
             f" {scenario.device!r}"
         )
     from brace_drake.devices.bench.drawn import describe_draws
+    from brace_drake.model.simulate import recorded_device, recorded_stages
     from brace_drake.recording import Campaign, WriteCampaign
     from brace_drake.recording.write import check_new_folder
 
-    out, ended = Path(args.out), []
+    out = Path(args.out)
     check_new_folder(out)
     drawn = _draw(scenario, args)
-    recorded, device, stages, live = _record(
-        scenario, args, drawn, lambda *end: ended.append(end)
-    )
+    if args.motion is not None:
+        asked = [(load_motion(args.motion, rings=(1, 2, 3)), args.noise_seed)]
+    else:
+        asked = planned_motions(args.plan, args.noise_seed)
+    recorded, told = [], []
+    for run, seed in asked:
+        made, end, live = _record(scenario, args, drawn, run, seed)
+        recorded.append(made)
+        told.append(_stop_text(*end))
     rate = 1.0 / scenario.sensors.log_period
     subject = f"twin of {Path(args.scenario).name}"
     label = None
     if drawn is not None:
         label = describe_draws(scenario, drawn)
         _tell_draws(scenario, args, drawn)
+    device, stages = recorded_device(scenario), recorded_stages(scenario)
+    runs = tuple(recorded)
     WriteCampaign(
-        Campaign(out, device, rate, subject, (recorded,), stages=stages),
-        out,
-        label,
+        Campaign(out, device, rate, subject, runs, stages=stages), out, label
     )
     _warn_of_errors(out)
-    seconds = recorded.time_s[-1]
-    print(f"campaign: {out}, {recorded.file}, {seconds:.3f} s")
-    _print_stop(*ended[0])
+    for made, text in zip(recorded, told, strict=True):
+        print(f"campaign: {out}, {made.file}, {made.time_s[-1]:.3f} s")
+        if text:
+            print(text)
     if wants_playback(args):
-        scenario.torso.present = recorded.contact
-        states = _states(scenario, recorded, *ended[0])
-        title = f"{subject}, {recorded.file}"
+        (made,) = recorded
+        scenario.torso.present = made.contact
+        states = _states(scenario, made, *end)
+        title = f"{subject}, {made.file}"
         PlayStates(args, scenario, states, title, _torso_mesh(args), live)
     return 0
+
+
+def _load_scenario(path: str):
+    """Of a file, or of a campaign: what it names, or its device's own."""
+    from brace_drake.scenario.load import LoadScenario
+
+    if not Path(path).is_dir():
+        return LoadScenario(path)
+    from brace_drake.devices.device import MakeDevice
+    from brace_drake.recording import LoadCampaign
+
+    return MakeDevice(LoadCampaign(path)).twin.scenario
 
 
 def _draw(scenario, args) -> dict[str, float] | None:
@@ -164,16 +195,15 @@ def _warn_of_errors(out: Path) -> None:
             return
 
 
-def _print_stop(station, context) -> None:
-    """Says what a supervisor has stopped, where there is one."""
+def _stop_text(station, context) -> str:
+    """What a supervisor has stopped; empty where there is none."""
     if station.supervisor is None:
-        return
+        return ""
     own = station.supervisor.GetMyContextFromRoot(context)
     memory = station.supervisor.memory(own)
     if memory.trip.cause:
-        print(f"stopped at {memory.since:.3f} s: {memory.trip}")
-    else:
-        print("limits: held")
+        return f"stopped at {memory.since:.3f} s: {memory.trip}"
+    return "limits: held"
 
 
 def _load_limits(scenario, args):
@@ -204,15 +234,14 @@ def _torso_mesh(args) -> Path | None:
     return Path(args.torso) / SURFACE if args.torso else None
 
 
-def _record(scenario, args, drawn, at_end):
+def _record(scenario, args, drawn, run, noise_seed):
+    """A recording of a run, the station and context that it has ended with,
+    and the Meshcat that has shown it, or None.
+    """
     from brace_drake.devices.bench.drawn import uses_of_draws
-    from brace_drake.model.simulate import (
-        RecordBrace,
-        recorded_device,
-        recorded_stages,
-    )
+    from brace_drake.model.simulate import RecordBrace
 
-    run, add_geometry = load_motion(args.motion, rings=(1, 2, 3)), None
+    add_geometry = None
     if args.torso:
         models = [contact.model for contact in scenario.contacts]
         if "hydroelastic" not in models:
@@ -225,7 +254,10 @@ def _record(scenario, args, drawn, at_end):
         from brace_drake.torso.folder import LoadTorso
 
         add_geometry = MakeTorsoGeometry(LoadTorso(args.torso))
-    options, live = _options(scenario, args, run, at_end)
+    ended: list[tuple] = []
+    options, live = _options(
+        scenario, args, run, noise_seed, lambda *end: ended.append(end)
+    )
     uses = uses_of_draws(scenario, drawn or {}, args.scenario)
     with MakeBar(run) as on_progress:
         recorded = RecordBrace(
@@ -236,14 +268,13 @@ def _record(scenario, args, drawn, at_end):
             uses=uses,
             **options,
         )
-    device, stages = recorded_device(scenario), recorded_stages(scenario)
-    return recorded, device, stages, live
+    return recorded, ended[0], live
 
 
-def _options(scenario, args, run, at_end):
+def _options(scenario, args, run, noise_seed, at_end):
     """Of either recording; and the Meshcat that shows it live, or None."""
     options = {
-        "noise_seed": args.noise_seed,
+        "noise_seed": noise_seed,
         "at_end": at_end,
         "log_pads": wants_playback(args),
         "limits": _load_limits(scenario, args),

@@ -10,8 +10,7 @@ from brace_drake.cli.options import (
     AddCommand,
     AddJobs,
     AddScenario,
-    load_scenario_option,
-    open_workers_option,
+    name_scenario_option,
 )
 from brace_drake.core.errors import CampaignError, ReadError, quoted
 from brace_drake.core.output import HoldFolder
@@ -83,7 +82,7 @@ def Run(args: argparse.Namespace) -> int:
         )
     campaign = LoadCampaign(path)
     choose_run(campaign, args.show)
-    scenario = load_scenario_option(args.scenario)
+    scenario = name_scenario_option(args.scenario)
     given = _load_fit(args.fit) if args.fit else None
     out = HoldFolder(Path(args.out))
     found = given or _fit(campaign, scenario, args)
@@ -106,10 +105,10 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def _fit(campaign, scenario, args) -> dict:
-    from brace_drake.cli.diagnosis.fit import fit_with_bar
+    from brace_drake.results import fits
 
-    with open_workers_option(args) as workers:
-        return fit_with_bar(campaign, scenario, workers, args.seed)
+    options = {"jobs": args.jobs, "cluster": args.cluster, "seed": args.seed}
+    return fits.fit(campaign, scenario=scenario, **options).document
 
 
 def _load_fit(path: str) -> dict:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tqdm import tqdm
-
 from brace_drake.cli.options import (
     AddCommand,
     AddJobCount,
@@ -15,6 +13,7 @@ from brace_drake.cli.options import (
 )
 from brace_drake.core.errors import BraceError
 from brace_drake.core.output import HoldFolder, WriteJson, WriteText
+from brace_drake.core.progress import open_bar
 
 _EPILOG = """\
 example:
@@ -161,7 +160,7 @@ def RunMake(args: argparse.Namespace) -> int:
     from brace_drake.withheld.seals import SEALS
 
     out = Path(args.out)
-    with tqdm(total=args.cases, unit="case", leave=False) as bar:
+    with open_bar(total=args.cases, unit="case") as bar:
         make_cases(
             out,
             Path(args.vault),

@@ -12,6 +12,7 @@ from brace_drake.cli.options import (
     positive,
 )
 from brace_drake.core.errors import PolicyError
+from brace_drake.core.progress import open_bar
 
 _EPILOG = """\
 example:
@@ -84,15 +85,13 @@ def Run(args: argparse.Namespace) -> int:
     else:
         task, numbers = _make_records(args)
     check_training_extra()
-    from tqdm import tqdm
-
     from brace_drake.learning.training.train import (
         ResumeTraining,
         StartTraining,
     )
 
     folder = Path(args.out)
-    with tqdm(unit="step", unit_scale=True, leave=False) as bar:
+    with open_bar(unit="step", unit_scale=True) as bar:
 
         def progress(done: int, total: int, mean: float, best: float) -> None:
             bar.total = total

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from pydrake.trajectories import PiecewisePolynomial
 
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import CampaignError, suggest
 from brace_drake.core.reading import ReadBytes, in_file
 from brace_drake.recording import LoadCampaign, Run
 from brace_drake.recording.columns import (
@@ -165,7 +165,8 @@ def LoadReference(
     needed = ("time_s", *reference_columns(*(moved or default)))
     missing = [name for name in needed if name not in columns]
     if missing:
-        raise CampaignError(f"{path}: no column {missing[0]}")
+        hint = suggest(missing[0], columns)
+        raise CampaignError(f"{path}: no column {missing[0]}{hint}")
     channels = {name: np.asarray(columns[name], float) for name in needed}
     _check_time(path, channels["time_s"])
     for ring in moved:

@@ -21,7 +21,7 @@ from brace_drake.core.output import (
 )
 from brace_drake.core.parallel import Workers
 from brace_drake.core.resources import scenario_path
-from brace_drake.diagnose import diagnose
+from brace_drake.diagnosis import diagnose
 from brace_drake.document.document import MakeDocument
 from brace_drake.experiments.scores import Push, Score, score_push
 from brace_drake.experiments.transfer.bench_push import push_bench

@@ -8,8 +8,11 @@ from dataclasses import asdict
 import numpy as np
 
 from brace_drake.core.errors import CampaignError
+from brace_drake.core.parallel import Workers
 from brace_drake.devices.bench.twin import BenchTwin
+from brace_drake.devices.choice import Choice
 from brace_drake.devices.device import MakeDevice
+from brace_drake.devices.nominal_scenario import choose_scenario
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.intervals import estimate_table
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
@@ -25,16 +28,27 @@ FORMAT = "brace-fit/1"
 
 def fit_campaign(
     campaign: Campaign,
-    jobs: int = 2,
+    jobs: int | Workers = 2,
     seed: int = 0,
     scenario=None,
     solver: str = "snopt",
     on_evaluation: Callable[[int, float], None] | None = None,
+    choice: Choice | None = None,
 ) -> dict:
     """Fits the subject's parameters to all fit runs of a campaign.
 
     The network of the paper's section 2.3 gives contact stiffness and damping
     to start from, a MathematicalProgram does the rest.
+
+    Args:
+        campaign: Loaded and without errors.
+        jobs: Threads, or workers; the result does not depend on their number.
+        seed: Of all random draws.
+        scenario: Of the device, or its file, other than the one that the
+            campaign names or that comes with the package.
+        solver: snopt, ipopt or nlopt.
+        on_evaluation: Called with their number and the mean square residual.
+        choice: What of the subject is fitted; its effects are not looked at.
 
     Returns:
         A document of plain types: parameters with standard errors and limits,
@@ -42,10 +56,14 @@ def fit_campaign(
 
     Raises:
         CampaignError: No run to fit, or a device without a twin.
+        FitError: A chosen parameter is not there, or the solver is not.
     """
     if not campaign.split("fit"):
         raise CampaignError(f"{campaign.path}: no run has split: fit")
-    twin = MakeDevice(campaign, scenario).twin
+    named = choose_scenario(campaign, scenario)
+    twin = MakeDevice(campaign, named).twin
+    choice = (choice or Choice()).over(named.choice)
+    choice.limit_subject(twin)
     starts = []
     values = np.array([p.nominal for p in twin.subject])
     if isinstance(twin, BenchTwin):
@@ -80,4 +98,5 @@ def fit_campaign(
         "evaluations": report.evaluations,
         "success": report.success,
         "seed": seed,
+        "scenario": named.describe(twin.scenario),
     }

@@ -216,5 +216,6 @@ def start_values(twin: BenchTwin, starts: list[ContactStart]) -> np.ndarray:
             limits = twin.subject[i]
             # A start at a limit is no start.
             inside = limits.lower * 1.2, limits.upper / 1.2
-            values[i] = float(np.clip(value, *inside))
+            if inside[0] < inside[1]:
+                values[i] = float(np.clip(value, *inside))
     return values

@@ -59,7 +59,8 @@ def LoadPlan(path: str | Path | None) -> tuple[PlannedRun, ...]:
     """A plan from a file; the standard one where there is none.
 
     The file is YAML: `format: brace-plan/1` and `runs`, a list of items with
-    `motion` and, where needed, `split: validation` and `repeat: true`.
+    `motion` and, where needed, `split: validation` and `repeat: true`; or the
+    plan.json of `brace-drake plan`, whose runs are motions alone.
 
     Raises:
         CampaignError: One line: file, run, key, value, what is allowed.
@@ -78,6 +79,8 @@ def LoadPlan(path: str | Path | None) -> tuple[PlannedRun, ...]:
 
 
 def _parse_run(run: object, place: str) -> PlannedRun:
+    if isinstance(run, str):
+        run = {"motion": run}
     run = run if isinstance(run, dict) else {}
     for key in run:
         if key not in _RUN:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, quoted, suggest
-from brace_drake.core.reading import LoadYaml
+from brace_drake.core.reading import LoadYaml, ReadBytes, in_file
 from brace_drake.recording.columns import DEVICES, Device
 from brace_drake.recording.fields import (
     DURATION,
@@ -32,10 +32,11 @@ from brace_drake.recording.importing.rules import (
 from brace_drake.recording.importing.tables import OPTIONS, LoadTable
 from brace_drake.recording.manifest import take_numbers
 from brace_drake.recording.ports import Ports, parse_ports
-from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 from brace_drake.recording.table import Columns
 
 FORMAT = "brace-import/1"
+_MOST_MB = 4
 
 _HEAD = {
     "format": Field(repr(FORMAT), lambda v: v == FORMAT),
@@ -59,6 +60,7 @@ _HEAD = {
     "diagram": Field(
         "a map with outputs", lambda v: isinstance(v, dict), required=False
     ),
+    "scenario": TEXT,
     "subject": Field(
         "text", lambda v: isinstance(v, str | int | float), required=False
     ),
@@ -80,7 +82,8 @@ def ImportCampaign(path: str | Path) -> Campaign:
     `runs` (items of campaign.yaml, with the foreign `file`),
     `options` for the reader, `rate_hz` where the files are to be resampled,
     `gaps: split` where a file with gaps in time is to be several runs,
-    `nominal`, `control` and `diagram` as campaign.yaml has them, and
+    `nominal`, `control` and `diagram` as campaign.yaml has them, `scenario`,
+    a file beside the map that is copied into the campaign, and
     `settled_s`, how long the first reference had been held before each run.
 
     Desired velocities and accelerations that it does not name are derivatives
@@ -136,8 +139,18 @@ def ImportCampaign(path: str | Path) -> Campaign:
         str(head.get("subject") or ""),
         tuple(runs),
         ports=ports,
+        scenario=_scenario(path, head),
         **numbers,
     )
+
+
+def _scenario(path: Path, head: dict) -> ScenarioFile | None:
+    """The scenario that the map names, which goes with the campaign."""
+    name = head.get("scenario")
+    if name is None:
+        return None
+    with in_file(f"{path}: scenario: {name}", CampaignError):
+        return ScenarioFile(name, ReadBytes(path.parent / name, _MOST_MB))
 
 
 def _ports(path: Path, head: dict, device: Device) -> Ports | None:

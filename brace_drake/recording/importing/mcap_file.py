@@ -24,7 +24,7 @@ import yaml
 
 from brace_drake.core.errors import CampaignError, ReadError, quoted, reason
 from brace_drake.core.output import WriteBytes
-from brace_drake.core.reading import ReadBytes, parse_json
+from brace_drake.core.reading import ReadBytes, decode, parse_json
 from brace_drake.core.reading.files import LARGEST, most_bytes
 from brace_drake.recording.importing.formats.flatten import numbers_in
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
@@ -34,6 +34,7 @@ from brace_drake.recording.write import describe
 
 # Name of the metadata that holds a campaign, under the manifest's own name.
 _CAMPAIGN = "brace_campaign"
+_SCENARIO = "scenario"
 _PROFILE, _ENCODING, _SCHEMA = "", "json", "jsonschema"
 _LOG_TIME = "log_time_s"
 _PAUSE_S = 1.0
@@ -50,7 +51,10 @@ def WriteMcap(campaign: Campaign, path: str | Path) -> None:
     writer = _Import("writer").Writer(memory)
     writer.start(_PROFILE, "brace-drake")
     text = yaml.safe_dump(describe(campaign), sort_keys=False)
-    writer.add_metadata(_CAMPAIGN, {MANIFEST: text})
+    kept = {MANIFEST: text}
+    if campaign.scenario is not None:
+        kept[_SCENARIO] = decode(campaign.scenario.data)
+    writer.add_metadata(_CAMPAIGN, kept)
     start = 0.0
     for run in campaign.runs:
         _AddRun(writer, run, start - float(run.time_s[0]))
@@ -102,7 +106,11 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
             raise CampaignError(f"{path}: no topic {topic} with time_s")
         channels = {n: v for n, v in tables[topic].items() if n != _LOG_TIME}
         runs.append(replace(run, channels=channels))
-    return replace(campaign, path=path, runs=tuple(runs))
+    scenario = campaign.scenario
+    if scenario is not None:
+        data = metadata[_CAMPAIGN].get(_SCENARIO, "").encode()
+        scenario = replace(scenario, data=data)
+    return replace(campaign, path=path, runs=tuple(runs), scenario=scenario)
 
 
 def LoadMcapTable(path: Path, options: dict) -> Columns:

@@ -71,7 +71,7 @@ def _behind_joints(
     behind a joint that gives way does not stick to the ring.
     """
     base, found = lines.base, []
-    forms = lines.evaluator.twin.effects().values()
+    forms = lines.evaluator.effects
     for place, (effect, values) in enumerate(base.uses):
         for form in forms:
             if form.name != effect.name or card.name not in form.contains:

@@ -53,7 +53,7 @@ def search_causes(
         criterion: With the nominal fit.
         say: Progress.
     """
-    effects = list(evaluator.twin.effects().values())
+    effects = evaluator.effects
     few = [e for e in effects if not e.is_flexible]
     known: list[CandidateFit] = []
     beam, ranked = [criterion.nominal], [criterion.nominal]
@@ -188,7 +188,7 @@ def _untried(
 ) -> list[Effect]:
     """Effects that were not led to their end beside a fit yet."""
     done, base = {f.kinds for f in known if f.refined}, lines.base
-    effects = lines.evaluator.twin.effects().values()
+    effects = lines.evaluator.effects
     return [
         e for e in others(effects, base) if base.kinds | {e.name} not in done
     ]

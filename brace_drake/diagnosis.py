@@ -9,9 +9,15 @@ from functools import partial
 import numpy as np
 
 from brace_drake.core.errors import CampaignError
+from brace_drake.core.parallel import Workers
 from brace_drake.design.next_run import NextRun, choose_next_run
+from brace_drake.devices.choice import Choice
 from brace_drake.devices.declaration import Device, Nuisance
 from brace_drake.devices.device import MakeDevice, check_room
+from brace_drake.devices.nominal_scenario import (
+    NominalScenario,
+    choose_scenario,
+)
 from brace_drake.discrepancy import FoundLaw, find_law
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
@@ -46,6 +52,8 @@ class Diagnosis:
 
     Attributes:
         campaign, device, seed: What was diagnosed.
+        scenario: Of the nominal twin, and who has named it.
+        choice: Which effects were searched, what of the subject was fitted.
         evaluator: Over the fit runs.
         floor_ratios: By channel, what repeats' noise has of the twin's.
         nominal: Fit of the subject alone.
@@ -72,6 +80,8 @@ class Diagnosis:
 
     campaign: Campaign
     device: Device
+    scenario: NominalScenario
+    choice: Choice
     seed: int
     evaluator: Evaluator
     floor_ratios: dict[str, float]
@@ -103,34 +113,41 @@ class Diagnosis:
 
 def diagnose(
     campaign: Campaign,
-    jobs: int = 2,
+    jobs: int | Workers = 2,
     seed: int = 0,
     scenario=None,
     progress: Callable[[str, float], None] | None = None,
     diagram: Callable | None = None,
+    choice: Choice | None = None,
 ) -> Diagnosis:
     """Diagnoses a campaign.
 
     Args:
         campaign: Loaded and without errors.
-        jobs: Threads; the result does not depend on their number.
+        jobs: Threads, or workers; the result does not depend on their number.
         seed: Of all random draws.
-        scenario: Of the device, other than the one that comes with the
-            package.
+        scenario: Of the device, or its file, other than the one that the
+            campaign names or that comes with the package.
         progress: Called with what is being done and the share that is done.
         diagram: Makes the nominal Drake diagram from the campaign's numbers,
             where its device is one.
+        choice: Which effects are searched, and what of the subject is fitted.
 
     Raises:
         CampaignError: The campaign has nothing to fit, or an unknown device.
+        EffectError, FitError: What was chosen is not there.
         ScenarioError: It carries as many effects as a twin can.
     """
     say = progress or (lambda what, share: None)
     if not campaign.split("fit"):
         raise CampaignError(f"{campaign.path}: no run has split: fit")
-    device = MakeDevice(campaign, scenario, diagram)
+    named = choose_scenario(campaign, scenario)
+    device = MakeDevice(campaign, named, diagram)
     twin, rate = device.twin, campaign.rate_hz
     check_room(twin)
+    choice = (choice or Choice()).over(named.choice)
+    choice.limit_device(device)
+    effects = choice.effects_of(twin)
 
     # What the files and the control law say before anything is fitted.
     recording = check_recording(campaign, device, seed)
@@ -140,7 +157,7 @@ def diagnose(
     usual = np.array([p.nominal for p in twin.subject])
     floors, ratios = estimate_floors(twin, campaign, usual, seed)
     runs = prepare_runs(twin, campaign.split("fit"), floors, rate, seed)
-    evaluator = Evaluator(twin, runs, jobs)
+    evaluator = Evaluator(twin, runs, jobs, effects)
 
     say("fit of the subject", 0.05)
     nuisances = device.tolerances()
@@ -224,6 +241,8 @@ def diagnose(
     return Diagnosis(
         campaign=campaign,
         device=device,
+        scenario=named,
+        choice=choice,
         seed=seed,
         evaluator=evaluator,
         floor_ratios=ratios,

@@ -1,0 +1,1 @@
+"""What there is: effects, motions, devices, those of plug-ins included."""

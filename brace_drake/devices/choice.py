@@ -1,0 +1,270 @@
+"""What a fit may move, and which effects a search may try.
+
+All is free and all is tried, unless a caller or the block `estimation` of a
+scenario file says otherwise:
+
+    estimation:
+      free: [contact_stiffness_N_m, preload_m]
+      fixed: {torso_mass_kg: 31.5}
+      bounds: {preload_m: [0.0005, 0.002]}
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from brace_drake.core.errors import (
+    EffectError,
+    FitError,
+    ScenarioError,
+    quoted,
+    suggest,
+)
+from brace_drake.devices.declaration import Device
+from brace_drake.devices.subject import SubjectParameter
+from brace_drake.effects.card import Effect
+from brace_drake.scenario.load import ESTIMATION
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which effects are searched, and which of the subject's parameters move.
+
+    Attributes:
+        effects: Names or keys of those to search; None: all of the device.
+        without: Names or keys that are left out.
+        free: Parameters that are fitted; None: all that are not fixed.
+        fixed: Parameters that are held, in SI units; None in place of a value:
+            at the scenario's.
+        bounds: Lower and upper limit of parameters, in SI units.
+    """
+
+    effects: tuple[str, ...] | None = None
+    without: tuple[str, ...] = ()
+    free: tuple[str, ...] | None = None
+    fixed: Mapping[str, float | None] = field(default_factory=dict)
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def limits_search(self) -> bool:
+        """Whether some effects are not searched."""
+        return self.effects is not None or bool(self.without)
+
+    def over(self, other: Choice) -> Choice:
+        """This choice where it says something, else the other."""
+        mine = {*self.fixed, *self.bounds, *(self.free or ())}
+        fixed = {n: v for n, v in other.fixed.items() if n not in mine}
+        bounds = {n: v for n, v in other.bounds.items() if n not in self.fixed}
+        return Choice(
+            other.effects if self.effects is None else self.effects,
+            self.without or other.without,
+            other.free if self.free is None else self.free,
+            {**fixed, **self.fixed},
+            {**bounds, **self.bounds},
+        )
+
+    def describe(self) -> dict:
+        """What was chosen in plain types; empty where nothing was."""
+        rows = {
+            "effects": None if self.effects is None else list(self.effects),
+            "without": list(self.without),
+            "free": None if self.free is None else list(self.free),
+            "fixed": dict(self.fixed),
+            "bounds": {n: list(b) for n, b in self.bounds.items()},
+        }
+        return {name: row for name, row in rows.items() if row}
+
+    def effects_of(self, twin) -> list[Effect]:
+        """The effects of a twin that are searched.
+
+        Raises:
+            EffectError: One is unknown there, or none is left.
+        """
+        cards = twin.effects()
+        wanted = _keys(self.effects, cards, twin.device)
+        unwanted = _keys(self.without, cards, twin.device)
+        left = [
+            card
+            for key, card in cards.items()
+            if (self.effects is None or key in wanted) and key not in unwanted
+        ]
+        if self.limits_search and not left:
+            raise EffectError("no effect is left to search")
+        return left
+
+    def limit_device(self, device: Device) -> None:
+        """Holds and bounds the subject's parameters of a device's twins.
+
+        Raises:
+            FitError: See `limit_subject`.
+        """
+        self.limit_subject(device.twin)
+        if device.imposed is not None:
+            limited = {p.name: p for p in device.twin.subject}
+            own = device.imposed.subject
+            device.imposed.subject = tuple(limited.get(p.name, p) for p in own)
+
+    def limit_subject(self, twin) -> None:
+        """Holds and bounds the subject's parameters of a twin.
+
+        Raises:
+            FitError: One line: a parameter that is not there, a value that is
+                not allowed, or nothing is left to fit.
+        """
+        subject = twin.subject
+        names = [p.name for p in subject]
+        for name in (*(self.free or ()), *self.fixed, *self.bounds):
+            if name not in names:
+                hint = suggest(name, names)
+                there = " There" if hint else "; there"
+                raise FitError(
+                    f"no subject parameter {quoted(name)}{hint}{there} are"
+                    f" {', '.join(names) or 'none'}"
+                )
+        self._refuse_contradictions()
+        limited = tuple(self._limited(p) for p in subject)
+        if subject and all(p.is_fixed for p in limited):
+            raise FitError("all subject parameters are held, none is fitted")
+        twin.subject = limited
+
+    def _refuse_contradictions(self) -> None:
+        both = [n for n in self.fixed if n in self.bounds]
+        if both:
+            raise FitError(f"{both[0]} is held, and has bounds; allowed: one")
+        both = [n for n in self.fixed if n in (self.free or ())]
+        if both:
+            raise FitError(f"{both[0]} is held, and free; allowed: one")
+
+    def _limited(self, p: SubjectParameter) -> SubjectParameter:
+        scale = p.unit_step
+        if p.name in self.bounds:
+            low, high = self.bounds[p.name]
+            _check_value(p, low, "the lower bound")
+            _check_value(p, high, "the upper bound")
+            if not low < high:
+                raise FitError(
+                    f"bounds of {p.name} are {low:g} to {high:g} {p.unit};"
+                    " allowed: the lower one first"
+                )
+            start = min(max(p.nominal, low), high)
+            limits = {"nominal": start, "lower": low, "upper": high}
+            p = replace(p, **limits, scale=scale)
+        is_free = self.free is None or p.name in self.free
+        if is_free and p.name not in self.fixed:
+            return p
+        given = self.fixed.get(p.name)
+        value = p.nominal if given is None else float(given)
+        _check_value(p, value, "the value")
+        return replace(p, nominal=value, lower=value, upper=value, scale=scale)
+
+
+def _check_value(p: SubjectParameter, value: float, what: str) -> None:
+    """The sign of a parameter is part of the physics."""
+    allowed = "a finite number"
+    is_bad = not math.isfinite(value)
+    if p.lower > 0.0:
+        allowed, is_bad = f"above 0 {p.unit}", is_bad or value <= 0.0
+    elif p.lower == 0.0:
+        allowed, is_bad = f"0 {p.unit} or more", is_bad or value < 0.0
+    if is_bad:
+        raise FitError(f"{p.name}: {what} is {value:g}; allowed: {allowed}")
+
+
+def _keys(
+    names: Iterable[str] | None, cards: Mapping[str, Effect], device: str
+) -> set[str]:
+    """Keys of the cards that names stand for: of one form, or of all."""
+    found: set[str] = set()
+    for name in names or ():
+        own = {key for key, e in cards.items() if name in (key, e.name)}
+        if not own:
+            known = dict.fromkeys([*(e.name for e in cards.values()), *cards])
+            hint = suggest(name, known)
+            there = " There" if hint else "; there"
+            all_names = dict.fromkeys(e.name for e in cards.values())
+            raise EffectError(
+                f"no effect {quoted(name)} of a {device}{hint}{there} are"
+                f" {', '.join(all_names)}"
+            )
+        found |= own
+    return found
+
+
+def parse_choice(data: object, source: str) -> Choice:
+    """The block `estimation` of a scenario file.
+
+    Args:
+        data: As YAML has it.
+        source: The file, for errors.
+
+    Raises:
+        ScenarioError: One line: file, key, value, what is allowed.
+    """
+    if not isinstance(data, dict):
+        raise _wrong(source, "", data, "a map of keys")
+    readers = {"free": _names, "fixed": _values, "bounds": _bounds}
+    found = {}
+    for key, value in data.items():
+        if key not in readers:
+            hint = suggest(key, readers)
+            path = f"{ESTIMATION}.{key}"
+            raise ScenarioError(f"{source}: {path}: no such key{hint}")
+        found[key] = readers[key](source, key, value)
+    return Choice(**found)
+
+
+def _names(source: str, key: str, value: object) -> tuple[str, ...]:
+    is_list = isinstance(value, list) and all(isinstance(v, str) for v in value)
+    if not is_list or not value:
+        raise _wrong(source, key, value, "a list of names")
+    return tuple(value)
+
+
+def _values(source: str, key: str, value: object) -> dict[str, float | None]:
+    if not isinstance(value, dict) or not all(
+        v is None or _is_number(v) for v in value.values()
+    ):
+        raise _wrong(source, key, value, "a map of numbers by name")
+    return {str(n): v if v is None else float(v) for n, v in value.items()}
+
+
+def _bounds(
+    source: str, key: str, value: object
+) -> dict[str, tuple[float, float]]:
+    if not isinstance(value, dict) or not all(
+        isinstance(v, list) and len(v) == 2 and all(map(_is_number, v))
+        for v in value.values()
+    ):
+        raise _wrong(source, key, value, "a map of [lower, upper] by name")
+    return {str(n): (float(v[0]), float(v[1])) for n, v in value.items()}
+
+
+def _is_number(value: object) -> bool:
+    return type(value) in (int, float)
+
+
+def _wrong(source: str, key: str, value: object, allowed: str) -> ScenarioError:
+    path = f"{ESTIMATION}.{key}" if key else ESTIMATION
+    return ScenarioError(
+        f"{source}: {path} is {quoted(value)}; allowed: {allowed}"
+    )
+
+
+def split_names(text: str) -> tuple[str, ...]:
+    """Names with commas between; those within parentheses are of a name."""
+    names, depth, begin = [], 0, 0
+    for place, sign in enumerate([*text, ","]):
+        depth += (sign == "(") - (sign == ")")
+        if sign == "," and (depth <= 0 or place == len(text)):
+            names.append(text[begin:place].strip())
+            begin = place + 1
+    return tuple(n for n in names if n)
+
+
+def as_names(given: str | Collection[str] | None) -> tuple[str, ...] | None:
+    """One text with commas, or several names, as names."""
+    if given is None:
+        return None
+    return split_names(given) if isinstance(given, str) else tuple(given)

@@ -1,0 +1,157 @@
+"""What is searched and fitted: chosen by a caller, or by a scenario's file."""
+
+import unittest
+from types import SimpleNamespace
+
+from brace_drake.core.errors import EffectError, FitError, ScenarioError
+from brace_drake.devices.choice import Choice, parse_choice, split_names
+from brace_drake.devices.subject import SubjectParameter
+from brace_drake.effects.registry import effects_for
+
+STIFFNESS = SubjectParameter("stiffness_N_m", "N/m", 100.0, 70.0, 150.0)
+OFFSET = SubjectParameter("offset_m", "m", 0.0, -0.1, 0.1, scale=0.01)
+BENCH = "bench stage 2"
+
+
+def twin():
+    """Two parameters of a subject, and the library of the bench."""
+    return SimpleNamespace(
+        subject=(STIFFNESS, OFFSET),
+        device=BENCH,
+        effects=lambda: effects_for(BENCH),
+    )
+
+
+def limited(**choice):
+    """The parameters as a choice leaves them."""
+    made = twin()
+    Choice(**choice).limit_subject(made)
+    return made.subject
+
+
+class TestSubject(unittest.TestCase):
+    def test_without_a_choice_nothing_changes(self):
+        self.assertEqual(limited(), (STIFFNESS, OFFSET))
+
+    def test_what_is_held_has_its_value_for_limits(self):
+        held, free = limited(fixed={"stiffness_N_m": 400.0})
+        self.assertEqual((held.lower, held.nominal, held.upper), (400.0,) * 3)
+        self.assertTrue(held.is_fixed)
+        self.assertEqual(free, OFFSET)
+
+    def test_what_is_held_at_zero_keeps_its_unit(self):
+        _, held = limited(fixed={"offset_m": None})
+        self.assertEqual((held.nominal, held.unit_step), (0.0, 0.01))
+
+    def test_what_is_not_free_is_held_at_the_scenarios_value(self):
+        held, free = limited(free=("offset_m",))
+        self.assertEqual((held.lower, held.upper), (100.0, 100.0))
+        self.assertFalse(free.is_fixed)
+
+    def test_bounds_may_be_wider_and_the_start_lies_within(self):
+        own, _ = limited(bounds={"stiffness_N_m": (200.0, 900.0)})
+        self.assertEqual((own.lower, own.nominal, own.upper), (200, 200, 900))
+        self.assertEqual(own.unit_step, 100.0)
+
+    def test_what_cannot_be_is_refused(self):
+        name = "stiffness_N_m"
+        for words, choice in (
+            ("did you mean stiffness_N_m", {"free": ("stifness_N_m",)}),
+            ("above 0 N/m", {"fixed": {name: -1.0}}),
+            ("above 0 N/m", {"bounds": {name: (0.0, 5.0)}}),
+            ("above 0 N/m", {"fixed": {name: float("nan")}}),
+            ("a finite number", {"fixed": {"offset_m": float("inf")}}),
+            ("the lower one first", {"bounds": {name: (5.0, 5.0)}}),
+            ("held, and has bounds",
+             {"fixed": {name: None}, "bounds": {name: (1.0, 2.0)}}),
+            ("held, and free", {"fixed": {name: None}, "free": (name,)}),
+            ("none is fitted", {"fixed": {name: None, "offset_m": None}}),
+        ):  # fmt: skip
+            with self.subTest(words=words):
+                with self.assertRaisesRegex(FitError, words):
+                    limited(**choice)
+
+    def test_a_callers_choice_goes_over_that_of_a_file(self):
+        file = Choice(
+            fixed={"a": 1.0, "b": 2.0}, bounds={"c": (0.0, 1.0)}, free=("d",)
+        )
+        mine = Choice(bounds={"a": (3.0, 4.0)}, fixed={"c": None})
+        both = mine.over(file)
+        self.assertEqual(both.fixed, {"b": 2.0, "c": None})
+        self.assertEqual(both.bounds, {"a": (3.0, 4.0)})
+        self.assertEqual(both.free, ("d",))
+
+
+class TestEffects(unittest.TestCase):
+    def keys(self, **choice):
+        return {e.key for e in Choice(**choice).effects_of(twin())}
+
+    def test_without_a_choice_all_are_searched(self):
+        self.assertEqual(self.keys(), set(effects_for(BENCH)))
+
+    def test_a_name_stands_for_all_of_its_forms_and_a_key_for_one(self):
+        self.assertEqual(
+            self.keys(effects=("backlash",)),
+            {
+                "backlash (play)",
+                "backlash (gap)",
+                "backlash (gap, dry friction)",
+            },
+        )
+        self.assertEqual(
+            self.keys(effects=split_names("backlash (gap, dry friction)")),
+            {"backlash (gap, dry friction)"},
+        )
+
+    def test_what_is_left_out_is_not_searched(self):
+        left = self.keys(without=("hysteresis", "saturation (drive)"))
+        gone = set(effects_for(BENCH)) - left
+        self.assertEqual(
+            {k.split(" ")[0] for k in gone} - {"hysteresis"}, {"saturation"}
+        )
+        self.assertIn("saturation (command)", left)
+
+    def test_unknown_names_and_an_empty_search_are_refused(self):
+        with self.assertRaisesRegex(EffectError, "did you mean hysteresis"):
+            self.keys(without=("hysteresys",))
+        with self.assertRaisesRegex(EffectError, "no effect is left"):
+            self.keys(effects=("hysteresis",), without=("hysteresis",))
+
+
+class TestWords(unittest.TestCase):
+    def test_commas_within_parentheses_part_no_names(self):
+        self.assertEqual(split_names(" a, b (c, d) ,e"), ("a", "b (c, d)", "e"))
+        self.assertEqual(split_names(""), ())
+        self.assertEqual(split_names("a (b"), ("a (b",))
+
+    def test_a_scenarios_block_is_read(self):
+        data = {
+            "free": ["a"],
+            "fixed": {"b": 1, "c": None},
+            "bounds": {"d": [0, 1.5]},
+        }
+        found = parse_choice(data, "s.yaml")
+        self.assertEqual(found.free, ("a",))
+        self.assertEqual(found.fixed, {"b": 1.0, "c": None})
+        self.assertEqual(found.bounds, {"d": (0.0, 1.5)})
+
+    def test_what_the_block_cannot_hold_is_told_with_file_and_key(self):
+        for key, value, allowed in (
+            ("", 3, "a map of keys"),
+            ("free", "a", "a list of names"),
+            ("fixed", {"a": "x"}, "a map of numbers"),
+            ("fixed", {"a": True}, "a map of numbers"),
+            ("bounds", {"a": [1.0]}, r"a map of \[lower, upper\]"),
+        ):
+            data = {key: value} if key else value
+            with self.subTest(key=key):
+                with self.assertRaisesRegex(
+                    ScenarioError, rf"s.yaml: estimation.*allowed: {allowed}"
+                ):
+                    parse_choice(data, "s.yaml")
+        with self.assertRaisesRegex(ScenarioError, "did you mean bounds"):
+            parse_choice({"bound": {}}, "s.yaml")
+
+
+if __name__ == "__main__":
+    unittest.main()
