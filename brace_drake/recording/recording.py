@@ -67,6 +67,7 @@ class Campaign:
     stages: tuple[int, ...] = ()  # of a brace; empty: all
     warnings: tuple[Problem, ...] = ()
     ports: Ports | None = None  # of a diagram
+    recorded: str = ""  # when, as the manifest has it
 
     @property
     def name(self) -> str:

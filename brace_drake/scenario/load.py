@@ -111,7 +111,7 @@ def SaveScenario(scenario: Scenario, path: str | Path) -> None:
     path = Path(path)
     CheckScenario(scenario, str(path))
     try:
-        WriteText(path, _text(scenario))
+        WriteText(path, scenario_text(scenario))
     except OutputError as error:
         raise ScenarioError(str(error)) from error
 
@@ -130,7 +130,7 @@ def _merge(scenario: Scenario, data: dict, source: str) -> None:
         scenario.tolerances = tolerances
 
 
-def _text(scenario: Scenario) -> str:
+def scenario_text(scenario: Scenario) -> str:
     """A scenario as YAML; tolerances that are assumed are not stated."""
     text = yaml_dump_typed(scenario)
     own = getattr(scenario, "tolerances", None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,7 +33,8 @@ Writes diagnosis.json and report.html into the folder and, where effects were
 found, repaired.scenario.yaml: the twin with them, for --scenario. Where causes
 stay open, next_run.csv is the safe motion that separates them best. Nothing is
 estimated on runs of the validation split; they only show how far the gap
-shrinks.
+shrinks. For a paper: --pdf adds report.pdf, one page; --figures svg the figures
+as files, --tables latex the tables.
 """
 
 
@@ -54,6 +56,19 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     AddDiagram(parser)
     AddJobs(parser)
     AddJson(parser)
+    parser.add_argument(
+        "--pdf", action="store_true", help="write report.pdf, one page, as well"
+    )
+    parser.add_argument(
+        "--figures",
+        choices=("svg", "png", "pdf"),
+        help="write the figures of the report as files of this format as well",
+    )
+    parser.add_argument(
+        "--tables",
+        choices=("csv", "latex"),
+        help="write the tables of the report as files as well",
+    )
 
 
 def Run(args: argparse.Namespace) -> int:
@@ -64,7 +79,7 @@ def Run(args: argparse.Namespace) -> int:
     out = HoldFolder(Path(args.out))
     scenario = load_scenario_option(args.scenario)
     diagram = find_diagram_option(args.diagram)
-    document = _Diagnose(campaign, scenario, diagram, out, args)
+    document, more = _Diagnose(campaign, scenario, diagram, out, args)
     if args.json:
         PrintJson(document)
         return 0
@@ -74,6 +89,8 @@ def Run(args: argparse.Namespace) -> int:
     for what, name in _MORE.items():
         if (out / name).is_file():
             print(f"{what}: {out / name}")
+    for path in more:
+        print(f"file: {path}")
     return 0
 
 
@@ -92,10 +109,14 @@ def _RunMany(args: argparse.Namespace) -> int:
         try:
             campaign = LoadCampaign(path)
             folder = MakeFolder(out / name)
-            document = _Diagnose(campaign, scenario, diagram, folder, args)
+            document, more = _Diagnose(
+                campaign, scenario, diagram, folder, args
+            )
             rows.append(summary_row(name, document))
             if not args.json:
                 print(f"{name}: {document['verdict']['sentence']}")
+                for file in more:
+                    print(f"file: {file}")
         except BraceError as error:
             text = " ".join(str(error).split())
             rows.append(failed_row(name, text))
@@ -124,12 +145,16 @@ def folder_names(campaigns: Sequence[str]) -> list[str]:
 
 def _Diagnose(
     campaign, scenario, diagram, out: Path, args: argparse.Namespace
-) -> dict:
-    """Diagnoses one campaign, writes its files, returns the document."""
+) -> tuple[dict, list[Path]]:
+    """Diagnoses one campaign, writes its files; returns the document, and
+    which files were written for a paper.
+    """
     # Numba and Drake are slow to import: only once the input is good.
     from brace_drake.design.next_run import WriteNextRun
     from brace_drake.diagnose import diagnose
     from brace_drake.document.document import MakeDocument
+    from brace_drake.document.law_curves import MakeLawCurves
+    from brace_drake.document.origin import Origin
     from brace_drake.document.traces import MakeTraces
     from brace_drake.report import WriteReport
     from brace_drake.validation.repaired import WriteRepairedScenario
@@ -144,12 +169,40 @@ def _Diagnose(
                 progress=progress,
                 diagram=diagram,
             )
-        document = MakeDocument(found)
-        WriteReport(document, MakeTraces(found), out / "report.html")
+        origin = Origin(_command(campaign, out, args), args.scenario)
+        document = MakeDocument(found, origin)
+        traces, laws = MakeTraces(found), MakeLawCurves(found)
+        WriteReport(document, traces, out / "report.html", laws)
+        more = _WriteMore(document, traces, laws, out, args)
         WriteRepairedScenario(found.device.twin, found.repair, out)
         WriteNextRun(found.next_run, out)
         WriteJson(out / "diagnosis.json", document)
-    return document
+    return document, more
+
+
+def _WriteMore(
+    document: dict, traces, laws, out: Path, args: argparse.Namespace
+) -> list[Path]:
+    """What --pdf, --figures and --tables ask for; returns the files."""
+    from brace_drake.report.export import WriteFigures, WritePdf, WriteTables
+
+    written = WritePdf(document, traces, out) if args.pdf else []
+    if args.figures:
+        written += WriteFigures(document, traces, laws, out, args.figures)
+    if args.tables:
+        written += WriteTables(document, out, args.tables)
+    return written
+
+
+def _command(campaign, out: Path, args: argparse.Namespace) -> str:
+    """The command that makes the diagnosis of this campaign again."""
+    words = ["brace-drake", "diagnose", str(campaign.path), "--out", str(out)]
+    for name in ("scenario", "diagram"):
+        if getattr(args, name) is not None:
+            words += [f"--{name}", str(getattr(args, name))]
+    if args.seed:
+        words += ["--seed", str(args.seed)]
+    return shlex.join(words)
 
 
 # Files that some diagnoses write beside the others.
