@@ -104,12 +104,13 @@ def most_telling(traces: Sequence[RunTrace]) -> tuple[int, int] | None:
     """The run and channel in which the gap before the repair is largest, of
     validation runs where there are any; None where nothing was recorded.
     """
-    known = [
-        (i, trace, trace.telling_channel()) for i, trace in enumerate(traces)
-    ]
-    shown = [row for row in known if row[2] is not None]
-    seen = [row for row in shown if row[1].split == VALIDATION] or shown
-    if not seen:
+    shown = []
+    for i, trace in enumerate(traces):
+        c = trace.telling_channel()
+        if c is not None:
+            gap = float(trace.normalised_rms(trace.before)[c])
+            shown.append((trace.split == VALIDATION, gap, -i, c))
+    if not shown:
         return None
-    i, _, c = max(seen, key=lambda r: r[1].normalised_rms(r[1].before)[r[2]])
-    return i, c
+    _, _, place, c = max(shown)
+    return -place, c

@@ -5,11 +5,12 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from brace_drake.core.output import MakeFolder, WriteBytes
-from brace_drake.report.canvas import WIDTH, Encode
+from brace_drake.report.canvas import WIDTH
 from brace_drake.report.figures.bars import (
     draw_blocks,
     draw_correlation,
@@ -56,8 +57,9 @@ def WriteFigures(
         OutputError: The place cannot be written.
     """
     place, written = MakeFolder(folder / FOLDER), []
-    for name, draw in _figures(diagnosis, traces, laws):
-        content = draw(lambda figure: figure_bytes(figure, form))
+    encode = partial(figure_bytes, form=form)
+    for name, draw, drawn in _figures(diagnosis, traces, laws):
+        content = draw(*drawn, encode=encode)
         if content is None:
             continue
         path = place / f"{name}.{form}"
@@ -75,35 +77,29 @@ def figure_bytes(figure, form: str) -> bytes:
 
 def _figures(
     diagnosis: dict, traces: Sequence[RunTrace], laws: Sequence[LawCurve]
-) -> Iterator[tuple[str, Callable[[Encode], bytes | None]]]:
-    """Names, and what draws each of them."""
+) -> Iterator[tuple[str, Callable[..., Any], tuple]]:
+    """Names, what draws each of them, and from what."""
     where, subject = diagnosis["where"], diagnosis["subject"]
     told = most_telling(traces)
     if told is not None:
         first = traces[told[0]]
-        yield "gap", lambda encode: draw_trace(first, told[1], encode)
-        yield "gap_against_motion", lambda encode: draw_plane(first, encode)
+        yield "gap", draw_trace, (first, told[1])
+        yield "gap_against_motion", draw_plane, (first,)
     for trace in traces:
-        yield (
-            f"run_{_plain_name(trace.name)}",
-            lambda encode, t=trace: draw_trace(t, None, encode),
-        )
+        yield f"run_{_plain_name(trace.name)}", draw_trace, (trace,)
     for i, law in enumerate(laws, start=1):
-        yield f"law_{i}", lambda encode, c=law: draw_law(c, encode)
-    yield "power_by_block", lambda e: draw_attribution(where["attribution"], e)
-    yield "power_by_channel", lambda e: draw_power(where["cube"], e)
-    yield "block_tests", lambda e: draw_blocks(checked_blocks(where), e)
+        yield f"law_{i}", draw_law, (law,)
+    yield "power_by_block", draw_attribution, (where["attribution"],)
+    yield "power_by_channel", draw_power, (where["cube"],)
+    yield "block_tests", draw_blocks, (checked_blocks(where),)
     for key, names in (
         ("channels", [channel_text(r["channel"]) for r in where["channels"]]),
         ("phases", [row["phase"] for row in where["phases"]]),
         ("bands", [band_text(row) for row in where["bands"]]),
     ):
-        yield key, lambda e, k=key, n=names: draw_pairs(n, where[k], WIDTH, e)
+        yield key, draw_pairs, (names, where[key], WIDTH)
     names = [parameter_row(p)["name"] for p in subject["parameters"]]
-    yield (
-        "correlation",
-        lambda e: draw_correlation(names, subject["correlation"], e),
-    )
+    yield "correlation", draw_correlation, (names, subject["correlation"])
 
 
 def _plain_name(name: str) -> str:

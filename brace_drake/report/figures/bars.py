@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -28,9 +29,7 @@ _BASE = 1.0
 _TICKS = np.array([k * 10.0**e for e in range(-3, 7) for k in (1.0, 2.0, 5.0)])
 
 
-def draw_blocks(
-    blocks: Sequence[dict], encode: Encode | None = None
-) -> str | None:
+def draw_blocks(blocks: Sequence[dict], encode: Encode | None = None) -> Any:
     """Normalised RMS of each block against the floor, as a data URI."""
     values = [to_number(b["normalised_rms"]) for b in blocks]
     limits = [to_number(b["threshold"]) for b in blocks]
@@ -69,7 +68,7 @@ def draw_pairs(
     rows: Sequence[dict],
     width: float,
     encode: Encode | None = None,
-) -> str | None:
+) -> Any:
     """Before and after of each row, two bars against the floor."""
     before = [to_number(row["before"]) for row in rows]
     after = [to_number(row["after"]) for row in rows]
@@ -99,7 +98,7 @@ def draw_correlation(
     names: Sequence[str],
     matrix: Sequence[Sequence[float]],
     encode: Encode | None = None,
-) -> str | None:
+) -> Any:
     """Correlation of the fitted parameters; None of a single one."""
     n = len(names)
     if n < 2:

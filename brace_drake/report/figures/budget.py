@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from textwrap import wrap
+from typing import Any
 
 import numpy as np
 
@@ -33,9 +34,7 @@ _MOST_CHANNELS, _MOST_PHASES = 14, 6
 _TITLE = 84
 
 
-def draw_attribution(
-    rows: Sequence[dict], encode: Encode | None = None
-) -> str | None:
+def draw_attribution(rows: Sequence[dict], encode: Encode | None = None) -> Any:
     """Power of each block with its 95 % interval, as a data URI."""
     if not rows:
         return None
@@ -78,9 +77,7 @@ def _label(row: dict) -> str:
     return shorten(" or ".join([row["block"], *row["or"]]))
 
 
-def draw_power(
-    rows: Sequence[dict], encode: Encode | None = None
-) -> str | None:
+def draw_power(rows: Sequence[dict], encode: Encode | None = None) -> Any:
     """Power by channel and band, one panel for each phase, as a data URI."""
     cells = [r for r in rows if r["share"] > 0.0]
     if not cells:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,7 +26,7 @@ _MOST_POINTS = 1500
 _PALE = "#b3bcc6"
 
 
-def draw_law(law: LawCurve, encode: Encode | None = None) -> str | None:
+def draw_law(law: LawCurve, encode: Encode | None = None) -> Any:
     """The law along the recorded motions, as a data URI.
 
     Where it is a function of the variable alone its runs lie on one curve.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from brace_drake.recording.columns import split_unit
@@ -42,7 +44,7 @@ def draw_trace(
     trace: RunTrace,
     channel: int | None = None,
     encode: Encode | None = None,
-) -> str | None:
+) -> Any:
     """Panels of one run as a data URI; None when nothing can be drawn.
 
     The force along the correction with its residual, then the residual of the
@@ -73,7 +75,7 @@ def draw_trace(
         return (encode or to_png_uri)(figure)
 
 
-def draw_plane(trace: RunTrace, encode: Encode | None = None) -> str | None:
+def draw_plane(trace: RunTrace, encode: Encode | None = None) -> Any:
     """Residual against depth and rate, and spectrum, as a data URI.
 
     None where the run is short or its force was not recorded throughout.
