@@ -162,7 +162,7 @@ def _along(
                 time, time / place.scales[3], step, state,
             )  # fmt: skip
     if place.key == "pads":
-        value = np.where(signals.place > 0.0, value, 0.0)
+        return _of_both_pads(signals, value)
     return signals, value
 
 
@@ -211,7 +211,7 @@ def _wrench(
 def _signals_at_pads(
     way: RingWay, marker: np.ndarray, numbers: BraceNumbers, rate: float
 ) -> Signals:
-    """Depth of both pads; the force that the pressed one lacks."""
+    """Depth of each pad; the force that both together lack."""
     law = numbers.contact[0]
     relative = way.poses[:, 1:2] - marker
     sides = np.array([[1.0, -1.0]])
@@ -220,11 +220,19 @@ def _signals_at_pads(
     force = np.where(depth > 0.0, law[0] * depth + law[1] * speed, 0.0)
     force = np.maximum(force, 0.0)
     lack = way.force[:, 1:2] + np.sum(sides * force, axis=1, keepdims=True)
-    # Both pads press: which of them lacks it cannot be told.
-    is_alone = (depth > 0.0) & (depth[:, ::-1] <= 0.0)
-    return Signals(
-        depth, speed, force, np.where(is_alone, -sides * lack, np.nan)
-    )
+    return Signals(depth, speed, force, lack)
+
+
+def _of_both_pads(signals: Signals, value: np.ndarray) -> Part:
+    """The force of both pads on the torso over the ring's way against it:
+    which of them lacks a force is not told.
+    """
+    sides = np.array([[1.0, -1.0]])
+    pressed = np.where(signals.place > 0.0, value, 0.0)
+    place, speed = (-0.5 * (v[:, :1] - v[:, 1:]) for v in signals[:2])
+    load = -np.sum(sides * signals.load, axis=1, keepdims=True)
+    total = -np.sum(sides * pressed, axis=1, keepdims=True)
+    return Signals(place, speed, load, signals.lacks), total
 
 
 def _signals_at_torso(

@@ -15,6 +15,7 @@ from brace_drake.discrepancy.along_runs import (
 )
 from brace_drake.effects.card import Effect
 from brace_drake.effects.unknown import describe_term, parts_of_term
+from brace_drake.effects.unknown.places import Place
 from brace_drake.report.law_curve import LawCurve
 
 _BINS = 24
@@ -74,8 +75,8 @@ def _curve(
         text=describe_term(effect, values, np.full(len(values), np.nan))[
             "text"
         ],
-        variable=f"{_WORDS[kind] or place.variable}{where}, {unit}",
-        quantity=f"{place.words}, {shown}",
+        variable=f"{_WORDS[kind] or _variable(place)}{where}, {unit}",
+        quantity=f"{_quantity(place)}, {shown}",
         runs=tuple(
             (a.run.run.name, a.run.run.split, x * factor, y * size)
             for a in along
@@ -84,6 +85,15 @@ def _curve(
         found=found,
         found_words=how,
     )
+
+
+def _variable(place: Place) -> str:
+    """What the place of a term is called where it is drawn."""
+    return "ring against torso" if place.key == "pads" else place.variable
+
+
+def _quantity(place: Place) -> str:
+    return "force of both pads" if place.key == "pads" else place.words
 
 
 def _first(along: TermAlong) -> tuple[np.ndarray, np.ndarray]:

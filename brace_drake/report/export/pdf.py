@@ -28,8 +28,8 @@ FILE = "report.pdf"
 # A4 and its margins, inches.
 _PAGE, _LEFT, _TOP = (8.27, 11.69), 0.7, 0.6
 _WIDTH = _PAGE[0] - 2.0 * _LEFT
-# Characters of a line at 1 point per em, about.
-_PER_LINE = 2.06 * 72.0 * _WIDTH
+# Characters per em, of the widest font and of its bold form.
+_PER_EM, _PER_BOLD_EM = 1.75, 1.5
 _LEADING = 1.35
 _SOFT = "#5a6673"
 # Characters of a fact of the provenance.
@@ -73,7 +73,9 @@ class _Page:
     def say(self, text: str, size: float, gap: float = 0.0, **look) -> None:
         """Lines of text, `gap` inches below what stands there."""
         self.y -= gap
-        for line in wrap(text, int(_PER_LINE / size)) or [""]:
+        is_bold = look.get("fontweight") == "bold"
+        width = 72.0 * _WIDTH / size * (_PER_BOLD_EM if is_bold else _PER_EM)
+        for line in wrap(text, int(width)) or [""]:
             self.y -= size * _LEADING / 72.0
             self.figure.text(
                 _LEFT / _PAGE[0],
