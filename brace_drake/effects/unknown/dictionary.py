@@ -166,4 +166,5 @@ def _quantity(value: float, unit: str) -> str:
         value, unit = 1e3 * value, "mm"
     if unit == "m/s":
         value, unit = 1e3 * value, "mm/s"
-    return f"{value:.3g} {unit}".removesuffix(" 1")
+    # 1200, not 1.2e+03.
+    return f"{float(f'{value:.3g}'):g} {unit}".removesuffix(" 1")

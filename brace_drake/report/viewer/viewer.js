@@ -75,7 +75,7 @@
     const options = {
       width: place.clientWidth, height: height, series: series,
       scales: { x: { time: false } },
-      axes: [axis("time, s", 34, 60), axis(label, 58, 26)],
+      axes: [axis("time, s", 34, 60), axis(label, 58, 18)],
       cursor: { drag: { x: true, y: false }, sync: { key: key } },
       hooks: Object.assign({
         ready: [wheel],
@@ -137,7 +137,7 @@
       chart(place, charts, box.dataset.channel ? 230 : 210,
         [time, line("measured", "#b3bcc6", 4), ...twins],
         [times, ...c.values.map(unpack)], `${c.label}, ${c.unit}`, {}, key);
-      chart(place, charts, 160, [time, ...rest],
+      chart(place, charts, 180, [time, ...rest],
         [times, ...c.residuals.map(unpack)], `measured − twin, ${c.residualUnit}`,
         { drawAxes: [draw_band(c.band)] }, key);
     }
