@@ -45,7 +45,14 @@ def text_of(pdf: bytes) -> str:
         except zlib.error:
             continue
         shown += re.findall(rb"\(((?:[^()\\]|\\.)*)\)", content)
-    return re.sub(r"\\(.)", r"\1", b"".join(shown).decode("latin-1"))
+    # Two bytes a character in some versions of matplotlib, one in others.
+    text = b"".join(shown).replace(b"\x00", b"").decode("latin-1")
+    return re.sub(r"\\(.)", r"\1", text)
+
+
+def letters(text: str) -> str:
+    """Text without spaces, and without what a font may join: fi, fl, ff."""
+    return re.sub(r"ff[il]?|f[il]|[^!-~]", "", text)
 
 
 class TestReportFiles(unittest.TestCase):
@@ -59,9 +66,8 @@ class TestReportFiles(unittest.TestCase):
                 (path,) = WritePdf(diagnosis, [make_trace()], self.folder)
                 content = path.read_bytes()
                 self.assertEqual(len(re.findall(rb"/Type /Page\b", content)), 1)
-                shown = text_of(content).replace(" ", "")
                 sentence = diagnosis["verdict"]["sentence"]
-                self.assertIn(sentence.replace(" ", ""), shown)
+                self.assertIn(letters(sentence), letters(text_of(content)))
         self.assertEqual(list(self.folder.iterdir()), [path])
 
     def test_csv_has_the_numbers_of_the_diagnosis_as_they_are(self):
