@@ -25,7 +25,7 @@ WIDTH = 9.4
 Encode = Callable[[Any], Any]
 
 # Of a picture that a page holds many of.
-_COLOURS, _DPI = 48, 130
+_COLOURS, _DPI = 48, 110
 
 _FONTS = ("Helvetica Neue", "Arial", "Liberation Sans")
 # Comes with matplotlib and has the signs that others lack.
