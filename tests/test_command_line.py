@@ -152,7 +152,7 @@ class TestManyCampaigns(unittest.TestCase):
     def diagnose(self, *campaigns):
         def fake(campaign, scenario, diagram, out, args):
             (out / "report.html").write_text("")
-            return {
+            document = {
                 "verdict": {
                     "gap": True,
                     "effects": ["relaxation"],
@@ -169,6 +169,7 @@ class TestManyCampaigns(unittest.TestCase):
                     "closed_interval": [0.9, 0.99],
                 },
             }
+            return document, []
 
         with mock.patch("brace_drake.cli.diagnosis.diagnose._Diagnose", fake):
             return run_command("diagnose", *campaigns, "--out", self.out)

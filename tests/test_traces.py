@@ -34,6 +34,8 @@ class TestTraces(unittest.TestCase):
         found = MakeTraces(
             SimpleNamespace(
                 validation_runs=[RunComparison(prepared, before, None)],
+                fit_runs=[],
+                law=None,
                 nominal=SimpleNamespace(subject=None),
                 device=SimpleNamespace(
                     twin=SimpleNamespace(

@@ -37,6 +37,7 @@ def verdict(**effects):
         ],
         "unexplained": {"share": 0.0, "block": None, "description": ""},
         "outside_library": False,
+        "ambiguous_with": [],
         "contradicted": None,
     }
 
@@ -65,7 +66,7 @@ class TestVerdictText(unittest.TestCase):
     def test_of_parameters_drawn_alike_there_is_their_deviation(self):
         text = sentence(verdict(anchor_error=ANCHORS, clearance=CLEARANCE))
         self.assertIn("(anchor 2.1 mm)", text)
-        self.assertIn("(both pads, clearance 2.033 mm).", text)
+        self.assertIn("(both pads, clearance 2.033 mm);", text)
 
     def test_nearly_all_is_not_all(self):
         text = sentence(verdict(clearance=CLEARANCE), closed=0.99991)
@@ -88,9 +89,27 @@ class TestVerdictText(unittest.TestCase):
 
     def test_what_is_withdrawn_by_itself_stands_behind_what_stays(self):
         told = verdict(clearance=CLEARANCE) | {"contradicted": "it is worse"}
-        text = sentence(told)
+        text = sentence(told, closed=0.9)
         self.assertTrue(text.startswith("The gap in case016 is explained by"))
-        self.assertTrue(text.endswith("mm). Withdrawn: it is worse."))
+        self.assertTrue(text.endswith("runs. Withdrawn: it is worse."))
+
+    def test_effects_that_close_a_part_explain_no_more_than_that(self):
+        text = sentence(verdict(clearance=CLEARANCE), closed=0.44)
+        self.assertTrue(text.startswith("The gap in case016 is partly"))
+        self.assertIn("adding it closes 44.0 % of the gap", text)
+
+    def test_a_rival_that_cannot_be_told_apart_is_in_the_sentence(self):
+        told = verdict(clearance=CLEARANCE)
+        told["ambiguous_with"] = ["viscous_leg+force_bias"]
+        self.assertIn(
+            f", or as well by {find_effect('viscous_leg').title} and"
+            f" {find_effect('force_bias').title}, which these runs cannot",
+            sentence(told, closed=0.9),
+        )
+
+    def test_without_validation_runs_nothing_is_confirmed(self):
+        text = sentence(verdict(clearance=CLEARANCE))
+        self.assertTrue(text.endswith("; no validation run confirms it."))
 
     def test_where_all_is_withdrawn_nothing_is_confirmed(self):
         told = verdict() | {"contradicted": "it is worse"}

@@ -17,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-_SIZE = (1120, 900)
+_SIZE = (1120, 960)
 _PATIENCE_S = 120.0
 
 
@@ -32,6 +32,8 @@ def draw_page(browser: str, page: Path, out: Path) -> bool:
                 "--disable-gpu",
                 "--no-sandbox",
                 "--hide-scrollbars",
+                # Time for the charts, which scripts draw.
+                "--virtual-time-budget=4000",
                 f"--user-data-dir={folder}/profile",
                 f"--window-size={_SIZE[0]},{_SIZE[1]}",
                 f"--screenshot={made}",

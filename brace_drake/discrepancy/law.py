@@ -11,7 +11,12 @@ from brace_drake.discrepancy.search import search_law
 from brace_drake.effects.unknown import terms_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.gap import RunComparison, is_repaired, rms_gap
+from brace_drake.identification.gap import (
+    RunComparison,
+    compare_runs,
+    is_repaired,
+    rms_gap,
+)
 from brace_drake.identification.intervals import (
     EstimateTable,
     estimate_table,
@@ -34,11 +39,13 @@ class FoundLaw:
         estimates: Parameters of that fit, with their errors.
         shrinkage: How far the gap shrinks with all of them on runs that no
             fit has seen; None without such runs.
+        runs: Of both splits, replayed before and after.
     """
 
     fit: CandidateFit
     estimates: EstimateTable
     shrinkage: dict | None
+    runs: tuple[RunComparison, ...] = ()
 
 
 def find_law(
@@ -86,7 +93,9 @@ def find_law(
     shrinkage = measure_shrinkage(
         device, repaired, criterion.nominal.subject, seed
     )
-    return FoundLaw(fit, estimate_table(evaluator, fit, seed), shrinkage)
+    fitted = compare_runs(evaluator, criterion.nominal, fit)
+    estimates = estimate_table(evaluator, fit, seed)
+    return FoundLaw(fit, estimates, shrinkage, (*repaired, *fitted))
 
 
 def _left(compared: Sequence[RunComparison]) -> float:

@@ -10,9 +10,11 @@ import numpy as np
 from brace_drake.design.next_run import describe_next
 from brace_drake.diagnosis import Diagnosis
 from brace_drake.document.law_rows import law_row, law_sentence
+from brace_drake.document.origin import Origin, origin_rows, run_rows
 from brace_drake.document.rows import (
     cause_rows,
     estimate_row,
+    real_rivals,
     rest_text,
     supported_rows,
     tolerance_rows,
@@ -33,9 +35,16 @@ FORMAT = "brace-diagnosis/2"
 _STRETCHED = 2.0
 
 
-def MakeDocument(d: Diagnosis) -> dict:
-    """The diagnosis in plain JSON types, format brace-diagnosis/2."""
+def MakeDocument(d: Diagnosis, origin: Origin | None = None) -> dict:
+    """The diagnosis in plain JSON types, format brace-diagnosis/2.
+
+    Args:
+        d: The diagnosis.
+        origin: Command and scenario that it comes from, and when; without,
+            it was called from Python just now.
+    """
     verdict, table = d.verdict, d.estimates
+    causes = cause_rows(d)
     own = table.num_subject
     closed = d.shrinkage["closed"] if d.shrinkage else None
     moved = tolerance_rows(d)
@@ -46,7 +55,7 @@ def MakeDocument(d: Diagnosis) -> dict:
         "blocks": d.blocks,
         "unexplained": _unexplained(d),
         "outside_library": verdict.outside_library,
-        "ambiguous_with": list(verdict.ambiguous_with),
+        "ambiguous_with": real_rivals(d, causes),
         "probability": verdict.probability,
         "confirmed": confirmed(d),
         "contradicted": verdict.contradicted or None,
@@ -67,7 +76,7 @@ def MakeDocument(d: Diagnosis) -> dict:
             "subject_name": d.campaign.subject,
             "verdict": told,
             "where": d.where,
-            "causes": cause_rows(d),
+            "causes": causes,
             "tolerances": moved,
             "subject": {
                 "parameters": [
@@ -81,7 +90,8 @@ def MakeDocument(d: Diagnosis) -> dict:
             "left": d.rest,
             "next_experiment": describe_next(verdict, d.blocks, d.next_run),
             "warnings": _warnings(d),
-            "provenance": _provenance(d),
+            "runs": run_rows(d),
+            "provenance": origin_rows(d, origin or Origin()) | _provenance(d),
         }
     )
 

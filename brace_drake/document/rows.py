@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
 from brace_drake.devices.stretch import noise_along
 from brace_drake.diagnosis import Diagnosis
+from brace_drake.document.same_model import simpler_twin
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.identification.intervals import (
@@ -21,10 +23,10 @@ _MOVED = 2.0
 
 def cause_rows(d: Diagnosis) -> list[dict]:
     """Every candidate, ranked."""
-    rows = []
+    rows, fits = [], [cause.fit for cause in d.causes]
     for cause in d.causes:
         fit, is_winner = cause.fit, cause.fit is d.verdict.winner
-        seen = cause.prediction
+        seen, same = cause.prediction, simpler_twin(cause.fit, fits)
         rows.append(
             {
                 "effect": fit.name,
@@ -47,12 +49,31 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                 "converged": fit.refined,
                 "identifiable": not cause.is_tied,
                 "decision": cause.decision,
+                # A special case that it has come down to: the same model.
+                "same_as": (same and not is_winner and same.name) or None,
                 "parameters": effect_parameters(
                     fit, d.estimates if is_winner else None
                 ),
             }
         )
     return rows
+
+
+def real_rivals(d: Diagnosis, causes: Sequence[dict]) -> list[str]:
+    """What the data cannot tell from the verdict, without what has come down
+    to the verdict's own model.
+
+    Args:
+        d: The diagnosis.
+        causes: From `cause_rows`.
+    """
+    chosen = {row["effect"] for row in causes if row["chosen"]}
+    same = {
+        "+".join(e.name for e in d.criterion.findings(cause.fit))
+        for cause, row in zip(d.causes, causes, strict=True)
+        if row["same_as"] in chosen
+    }
+    return [name for name in d.verdict.ambiguous_with if name not in same]
 
 
 def supported_rows(d: Diagnosis) -> list[dict]:

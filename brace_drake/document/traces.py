@@ -10,19 +10,24 @@ from brace_drake.report.traces import RunTrace
 
 
 def MakeTraces(d: Diagnosis) -> list[RunTrace]:
-    """Measured, nominal and repaired channels of the validation runs."""
-    return [make_trace(d, c) for c in d.validation_runs or d.fit_runs]
+    """Measured and predicted channels of every run, those held back first."""
+    by_law = {c.prepared.run.file: c.after for c in d.law.runs} if d.law else {}
+    return [
+        _trace(d, c, by_law.get(c.prepared.run.file))
+        for c in (*d.validation_runs, *d.fit_runs)
+    ]
 
 
-def make_trace(d: Diagnosis, c: RunComparison) -> RunTrace:
-    """Measured, nominal and repaired channels of one run."""
+def _trace(
+    d: Diagnosis, c: RunComparison, with_law: np.ndarray | None
+) -> RunTrace:
     signals = d.device.motion_signals(c.prepared, d.nominal.subject)
-    floor = c.prepared.floor
-    recorded = d.device.twin.recorded(c.prepared.run)
+    floor, run = c.prepared.floor, c.prepared.run
+    recorded = d.device.twin.recorded(run)
     return RunTrace(
-        c.prepared.run.name,
-        c.prepared.run.split,
-        c.prepared.run.time_s - c.prepared.run.time_s[0],
+        run.name,
+        run.split,
+        run.time_s - run.time_s[0],
         d.device.twin.channels,
         np.where(recorded, c.prepared.measured, np.nan),
         c.before,
@@ -31,4 +36,5 @@ def make_trace(d: Diagnosis, c: RunComparison) -> RunTrace:
         signals.travel,
         signals.travel_name,
         (floor.edges, floor.density),
+        with_law,
     )

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from brace_drake.effects.registry import choice_words
+from brace_drake.effects.registry import choice_words, find_effect
 from brace_drake.report.words import parameter_text
+from brace_drake.selection.thresholds import MATERIAL
 
 # A number that is stated is told where it is off by more than this part, and by
 # so many standard errors.
 _STATED, _CLEAR = 0.1, 4.0
+# Share of the gap from which on effects that close it explain it, not a part.
+_EXPLAINED = 1.0 - MATERIAL
 
 
 def verdict_sentence(
@@ -43,24 +46,45 @@ def verdict_sentence(
         text += " explains it"
         return f"{text}; {rest}." if rest else f"{text}."
     withdrawn = f" Withdrawn: {why}." if why else ""
+    if verdict["outside_library"]:
+        return f"{_partly_text(name, verdict, rest)}{withdrawn}"
+    return f"{_explained_text(name, verdict, closed)}{withdrawn}"
+
+
+def _partly_text(name: str, verdict: dict, rest: str) -> str:
+    """Effects that are certain beside something that the library has not."""
     rows = verdict["supported"]
     causes = " and ".join(_cause_text(row) for row in rows)
-    if verdict["outside_library"]:
-        shares = " and ".join(_share(row["closes"]) for row in rows)
-        verb = "is" if len(rows) == 1 else "are"
-        explains = "explains" if len(rows) == 1 else "explain"
-        sure = min(row["probability"] for row in rows)
-        return (
-            f"{causes[:1].upper()}{causes[1:]} {verb} there (p {sure:.2f}) and"
-            f" {explains} {shares} of the gap in {name}; {rest}."
-            f"{withdrawn}"
-        )
-    text = f"The gap in {name} is explained by {causes}"
-    if closed is not None:
-        them = "it" if len(rows) == 1 else "them"
-        text += f"; adding {them} closes {_share(closed)} of the gap on the"
-        text += " validation runs"
-    return f"{text}.{withdrawn}"
+    shares = " and ".join(_share(row["closes"]) for row in rows)
+    verb, explain = ("is", "explains") if len(rows) == 1 else ("are", "explain")
+    sure = min(row["probability"] for row in rows)
+    return (
+        f"{causes[:1].upper()}{causes[1:]} {verb} there (p {sure:.2f}) and"
+        f" {explain} {shares} of the gap in {name}; {rest}."
+    )
+
+
+def _explained_text(name: str, verdict: dict, closed: float | None) -> str:
+    """Effects that explain the gap, as far as validation runs bear it out."""
+    rows = verdict["supported"]
+    causes = " and ".join(_cause_text(row) for row in rows)
+    partly = "partly " if closed is not None and closed < _EXPLAINED else ""
+    text = f"The gap in {name} is {partly}explained by {causes}"
+    if verdict["ambiguous_with"]:
+        others = " or ".join(map(_title, verdict["ambiguous_with"]))
+        text += f", or as well by {others}, which these runs cannot tell apart"
+    if closed is None:
+        return f"{text}; no validation run confirms it."
+    them = "it" if len(rows) == 1 else "them"
+    return (
+        f"{text}; adding {them} closes {_share(closed)} of the gap on the"
+        " validation runs."
+    )
+
+
+def _title(candidate: str) -> str:
+    """Effects joined by + in words."""
+    return " and ".join(find_effect(n).title for n in candidate.split("+"))
 
 
 def controller_text(block_tests: Sequence[dict]) -> str:

@@ -53,7 +53,9 @@ _RUN = {
     "split": Field(" or ".join(SPLITS), lambda v: v in SPLITS, required=False),
 }
 _NEEDED = ("file", "contact", "motion", "split")
-_KEYS = (*_HEAD, "subject", "nominal", "control", "stages", "diagram")
+_KEYS = (
+    *_HEAD, "subject", "recorded", "nominal", "control", "stages", "diagram",
+)  # fmt: skip
 
 
 def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
@@ -100,6 +102,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         stages=tuple(stages),
         ports=ports,
         scenario=ScenarioFile(head["scenario"]) if "scenario" in head else None,
+        recorded=str(content.get("recorded") or ""),
         **numbers,
     )
     return campaign, problems

@@ -100,6 +100,7 @@ class Campaign:
     warnings: tuple[Problem, ...] = ()
     ports: Ports | None = None  # of a diagram
     scenario: ScenarioFile | None = None
+    recorded: str = ""  # when, as the manifest has it
 
     def __repr__(self) -> str:
         splits = [f"{len(self.split(s))} {s}" for s in ("fit", "validation")]

@@ -103,6 +103,8 @@ def describe(campaign: Campaign) -> dict:
         "rate_hz": float(campaign.rate_hz),
         "subject": campaign.subject,
     }
+    if campaign.recorded:
+        head["recorded"] = campaign.recorded
     for name in ("nominal", "control"):
         values = getattr(campaign, name)
         if values:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -13,12 +13,19 @@ from typing import Any
 MEASURED = "#1f2933"
 BEFORE = "#d55e00"
 AFTER = "#0072b2"
+LAW = "#00785a"
 ACQUITTED = "#b4bcc6"
 FLOOR = "#6b7785"
 RULE = "#dde2e8"
 
 # Inches of the page's full width.
 WIDTH = 9.4
+
+# What becomes of a figure: text for a page, or the content of a file.
+Encode = Callable[[Any], Any]
+
+# Of a picture that a page holds many of.
+_COLOURS, _DPI = 48, 110
 
 _FONTS = ("Helvetica Neue", "Arial", "Liberation Sans")
 # Comes with matplotlib and has the signs that others lack.
@@ -63,6 +70,8 @@ def figure_style() -> Iterator[None]:
         "legend.frameon": False,
         "legend.fontsize": 8.5,
         "svg.fonttype": "path",
+        # Text of a PDF can be searched and copied.
+        "pdf.fonttype": 42,
         # The same diagnosis gives the same file.
         "svg.hashsalt": "brace_drake",
     }
@@ -94,6 +103,20 @@ def to_data_uri(figure) -> str:
     )
     text = base64.b64encode(buffer.getvalue()).decode("ascii")
     return f"data:image/svg+xml;base64,{text}"
+
+
+def to_png_uri(figure) -> str:
+    """The figure as a PNG of few colours inside a data URI: small, for what a
+    page holds many of.
+    """
+    from PIL import Image
+
+    raw, small = io.BytesIO(), io.BytesIO()
+    figure.savefig(raw, format="png", dpi=_DPI, metadata={"Software": None})
+    picture = Image.open(raw).convert("RGB")
+    picture.quantize(_COLOURS).save(small, "PNG", optimize=True)
+    text = base64.b64encode(small.getvalue()).decode("ascii")
+    return f"data:image/png;base64,{text}"
 
 
 def plain(text: object) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from brace_drake.report.words import (
+    NOTHING,
     decimals_for,
     fixed,
     parameter_row,
@@ -18,13 +19,14 @@ from brace_drake.report.words import (
 )
 
 NONE, GAP, PARTLY = "none", "gap", "partly"
-OUTSIDE, WITHDRAWN = "outside", "withdrawn"
+OUTSIDE, WITHDRAWN, RECORDING = "outside", "withdrawn", "recording"
 BADGES = {
     GAP: "Gap",
     NONE: "No gap",
     PARTLY: "Gap, partly explained",
     OUTSIDE: "Outside the library",
     WITHDRAWN: "Withdrawn",
+    RECORDING: "Fault of the recording",
 }
 
 
@@ -35,17 +37,22 @@ def kind_of(verdict: dict) -> str:
     if not verdict["gap"]:
         return NONE
     if not verdict["effects"]:
-        return OUTSIDE
+        return OUTSIDE if verdict["outside_library"] else RECORDING
     return PARTLY if verdict["outside_library"] else GAP
 
 
 def describe_certain(diagnosis: dict) -> dict:
     """Effects that are named, what is left, what validation says of both."""
     verdict = diagnosis["verdict"]
+    law = verdict["unexplained"]["law"]
+    ends = (law or {}).get("closed_interval") or (None, None)
+    closed, interval = percent_interval((law or {}).get("closed"), *ends)
     return {
         "supported": [_supported_row(row) for row in verdict["supported"]],
         "rest": _rest_text(verdict),
-        "law": _law_rows(verdict["unexplained"]["law"]),
+        "law": _law_rows(law),
+        "law_closed": "" if closed == NOTHING else closed,
+        "law_interval": interval,
         "validation": _validation_text(verdict, diagnosis["shrink"]),
         "faults": verdict["recording"],
         "moved": [_moved_row(row) for row in diagnosis["tolerances"]],

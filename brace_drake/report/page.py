@@ -7,6 +7,7 @@ from pathlib import Path
 
 from brace_drake.core.output import MakeFolder, WriteBytes
 from brace_drake.report import words
+from brace_drake.report.law_curve import LawCurve
 from brace_drake.report.traces import RunTrace
 from brace_drake.report.view import make_view
 
@@ -26,7 +27,10 @@ _FILTERS = (
 
 
 def WriteReport(
-    diagnosis: dict, traces: Sequence[RunTrace], path: str | Path
+    diagnosis: dict,
+    traces: Sequence[RunTrace],
+    path: str | Path,
+    laws: Sequence[LawCurve] = (),
 ) -> None:
     """Writes the report of a diagnosis.
 
@@ -35,22 +39,26 @@ def WriteReport(
 
     Args:
         diagnosis: Content of diagnosis.json.
-        traces: Runs to show. Those of the validation split are drawn, those
-            of the fit split only where there are no others.
+        traces: Runs to show, in the order of the page.
         path: Of the HTML file.
+        laws: Of what is left, to be drawn.
 
     Raises:
         OutputError: The place cannot be written.
     """
     path = Path(path).absolute()
-    page = render_page(diagnosis, traces)
+    page = render_page(diagnosis, traces, laws)
     MakeFolder(path.parent)
     WriteBytes(path, page.encode("utf-8", errors="replace"))
 
 
-def render_page(diagnosis: dict, traces: Sequence[RunTrace]) -> str:
+def render_page(
+    diagnosis: dict,
+    traces: Sequence[RunTrace],
+    laws: Sequence[LawCurve] = (),
+) -> str:
     """The report as HTML text."""
-    view = make_view(diagnosis, traces)
+    view = make_view(diagnosis, traces, laws)
     return render_template("template.html.j2", **view)
 
 

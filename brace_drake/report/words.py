@@ -10,6 +10,7 @@ from brace_drake.effects.registry import choice_words
 from brace_drake.recording.columns import split_unit
 
 NOTHING = "–"
+TIMES_FLOOR = "× floor"
 
 _MINUS = "−"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -100,8 +101,10 @@ def percent(value: float | None) -> str:
 def percent_interval(
     middle: float | None, low: float | None, high: float | None
 ) -> tuple[str, str]:
-    """A share and its interval as percentages, with digits that match."""
-    shares = [100.0 * to_number(v) for v in (middle, low, high)]
+    """A share and its interval as percentages, with digits that match; more
+    than all is noise, and is told as all.
+    """
+    shares = [100.0 * min(to_number(v), 1.0) for v in (middle, low, high)]
     width = shares[2] - shares[1]
     if not math.isfinite(width):
         return percent(middle), ""
@@ -223,10 +226,14 @@ def error_row(label: str, unit: str, row: dict) -> dict:
     least = min((abs(v) for v in found if v), default=0.0)
     known = found[2] if found[2] > 0.0 else least
     decimals = decimals_for(known * factor, math.nan)
+    if unit == TIMES_FLOOR:
+        decimals = 2
     before, after, floor = (fixed(v * factor, decimals) for v in found)
     # Of a channel that was at its floor there is nothing to close.
     is_open = not found[0] <= _AT_FLOOR * found[2]
     closed = row.get("closed") if is_open else None
+    # Less than the floor is chance: no more than all can be closed.
+    closed = None if closed is None else min(closed, 1.0)
     interval = ""
     if row["after_interval"]:
         ends = (to_number(v) * factor for v in row["after_interval"])

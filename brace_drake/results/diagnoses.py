@@ -24,6 +24,8 @@ from brace_drake.results.tables import diagnosis_tables
 
 if TYPE_CHECKING:
     from brace_drake.diagnosis import Diagnosis
+    from brace_drake.report.law_curve import LawCurve
+    from brace_drake.report.traces import RunTrace
     from brace_drake.results.repaired import RepairedTwin
 
 
@@ -42,11 +44,12 @@ class DiagnosisResult:
         warnings: What has to be known beside the verdict.
     """
 
-    def __init__(self, found: Diagnosis):
+    def __init__(self, found: Diagnosis, command: str | None = None):
         from brace_drake.document.document import MakeDocument
+        from brace_drake.document.origin import Origin
 
         self.found = found
-        self.document: dict[str, Any] = MakeDocument(found)
+        self.document: dict[str, Any] = MakeDocument(found, Origin(command))
         self.verdict: dict[str, Any] = self.document["verdict"]
         self.sentence: str = self.verdict["sentence"]
         self.effects = tuple(self.verdict["effects"])
@@ -66,6 +69,20 @@ class DiagnosisResult:
         from brace_drake.results.notebook import render_diagnosis
 
         return render_diagnosis(self.document)
+
+    @cached_property
+    def traces(self) -> list[RunTrace]:
+        """Measured and predicted channels of every run."""
+        from brace_drake.document.traces import MakeTraces
+
+        return MakeTraces(self.found)
+
+    @cached_property
+    def laws(self) -> list[LawCurve]:
+        """Curves of the law of what is left."""
+        from brace_drake.document.law_curves import MakeLawCurves
+
+        return MakeLawCurves(self.found)
 
     @cached_property
     def repaired(self) -> RepairedTwin:
@@ -99,22 +116,20 @@ class DiagnosisResult:
         Raises:
             CampaignError: No such run, or nothing of it can be drawn.
         """
-        from brace_drake.document.traces import MakeTraces, make_trace
-        from brace_drake.report.trace_figures import make_trace_figure
+        from brace_drake.report.figures.traces import draw_trace
 
         if run is None:
-            traces = MakeTraces(self.found)
-            trace = max(traces, key=_gap_of)
+            held = [t for t in self.traces if t.split == "validation"]
+            trace = max(held or self.traces, key=_gap_of)
         else:
-            both = (*self.found.validation_runs, *self.found.fit_runs)
-            known = {c.prepared.run.name: c for c in both}
+            known = {t.name: t for t in self.traces}
             if run not in known:
                 hint = suggest(run, known)
                 raise CampaignError(
                     f"no run {quoted(run)}{hint}; allowed: {', '.join(known)}"
                 )
-            trace = make_trace(self.found, known[run])
-        figure = make_trace_figure(trace)
+            trace = known[run]
+        figure = draw_trace(trace, encode=lambda figure: figure)
         if figure is None:
             raise CampaignError(f"nothing of {trace.name} can be drawn")
         # Made outside of pyplot: notebooks show what can turn into a picture.
@@ -127,10 +142,9 @@ class DiagnosisResult:
         Raises:
             OutputError: It cannot be written.
         """
-        from brace_drake.document.traces import MakeTraces
         from brace_drake.report import WriteReport
 
-        WriteReport(self.document, MakeTraces(self.found), path)
+        WriteReport(self.document, self.traces, path, self.laws)
         return Path(path)
 
     def save(self, folder: str | Path) -> Path:
@@ -154,6 +168,42 @@ class DiagnosisResult:
         WriteJson(folder / "diagnosis.json", self.document)
         return folder
 
+    def export(
+        self,
+        folder: str | Path,
+        *,
+        pdf: bool = False,
+        figures: str | None = None,
+        tables: str | None = None,
+    ) -> list[Path]:
+        """Writes files for a paper; returns them.
+
+        Args:
+            folder: Where to.
+            pdf: Whether report.pdf is written, one page.
+            figures: Format of the report's figures: svg, png or pdf.
+            tables: Format of its tables: csv or latex.
+
+        Raises:
+            OutputError: They cannot be written.
+        """
+        from brace_drake.report.export import (
+            WriteFigures,
+            WritePdf,
+            WriteTables,
+        )
+
+        document, traces = self.document, self.traces
+        folder = MakeFolder(Path(folder))
+        written = WritePdf(document, traces, folder) if pdf else []
+        if figures:
+            written += WriteFigures(
+                document, traces, self.laws, folder, figures
+            )
+        if tables:
+            written += WriteTables(document, folder, tables)
+        return written
+
 
 def diagnose(
     campaign: str | Path | Campaign,
@@ -169,6 +219,7 @@ def diagnose(
     cluster: str | None = None,
     seed: int = 0,
     progress: Progress = True,
+    command: str | None = None,
 ) -> DiagnosisResult:
     """Diagnoses the gap between a twin and a campaign.
 
@@ -189,6 +240,7 @@ def diagnose(
         cluster: Address of a Dask scheduler whose workers do the work.
         seed: Of all random draws.
         progress: A bar, nothing, or a function of what is done and its share.
+        command: The command line that does the same, for the provenance.
 
     Raises:
         CampaignError: The campaign cannot be used.
@@ -210,7 +262,7 @@ def diagnose(
             diagram=find_diagram(diagram),
             choice=choice,
         )
-    return DiagnosisResult(found)
+    return DiagnosisResult(found, command)
 
 
 def _gap_of(trace: Any) -> float:

@@ -139,11 +139,13 @@ def _place(campaign: Campaign, scenario, seed: int) -> Path:
 
     from brace_drake.document.document import campaign_hash
 
+    named = campaign.scenario
     made_of = [
         # The sentence of a verdict has the name in it.
         campaign.name,
         campaign_hash(campaign),
         "" if scenario is None else yaml_dump_typed(scenario),
+        named.data.decode(errors="replace") if named else "",
         seed,
         _code_hash(),
     ]

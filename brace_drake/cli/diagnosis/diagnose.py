@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,7 +33,8 @@ Writes diagnosis.json and report.html into the folder. If effects were found, it
 writes the twin with them, repaired.scenario.yaml, for --scenario. If causes
 cannot be told apart, it writes next_run.csv, the safe motion that separates
 them best. Nothing is estimated on validation runs. They show how far the gap
-closes.
+closes. For a paper, --pdf adds report.pdf of one page, --figures svg the figures
+as files, and --tables latex the tables.
 """
 
 
@@ -55,6 +57,19 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     AddChoice(parser)
     AddJobs(parser)
     AddJson(parser)
+    parser.add_argument(
+        "--pdf", action="store_true", help="write report.pdf, one page, as well"
+    )
+    parser.add_argument(
+        "--figures",
+        choices=("svg", "png", "pdf"),
+        help="write the figures of the report as files of this format as well",
+    )
+    parser.add_argument(
+        "--tables",
+        choices=("csv", "latex"),
+        help="write the tables of the report as files as well",
+    )
 
 
 def Run(args: argparse.Namespace) -> int:
@@ -65,7 +80,7 @@ def Run(args: argparse.Namespace) -> int:
     out = HoldFolder(Path(args.out))
     scenario = name_scenario_option(args.scenario)
     diagram = find_diagram_option(args.diagram)
-    document = _Diagnose(campaign, scenario, diagram, out, args)
+    document, more = _Diagnose(campaign, scenario, diagram, out, args)
     if args.json:
         PrintJson(document)
         return 0
@@ -76,6 +91,8 @@ def Run(args: argparse.Namespace) -> int:
     for what, name in _MORE.items():
         if (out / name).is_file():
             print(f"{what}: {out / name}")
+    for path in more:
+        print(f"file: {path}")
     return 0
 
 
@@ -94,10 +111,14 @@ def _RunMany(args: argparse.Namespace) -> int:
         try:
             campaign = LoadCampaign(path)
             folder = MakeFolder(out / name)
-            document = _Diagnose(campaign, scenario, diagram, folder, args)
+            document, more = _Diagnose(
+                campaign, scenario, diagram, folder, args
+            )
             rows.append(summary_row(name, document))
             if not args.json:
                 print(f"{name}: {document['verdict']['sentence']}")
+                for file in more:
+                    print(f"file: {file}")
         except BraceError as error:
             text = " ".join(str(error).split())
             rows.append(failed_row(name, text))
@@ -126,8 +147,10 @@ def folder_names(campaigns: Sequence[str]) -> list[str]:
 
 def _Diagnose(
     campaign, scenario, diagram, out: Path, args: argparse.Namespace
-) -> dict:
-    """Diagnoses one campaign, writes its files, returns the document."""
+) -> tuple[dict, list[Path]]:
+    """Diagnoses one campaign, writes its files; returns the document, and
+    which files were written for a paper.
+    """
     from brace_drake.results.diagnoses import diagnose
 
     found = diagnose(
@@ -137,10 +160,29 @@ def _Diagnose(
         jobs=args.jobs,
         cluster=args.cluster,
         seed=args.seed,
+        command=_command(campaign, out, args),
         **choice_options(args),
     )
     found.save(out)
-    return found.document
+    more = found.export(
+        out, pdf=args.pdf, figures=args.figures, tables=args.tables
+    )
+    return found.document, more
+
+
+def _command(campaign, out: Path, args: argparse.Namespace) -> str:
+    """The command that makes the diagnosis of this campaign again."""
+    words = ["brace-drake", "diagnose", str(campaign.path), "--out", str(out)]
+    for name in ("scenario", "diagram", "effects", "without", "free"):
+        if getattr(args, name) is not None:
+            words += [f"--{name}", str(getattr(args, name))]
+    for name, value in args.fix or ():
+        words += ["--fix", name if value is None else f"{name}={value!r}"]
+    for name, (low, high) in args.bounds or ():
+        words += ["--bounds", f"{name}={low!r}:{high!r}"]
+    if args.seed:
+        words += ["--seed", str(args.seed)]
+    return shlex.join(words)
 
 
 # Files that some diagnoses write beside the others.

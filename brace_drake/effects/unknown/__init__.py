@@ -8,7 +8,8 @@ like. `forms` says what each term depends on, `places` where it acts, and
 from brace_drake.effects.unknown.dictionary import (
     describe_term,
     is_term,
+    parts_of_term,
     terms_for,
 )
 
-__all__ = ["describe_term", "is_term", "terms_for"]
+__all__ = ["describe_term", "is_term", "parts_of_term", "terms_for"]

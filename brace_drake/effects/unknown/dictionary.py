@@ -81,7 +81,8 @@ def _none(name: str) -> EffectParameter:
     return EffectParameter(name, "1", 0.0, 0.0, (0.0,), "none", None, (0.0,))
 
 
-def _parts(effect: Effect) -> tuple[Place, Form]:
+def parts_of_term(effect: Effect) -> tuple[Place, Form]:
+    """Place and form that a card of this dictionary is made of."""
     for place in PLACES:
         for form in place.forms:
             if effect.name == f"{_PREFIX}{place.key}_{form.key}":
@@ -106,7 +107,7 @@ def describe_term(effect: Effect, values: np.ndarray, errors) -> dict:
         `text`, `formula`, `usual`, `block` and `parameters`, each with name,
         value, standard_error and unit.
     """
-    place, form = _parts(effect)
+    place, form = parts_of_term(effect)
     divided = np.prod(np.power(place.scales, form.per))
     unit = _unit_of(place, form)
     rows = [_row("c", values[0] / divided, errors[0] / divided, unit)]
@@ -165,4 +166,5 @@ def _quantity(value: float, unit: str) -> str:
         value, unit = 1e3 * value, "mm"
     if unit == "m/s":
         value, unit = 1e3 * value, "mm/s"
-    return f"{value:.3g} {unit}".removesuffix(" 1")
+    # 1200, not 1.2e+03.
+    return f"{float(f'{value:.3g}'):g} {unit}".removesuffix(" 1")

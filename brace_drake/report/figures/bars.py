@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from brace_drake.report.canvas import (
     FLOOR,
     MEASURED,
     WIDTH,
+    Encode,
     figure_style,
     make_figure,
     plain,
@@ -27,7 +29,7 @@ _BASE = 1.0
 _TICKS = np.array([k * 10.0**e for e in range(-3, 7) for k in (1.0, 2.0, 5.0)])
 
 
-def draw_blocks(blocks: Sequence[dict]) -> str | None:
+def draw_blocks(blocks: Sequence[dict], encode: Encode | None = None) -> Any:
     """Normalised RMS of each block against the floor, as a data URI."""
     values = [to_number(b["normalised_rms"]) for b in blocks]
     limits = [to_number(b["threshold"]) for b in blocks]
@@ -58,12 +60,15 @@ def draw_blocks(blocks: Sequence[dict]) -> str | None:
         names = [shorten(b["block"]) for b in blocks]
         _finish_bars(axes, names, [*values, *limits], room=1.35)
         axes.set_xlabel("normalised RMS of the block on its own, floor = 1")
-        return to_data_uri(figure)
+        return (encode or to_data_uri)(figure)
 
 
 def draw_pairs(
-    labels: Sequence[str], rows: Sequence[dict], width: float
-) -> str | None:
+    labels: Sequence[str],
+    rows: Sequence[dict],
+    width: float,
+    encode: Encode | None = None,
+) -> Any:
     """Before and after of each row, two bars against the floor."""
     before = [to_number(row["before"]) for row in rows]
     after = [to_number(row["after"]) for row in rows]
@@ -86,12 +91,14 @@ def draw_pairs(
         axes.set_xlabel("RMS of the residual over the floor")
         if paired:
             _draw_legend(figure)
-        return to_data_uri(figure)
+        return (encode or to_data_uri)(figure)
 
 
 def draw_correlation(
-    names: Sequence[str], matrix: Sequence[Sequence[float]]
-) -> str | None:
+    names: Sequence[str],
+    matrix: Sequence[Sequence[float]],
+    encode: Encode | None = None,
+) -> Any:
     """Correlation of the fitted parameters; None of a single one."""
     n = len(names)
     if n < 2:
@@ -119,7 +126,7 @@ def draw_correlation(
         bar = figure.colorbar(image, ax=axes, shrink=0.8, ticks=[-1, 0, 1])
         bar.outline.set_visible(False)
         bar.ax.tick_params(length=0)
-        return to_data_uri(figure)
+        return (encode or to_data_uri)(figure)
 
 
 def _shown(value: float) -> bool:

@@ -1,9 +1,10 @@
-"""The gap's budget as pictures: shares of blocks, and of channels."""
+"""Where the residual power lies, as pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from textwrap import wrap
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from brace_drake.report.canvas import (
     BEFORE,
     MEASURED,
     WIDTH,
+    Encode,
     figure_style,
     make_figure,
     plain,
@@ -32,8 +34,8 @@ _MOST_CHANNELS, _MOST_PHASES = 14, 6
 _TITLE = 84
 
 
-def draw_attribution(rows: Sequence[dict]) -> str | None:
-    """Share of each block with its 95 % interval, as a data URI."""
+def draw_attribution(rows: Sequence[dict], encode: Encode | None = None) -> Any:
+    """Power of each block with its 95 % interval, as a data URI."""
     if not rows:
         return None
     shares, low, high = (
@@ -67,16 +69,16 @@ def draw_attribution(rows: Sequence[dict]) -> str | None:
         axes.tick_params(axis="y", length=0)
         axes.spines["left"].set_visible(False)
         axes.grid(axis="x")
-        axes.set_xlabel("share of the closed-loop gap")
-        return to_data_uri(figure)
+        axes.set_xlabel("residual power")
+        return (encode or to_data_uri)(figure)
 
 
 def _label(row: dict) -> str:
     return shorten(" or ".join([row["block"], *row["or"]]))
 
 
-def draw_cube(rows: Sequence[dict]) -> str | None:
-    """Shares by channel and band, one panel for each phase, as a data URI."""
+def draw_power(rows: Sequence[dict], encode: Encode | None = None) -> Any:
+    """Power by channel and band, one panel for each phase, as a data URI."""
     cells = [r for r in rows if r["share"] > 0.0]
     if not cells:
         return None
@@ -109,7 +111,7 @@ def draw_cube(rows: Sequence[dict]) -> str | None:
             [shorten(channel_text(c)) for c in channels],
         )
         figure.supxlabel("frequency, Hz", fontsize=8.5, color="#46525f")
-        return to_data_uri(figure)
+        return (encode or to_data_uri)(figure)
 
 
 def _write_shares(axes, grid: np.ndarray, top: float) -> None:

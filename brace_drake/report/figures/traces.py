@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from brace_drake.recording.columns import split_unit
@@ -9,11 +11,13 @@ from brace_drake.report.canvas import (
     AFTER,
     BEFORE,
     FLOOR,
+    LAW,
     WIDTH,
+    Encode,
     figure_style,
     make_figure,
     plain,
-    to_data_uri,
+    to_png_uri,
 )
 from brace_drake.report.traces import RunTrace
 from brace_drake.report.words import channel_text, scale_of, times
@@ -27,44 +31,51 @@ _PLANE_S = 0.2
 _SMOOTHING_HZ = 0.15
 
 _PALE = "#b3bcc6"
+COLORS = {"before": BEFORE, "after": AFTER, "law": LAW}
+NAMES = {
+    "before": "twin before the repair",
+    "after": "twin after the repair",
+    "law": "and with the law of what is left",
+}
+_SHORT = {"before": "before", "after": "after", "law": "with the law"}
 
 
-def draw_trace(trace: RunTrace) -> str | None:
-    """Panels of one run as a data URI; None when nothing can be drawn."""
-    figure = make_trace_figure(trace)
-    if figure is None:
-        return None
-    with figure_style():
-        return to_data_uri(figure)
-
-
-def make_trace_figure(trace: RunTrace):
-    """Panels of one run as a figure; None when nothing can be drawn.
+def draw_trace(
+    trace: RunTrace,
+    channel: int | None = None,
+    encode: Encode | None = None,
+) -> Any:
+    """Panels of one run as a data URI; None when nothing can be drawn.
 
     The force along the correction with its residual, then the residual of the
     channel with the largest normalised gap among the others.
+
+    Args:
+        trace: Of the run.
+        channel: The only one to be drawn, in place of both.
+        encode: Makes of the figure what is returned.
     """
-    main = trace.main_channel()
+    main = trace.main_channel() if channel is None else channel
     if main is None:
         return None
-    other = trace.worst_channel(leave_out=main)
+    other = trace.worst_channel(leave_out=main) if channel is None else None
     with figure_style():
-        heights = [1.9, 1.15] + [1.15] * (other is not None)
+        heights = [1.75, 1.1] + [1.1] * (other is not None)
         figure = make_figure(WIDTH, sum(heights) + 0.75)
         panels = figure.subplots(
             len(heights), sharex=True, height_ratios=heights, squeeze=False
         )[:, 0]
-        _draw_values(panels[0], trace, main)
-        _draw_residual(panels[1], trace, main)
+        draw_values(panels[0], trace, main)
+        draw_residual(panels[1], trace, main)
         if other is not None:
-            _draw_residual(panels[2], trace, other)
+            draw_residual(panels[2], trace, other)
         panels[-1].set_xlabel("time, s")
         panels[0].set_xlim(trace.time_s[0], trace.time_s[-1])
         _draw_legend(figure, trace)
-    return figure
+        return (encode or to_png_uri)(figure)
 
 
-def draw_plane(trace: RunTrace) -> str | None:
+def draw_plane(trace: RunTrace, encode: Encode | None = None) -> Any:
     """Residual against depth and rate, and spectrum, as a data URI.
 
     None where the run is short or its force was not recorded throughout.
@@ -72,11 +83,10 @@ def draw_plane(trace: RunTrace) -> str | None:
     c = trace.main_channel()
     if c is None or len(trace.time_s) < 32:
         return None
-    before = trace.measured[:, c] - trace.before[:, c]
-    after = None
-    if trace.after is not None:
-        after = trace.measured[:, c] - trace.after[:, c]
-    lines = [(before, BEFORE)] + [(after, AFTER)] * (after is not None)
+    lines = [
+        (trace.measured[:, c] - twin[:, c], COLORS[kind])
+        for kind, twin in trace.twins()
+    ]
     if not all(np.isfinite(v).all() for v, _ in lines):
         return None
     step = float(np.median(np.diff(trace.time_s)))
@@ -87,23 +97,22 @@ def draw_plane(trace: RunTrace) -> str | None:
         if has_motion:
             _draw_planes(panels, trace, lines, c, step)
         _draw_spectrum(panels[-1], trace, lines, c, step)
-        return to_data_uri(figure)
+        return (encode or to_png_uri)(figure)
 
 
-def _draw_values(axes, trace: RunTrace, c: int) -> None:
+def draw_values(axes, trace: RunTrace, c: int) -> None:
     name = trace.channels[c]
     factor, unit = _scale(trace.measured[:, c], name)
     # Measured is a wide pale line, so that it shows under a good prediction.
-    lines = [(trace.measured, _PALE, 3.6), (trace.before, BEFORE, 1.1)]
-    if trace.after is not None:
-        lines.append((trace.after, AFTER, 1.1))
+    lines = [(trace.measured, _PALE, 3.6)]
+    lines += [(twin, COLORS[kind], 1.1) for kind, twin in trace.twins()]
     for values, color, width in lines:
         _draw_line(axes, trace.time_s, values[:, c] * factor, color, width)
     axes.set_title(plain(f"{channel_text(name)}, {unit}"))
     axes.grid(axis="y")
 
 
-def _draw_residual(axes, trace: RunTrace, c: int) -> None:
+def draw_residual(axes, trace: RunTrace, c: int) -> None:
     name = trace.channels[c]
     before = trace.measured[:, c] - trace.before[:, c]
     factor, unit = _scale(before, name)
@@ -112,17 +121,17 @@ def _draw_residual(axes, trace: RunTrace, c: int) -> None:
     for edge in (-band, band):
         axes.axhline(edge, color=FLOOR, lw=0.7, ls=(0, (4, 2)), zorder=3)
     axes.axhline(0.0, color=FLOOR, lw=0.6)
-    _draw_line(axes, trace.time_s, before * factor, BEFORE, 0.9)
-    note = f"before {_gap(trace, trace.before, c)}"
-    if trace.after is not None:
-        after = trace.measured[:, c] - trace.after[:, c]
-        _draw_line(axes, trace.time_s, after * factor, AFTER, 0.9)
-        note += f", after {_gap(trace, trace.after, c)}"
+    notes = []
+    for kind, twin in trace.twins():
+        residual = (trace.measured[:, c] - twin[:, c]) * factor
+        _draw_line(axes, trace.time_s, residual, COLORS[kind], 0.9)
+        notes.append(f"{_SHORT[kind]} {_gap(trace, twin, c)}")
+    axes.set_title(plain(f"{channel_text(name)}: measured minus twin, {unit}"))
     axes.set_title(
-        plain(f"{channel_text(name)}: measured minus predicted, {unit}")
-    )
-    axes.set_title(
-        f"{note} × floor", loc="right", fontsize=8.5, fontweight="normal"
+        f"{', '.join(notes)} × floor",
+        loc="right",
+        fontsize=8.5,
+        fontweight="normal",
     )
     axes.grid(axis="y")
 
@@ -132,7 +141,7 @@ def _gap(trace: RunTrace, predicted: np.ndarray, c: int) -> str:
 
 
 def _draw_line(axes, time, values, color: str, width: float) -> None:
-    axes.plot(time, values, color=color, lw=width, rasterized=True)
+    axes.plot(time, values, color=color, lw=width)
 
 
 def _scale(values: np.ndarray, name: str) -> tuple[float, str]:
@@ -148,16 +157,16 @@ def _draw_legend(figure, trace: RunTrace) -> None:
 
     handles = [
         Line2D([], [], color=_PALE, lw=3.6, label="measured"),
-        Line2D([], [], color=BEFORE, lw=1.8, label="before"),
-        Line2D([], [], color=AFTER, lw=1.8, label="after"),
-        Patch(color=FLOOR, alpha=0.25, lw=0, label="±2 noise floor"),
+        *(
+            Line2D([], [], color=COLORS[kind], lw=1.8, label=NAMES[kind])
+            for kind, _ in trace.twins()
+        ),
+        Patch(color=FLOOR, alpha=0.25, lw=0, label="±2 × noise floor"),
     ]
-    if trace.after is None:
-        del handles[2]
     figure.legend(
         handles=handles,
         loc="outside upper left",
-        ncols=4,
+        ncols=5,
         handlelength=1.4,
         borderaxespad=0.0,
     )
@@ -182,7 +191,6 @@ def _draw_planes(panels, trace: RunTrace, lines, c: int, step: float) -> None:
                 _smooth(residual, width)[inner][::every],
                 color=color,
                 lw=0.9,
-                rasterized=True,
             )
         axes.set_xlabel(plain(label))
         axes.grid()
@@ -197,7 +205,7 @@ def _draw_spectrum(axes, trace: RunTrace, lines, c: int, step: float) -> None:
     for residual, color in lines:
         power = np.abs(np.fft.rfft(residual))[1:] ** 2 / samples
         density = np.sqrt(2.0 * _smooth(power, width) / rate)
-        axes.loglog(frequency, density, color=color, lw=0.9, rasterized=True)
+        axes.loglog(frequency, density, color=color, lw=0.9)
     if trace.floor_density is not None:
         edges, floor = trace.floor_density
         level = np.sqrt(2.0 * np.asarray(floor)[:, c] / rate)

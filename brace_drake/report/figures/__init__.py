@@ -1,0 +1,1 @@
+"""Figures of a report, one kind per file; `canvas` has their look."""
