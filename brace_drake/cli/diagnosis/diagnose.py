@@ -33,8 +33,8 @@ Writes diagnosis.json and report.html into the folder. If effects were found, it
 writes the twin with them, repaired.scenario.yaml, for --scenario. If causes
 cannot be told apart, it writes next_run.csv, the safe motion that separates
 them best. Nothing is estimated on validation runs. They show how far the gap
-closes. For a paper, --pdf adds report.pdf of one page, --figures svg the figures
-as files, and --tables latex the tables.
+closes. For a paper, --pdf adds report.pdf of one page, --figures svg the
+figures as files, and --tables latex the tables.
 """
 
 
