@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+import brace_drake as bd
 from brace_drake.core.errors import CampaignError, ScenarioError
 from brace_drake.devices.device import MakeDevice
 from brace_drake.devices.diagram.factory import call_factory, find_factory
@@ -123,6 +124,18 @@ class TestLaws(unittest.TestCase):
         way = {"command": "command of a port", "sensor": "reading of a port"}
         card = effects_for(way[place])[f"{name} (signal)"]
         return pass_series(sent, dt, 1.0, [(card, np.array(values))])
+
+
+class TestFit(unittest.TestCase):
+    def test_the_fit_finds_the_dampings_of_a_machine_of_other_equations(self):
+        campaign = make_campaign("pendulum", Fault(), 5)
+        found = bd.fit(campaign, diagram=MakePendulum, progress=False).document
+        self.assertLess(found["mean_square"], 1.2)
+        true = SETUPS["pendulum"].true_dampings(5)
+        for p, value in zip(found["parameters"], true, strict=True):
+            self.assertEqual(p["unit"], "N m s/rad")
+            error = abs(p["value"] - value)
+            self.assertLess(error, 4.0 * p["standard_error"] + 1e-4 * value)
 
 
 class TestScenario(unittest.TestCase):

@@ -9,8 +9,18 @@ from dataclasses import dataclass, field
 from brace_drake.core.errors import closest
 
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
+# Units of numbers, as names end in them and as readers have them.
+_COMPOUND = {
+    "N_m_s_rad": "N m s/rad",
+    "N_m_rad": "N m/rad",
+    "N_s_m": "N s/m",
+    "N_m": "N m",
+    "kg_m2": "kg m^2",
+    "kg": "kg",
+}
 _UNITS = (
-    *("mm_s2", "cm_s2", "m_s2", "rad_s", "mm_s", "cm_s", "m_s", "N_m"),
+    *_COMPOUND,
+    *("mm_s2", "cm_s2", "m_s2", "rad_s", "mm_s", "cm_s", "m_s"),
     *("kgf", "lbf", "min", "deg", "rad", "ms", "us", "mm", "cm", "um"),
     *("mN", "kN", "cN", "s", "m", "N", "g"),
 )
@@ -67,6 +77,8 @@ def split_unit(name: str) -> tuple[str, str]:
 
 def shown_unit(unit: str) -> str:
     """A unit of a column as readers have it: "rad/s" for "rad_s"."""
+    if unit in _COMPOUND:
+        return _COMPOUND[unit]
     return unit.replace("_s2", "/s^2").replace("_s", "/s").replace("_", " ")
 
 

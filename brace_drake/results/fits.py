@@ -11,7 +11,13 @@ from brace_drake.core.output import MakeFolder, WriteJson
 from brace_drake.core.progress import open_bar
 from brace_drake.recording.recording import Campaign
 from brace_drake.results.campaigns import as_campaign
-from brace_drake.results.options import Names, Progress, make_choice, open_jobs
+from brace_drake.results.options import (
+    Names,
+    Progress,
+    find_diagram,
+    make_choice,
+    open_jobs,
+)
 from brace_drake.results.tables import fit_tables
 
 # Evaluations that a fit usually takes; for the estimate of the time left.
@@ -76,6 +82,7 @@ def fit(
     campaign: str | Path | Campaign,
     *,
     scenario: Any = None,
+    diagram: str | Callable | None = None,
     free: Names | None = None,
     fixed: Mapping[str, float | None] | Names | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
@@ -91,6 +98,8 @@ def fit(
         campaign: Its folder, or what `load` returned.
         scenario: File or scenario of the nominal twin; None: the one that the
             campaign names, else the package's.
+        diagram: Function that makes the nominal Drake diagram, or its name as
+            in "arm.py:MakeArm"; for campaigns whose device is a diagram.
         free: Parameters that are fitted; None: all but the fixed ones.
         fixed: Parameters that are held, by name, in SI units; None as a value:
             at the scenario's.
@@ -114,7 +123,15 @@ def fit(
     with open_jobs(jobs, cluster) as workers:
         run = _told(fit_campaign, progress)
         return FitResult(
-            run(loaded, workers, seed, scenario, solver, choice=choice)
+            run(
+                loaded,
+                workers,
+                seed,
+                scenario,
+                solver,
+                choice=choice,
+                diagram=find_diagram(diagram),
+            )
         )
 
 

@@ -11,10 +11,12 @@ from brace_drake.cli.choice import AddChoice, choice_options
 from brace_drake.cli.options import (
     AddCampaign,
     AddCommand,
+    AddDiagram,
     AddJobs,
     AddJson,
     AddScenario,
     TellDocument,
+    find_diagram_option,
     name_scenario_option,
     scenario_note,
 )
@@ -50,6 +52,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="solver of the MathematicalProgram (default: snopt)",
     )
     AddScenario(parser)
+    AddDiagram(parser)
     AddChoice(parser, has_effects=False)
     AddJobs(parser)
     AddJson(parser)
@@ -65,6 +68,7 @@ def Run(args: argparse.Namespace) -> int:
     found = fit(
         campaign,
         scenario=scenario,
+        diagram=find_diagram_option(args.diagram),
         solver=args.solver,
         jobs=args.jobs,
         cluster=args.cluster,

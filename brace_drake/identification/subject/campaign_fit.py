@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 import numpy as np
 
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import CampaignError, FitError
 from brace_drake.core.parallel import Workers
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.choice import Choice
@@ -34,6 +34,7 @@ def fit_campaign(
     solver: str = "snopt",
     on_evaluation: Callable[[int, float], None] | None = None,
     choice: Choice | None = None,
+    diagram: Callable | None = None,
 ) -> dict:
     """Fits the subject's parameters to all fit runs of a campaign.
 
@@ -49,6 +50,7 @@ def fit_campaign(
         solver: snopt, ipopt or nlopt.
         on_evaluation: Called with their number and the mean square residual.
         choice: What of the subject is fitted; its effects are not looked at.
+        diagram: Makes the nominal Drake diagram, where the device is one.
 
     Returns:
         A document of plain types: parameters with standard errors and limits,
@@ -56,12 +58,17 @@ def fit_campaign(
 
     Raises:
         CampaignError: No run to fit, or a device without a twin.
-        FitError: A chosen parameter is not there, or the solver is not.
+        FitError: A chosen parameter is not there, or the solver is not; or
+            the twin has no parameter to fit.
     """
     if not campaign.split("fit"):
         raise CampaignError(f"{campaign.path}: no run has split: fit")
     named = choose_scenario(campaign, scenario)
-    twin = MakeDevice(campaign, named).twin
+    twin = MakeDevice(campaign, named, diagram).twin
+    if not twin.subject:
+        raise FitError(
+            f"{campaign.path}: the twin has no parameter of a subject to fit"
+        )
     choice = (choice or Choice()).over(named.choice)
     choice.limit_subject(twin)
     starts = []
