@@ -82,6 +82,7 @@ class TestNamedScenario(unittest.TestCase):
             ("nowhere.yaml", "scenario: nowhere.yaml cannot be read: No such"),
             ("a_folder", "is a folder"),
             ("/etc/hostname", "relative to the campaign's folder"),
+            ("../../../../etc/hostname", "nor beside it"),
             (3, "relative to the campaign's folder"),
         ):
             with self.subTest(file=file):

@@ -11,13 +11,9 @@ from brace_drake.core.errors import closest
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
 # Units of numbers, as names end in them and as readers have them.
 _COMPOUND = {
-    "N_m_s_rad": "N m s/rad",
-    "N_m_rad": "N m/rad",
-    "N_s_m": "N s/m",
-    "N_m": "N m",
-    "kg_m2": "kg m^2",
-    "kg": "kg",
-}
+    "N_m_s_rad": "N m s/rad", "N_m_rad": "N m/rad", "N_s_m": "N s/m",
+    "N_m": "N m", "kg_m2": "kg m^2", "kg": "kg",
+}  # fmt: skip
 _UNITS = (
     *_COMPOUND,
     *("mm_s2", "cm_s2", "m_s2", "rad_s", "mm_s", "cm_s", "m_s"),

@@ -94,7 +94,14 @@ def _examine(
     scenario = campaign.scenario
     if scenario is not None:
         try:
-            data = ReadBytes(path / scenario.name, _MOST_SCENARIO_MB)
+            file = path / scenario.name
+            # Its neighbours may share it; nothing else is theirs to read.
+            if not file.resolve().is_relative_to(path.resolve().parent):
+                raise ReadError(
+                    "cannot be read: it is neither in the campaign's folder"
+                    " nor beside it"
+                )
+            data = ReadBytes(file, _MOST_SCENARIO_MB)
             scenario = replace(scenario, data=data)
         except ReadError as e:
             where = f"scenario: {scenario.name} {e}"

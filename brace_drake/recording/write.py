@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 import yaml
 
-from brace_drake.core.errors import OutputError
+from brace_drake.core.errors import OutputError, is_plain, quoted
 from brace_drake.recording.columns import split_unit
 from brace_drake.recording.manifest import FORMAT, MANIFEST, leaves_folder
 from brace_drake.recording.recording import Campaign, Run, ScenarioFile
@@ -31,7 +31,10 @@ def check_new_folder(path: Path) -> None:
     """
     try:
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise OutputError(f"{path}: exists and is not empty, not replaced")
+            raise OutputError(
+                f"{path}: exists and is not empty; give another"
+                " folder, or remove it"
+            )
     except OSError as e:
         raise OutputError(f"{path}: cannot be written: {e.strerror}") from e
 
@@ -58,6 +61,7 @@ def WriteCampaign(
     outside = [run.file for run in campaign.runs if leaves_folder(run.file)]
     if outside:
         raise OutputError(f"{path}: {outside[0]!r} leaves the folder")
+    _check_names(path, campaign)
     draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}")
     try:
         draft.mkdir(parents=True)
@@ -70,6 +74,19 @@ def WriteCampaign(
         raise OutputError(f"{path}: cannot be written: {e.strerror}") from e
     finally:
         shutil.rmtree(draft, ignore_errors=True)
+
+
+def _check_names(path: Path, campaign: Campaign) -> None:
+    """Files that would be each other's, and columns that no table can name."""
+    for run in campaign.runs:
+        if Path(run.file).name in (MANIFEST, LABEL):
+            raise OutputError(f"{path}: no run can be {quoted(run.file)}")
+        for name in run.channels:
+            if not is_plain(name) or set(name) & set(',"'):
+                raise OutputError(
+                    f"{path}: {quoted(run.file)}: no column can be"
+                    f" {quoted(name)}"
+                )
 
 
 def _WriteFiles(campaign: Campaign, folder: Path) -> None:

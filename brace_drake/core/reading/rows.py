@@ -78,7 +78,11 @@ def read_rows(
             kinds += numbers
             continue
         if decimal != ".":
-            fields = [field.replace(decimal, ".") for field in fields]
+            # A point is none then: of thousands, or a mistake.
+            fields = [
+                field.replace(".", "_").replace(decimal, ".")
+                for field in fields
+            ]
         row = _all_numbers(fields)
         if row is not None:
             values.extend(row)

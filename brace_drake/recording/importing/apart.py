@@ -73,7 +73,7 @@ def read_apart(kind: str, path: Path, *more) -> Arrays:
 
 def _megabytes(path: Path) -> float:
     files = path.iterdir() if path.is_dir() else (path,)
-    return sum(file.stat().st_size for file in files) / 1e6
+    return sum(f.stat().st_size for f in files if f.is_file()) / 1e6
 
 
 def _limit_memory() -> None:

@@ -6,6 +6,7 @@ has the last word.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from brace_drake.recording.importing.derived import derivable
 from brace_drake.recording.importing.dialect import guess_options
 from brace_drake.recording.importing.stage_names import guess_stage_channels
 from brace_drake.recording.importing.tables import LoadTable
-from brace_drake.recording.importing.units import scale_of
+from brace_drake.recording.importing.units import is_unit
 from brace_drake.recording.table import Columns
 
 # A step in time of so much is one of milliseconds.
@@ -35,7 +36,8 @@ _UNITS = {
     "°": "deg", "n": "N", "kn": "kN", "µm": "um", "m/s²": "m/s^2",
 }  # fmt: skip
 _COMMAND = (
-    r"\b(c|cmd|command|commanded|ref|reference|set|setpoint|target|desired)\b"
+    r"\b(c|cmd|command|commanded|ref|reference|set|setpoint|target|desired"
+    r"|soll\w*)\b"
 )
 # Words of a name, and the channels of an axis that it may be, by their units.
 _WORDS = (
@@ -54,7 +56,8 @@ _WORDS = (
         ("position_rad", "position_command_rad"),
     ),
     (
-        r"\b(position|pos|displacement|disp|stroke|travel|way|weg|x|y|extension)\b",
+        r"\b(position|pos|displacement|disp|stroke|travel|way|(soll|ist)?weg"
+        r"|x|y|extension)\b",
         ("position_m", "position_command_m"),
     ),
 )
@@ -80,6 +83,7 @@ class Guess:
         unit: As its name has it; empty without one.
         channel: Of an axis; None where nothing fits.
         low, high: Its range.
+        by_range: Whether the unit is guessed from it.
     """
 
     column: str
@@ -87,6 +91,7 @@ class Guess:
     channel: str | None
     low: float
     high: float
+    by_range: bool = False
 
 
 def draft_map(path: str | Path) -> str:
@@ -130,9 +135,13 @@ def guess_channels(table: Columns) -> tuple[str, list[Guess]]:
             taken.add(channel)
         finite = values[np.isfinite(values)]
         low, high = (finite.min(), finite.max()) if len(finite) else (0.0, 0.0)
+        guessed = ""
         if channel is not None and not unit:
-            unit = _unit_by_range(device, channel, finite)
-        found.append(Guess(column, unit, channel, float(low), float(high)))
+            guessed = _unit_by_range(device, channel, finite)
+        ends = float(low), float(high)
+        found.append(
+            Guess(column, unit or guessed, channel, *ends, bool(guessed))
+        )
     return device, found
 
 
@@ -140,7 +149,8 @@ def _unit_by_range(device: str, channel: str, values: np.ndarray) -> str:
     """A thousandth of the channel's unit where only that is plausible."""
     if channel == "time_s":
         steps = np.diff(values)
-        return "ms" if len(steps) and np.median(steps) >= _SLOWEST_S else ""
+        step = float(np.median(steps)) if len(steps) else 0.0
+        return "" if step < _SLOWEST_S else "ms" if step < 1e3 else "us"
     known = DEVICES[device].channels[channel]
     largest = np.abs(values).max(initial=0.0)
     limit = max(abs(known.low), abs(known.high))
@@ -159,8 +169,8 @@ def unit_of(column: str) -> str:
     text = bracketed[1] if bracketed else re.split(r"[\s_,;]+", column)[-1]
     text = text.strip()
     known = _UNITS.get(text.lower(), text)
-    is_unit = any(isinstance(scale_of(known, c), float) for c in _CHANNELS)
-    return known if is_unit and (bracketed or known != column) else ""
+    fits = any(is_unit(known, c) for c in _CHANNELS)
+    return known if fits and (bracketed or known != column) else ""
 
 
 def _channels(column: str, unit: str) -> Iterator[str]:
@@ -172,10 +182,7 @@ def _channels(column: str, unit: str) -> Iterator[str]:
             continue
         channel = command[0] if is_command and command else measured
         for name in (channel, _ROTARY.get(channel)):
-            fits = not unit or (
-                name is not None and isinstance(scale_of(unit, name), float)
-            )
-            if name is not None and fits:
+            if name is not None and (not unit or is_unit(unit, name)):
                 yield name
 
 
@@ -187,14 +194,15 @@ def _lines(
     table: Columns,
 ) -> Iterator[str]:
     yield "format: brace-import/1"
-    yield f"device: {device}  # or another one: brace-drake import --help"
+    yield f"device: {device}  # or another one: brace-drake devices"
     yield f"subject: {_quoted(path.stem)}"
     yield "columns:"
     for g in guesses:
         if g.channel is not None:
             source = _quoted(g.column)
             rule = f"{{from: {source}, unit: {g.unit}}}" if g.unit else source
-            yield f"  {g.channel}: {rule}  # {g.low:.4g} to {g.high:.4g}"
+            guess = ", unit by its range?" if g.by_range else ""
+            yield f"  {g.channel}: {rule}  # {g.low:.4g} to {g.high:.4g}{guess}"
     for g in guesses:
         if g.channel is None:
             name = re.sub(r"\W+", "_", g.column).strip("_") or "x"
@@ -202,7 +210,7 @@ def _lines(
             as_input = f"input_{name}" if device == AXIS else "CHANNEL"
             yield (
                 f"  # {as_input}: {_quoted(g.column)}"
-                f"  # {g.low:.4g} to {g.high:.4g}: measured beside it?"
+                f"  # {g.low:.4g} to {g.high:.4g}: not used as it stands"
             )
     yield from _open_channels(device, {g.channel for g in guesses})
     if options:
@@ -228,7 +236,7 @@ def _open_channels(device: str, known: set) -> Iterator[str]:
 
 
 def _quoted(value) -> str:
+    """As YAML, on one line and without what a terminal obeys."""
     if isinstance(value, int):
         return str(value)
-    text = value.replace("\\", "\\\\").replace('"', '\\"').replace("\t", "\\t")
-    return f'"{text}"'
+    return json.dumps(value)

@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.recording.importing.draft import Guess
 from brace_drake.recording.table import Columns
 
-_ACROSS, _MOST_POINTS = 4, 2000
+_ACROSS, _MOST_POINTS, _MOST_PANELS = 4, 2000, 60
 
 
 def plot_draft(guesses: Sequence[Guess], table: Columns) -> bytes:
@@ -23,7 +23,7 @@ def plot_draft(guesses: Sequence[Guess], table: Columns) -> bytes:
     from matplotlib.figure import Figure
 
     clock = next((g.column for g in guesses if g.channel == "time_s"), None)
-    shown = [g for g in guesses if g.column != clock]
+    shown = [g for g in guesses if g.column != clock][:_MOST_PANELS]
     down = max(-(-len(shown) // _ACROSS), 1)
     figure = Figure(figsize=(4.0 * _ACROSS, 2.2 * down), layout="constrained")
     panels = figure.subplots(down, _ACROSS, squeeze=False).ravel()
@@ -32,15 +32,19 @@ def plot_draft(guesses: Sequence[Guess], table: Columns) -> bytes:
     for panel, guess in zip(panels, shown, strict=False):
         values = table[guess.column]
         step = max(len(values) // _MOST_POINTS, 1)
-        time = table[clock] if clock else np.arange(len(values))
+        time = table.get(clock or "", np.arange(0))
+        if len(time) != len(values):
+            time = np.arange(len(values))
         is_open = guess.channel is None
         panel.plot(time[::step], values[::step], lw=0.8, color=f"C{is_open:d}")
         panel.set_title(
-            f"{guess.column}\n{guess.channel or 'not used'}", fontsize=9
+            f"{guess.column[:40]!s}\n{guess.channel or 'not used'}",
+            fontsize=9,
+            parse_math=False,
         )
         panel.set_ylabel(guess.unit or "unit not stated", fontsize=8)
         panel.tick_params(labelsize=8)
-    figure.supxlabel(clock or "sample", fontsize=9)
+    figure.supxlabel(clock or "sample", fontsize=9, parse_math=False)
     memory = io.BytesIO()
     figure.savefig(memory, format="png", dpi=100)
     return memory.getvalue()

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from brace_drake.core.errors import CampaignError, quoted
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
+_MOST = 1000  # channels
 _RANGE = re.compile(r"(\d{1,3})\.\.(\d{1,3})")
 
 
@@ -33,6 +34,10 @@ def expand_rules(place: str, rules: Mapping) -> dict[str, object]:
             if channel in found:
                 raise CampaignError(f"{place}{channel} is there twice")
             found[channel] = own
+            if len(found) > _MOST:
+                raise CampaignError(
+                    f"{place}{name} and others: allowed: {_MOST} channels"
+                )
     return found
 
 
@@ -43,6 +48,8 @@ def _expand(place: str, name: str, rule: object) -> list[tuple[str, object]]:
     if len(braces) > 1:
         raise CampaignError(f"{place}: allowed: one pair of braces")
     values = _values(place, braces[0])
+    if len(values) > _MOST or (isinstance(rule, dict) and len(rule) > _MOST):
+        raise CampaignError(f"{place}: allowed: {_MOST} channels")
     return [
         (_BRACES.sub(value, name), _fill(place, rule, values, i))
         for i, value in enumerate(values)
@@ -68,10 +75,13 @@ def _fill(place: str, rule: object, values: list[str], i: int) -> object:
     """The i-th channel's rule: texts within it with their braces filled."""
     if isinstance(rule, dict):
         # Columns of a sum are keys.
-        return {
+        filled = {
             _fill(place, key, values, i): _fill(place, item, values, i)
             for key, item in rule.items()
         }
+        if len(filled) < len(rule):
+            raise CampaignError(f"{place}: a column is added up twice")
+        return filled
     if not isinstance(rule, str):
         return rule
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +131,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
             part = derive(part, rates)
             name = item["name"] + f"_{number}" * (len(parts) > 1)
             runs.append(_make_run({**item, "name": name}, part, settled))
+    _check_files(path, runs)
     _check_repeats(path, runs)
     found = 1.0 / float(np.median(np.diff(runs[0].time_s)))
     return Campaign(
@@ -184,6 +186,19 @@ def _numbers(path: Path, head: dict, device: Device) -> dict:
                 f"{path}: {name} is {quoted(value)}; allowed: {wanted}"
             )
     return found
+
+
+def _check_files(path: Path, runs: list[Run]) -> None:
+    """No two runs, or parts of them, are written to one file."""
+    seen: dict[str, str] = {}
+    for run in runs:
+        file = os.path.normpath(run.file).lower()
+        if file in seen:
+            raise CampaignError(
+                f"{path}: two runs would be {quoted(run.file)}; give them"
+                " names of their own by `name`"
+            )
+        seen[file] = run.file
 
 
 def _check_repeats(path: Path, runs: list[Run]) -> None:

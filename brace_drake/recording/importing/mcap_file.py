@@ -26,7 +26,10 @@ from brace_drake.core.errors import CampaignError, ReadError, quoted, reason
 from brace_drake.core.output import WriteBytes
 from brace_drake.core.reading import ReadBytes, decode, parse_json
 from brace_drake.core.reading.files import LARGEST, most_bytes
-from brace_drake.recording.importing.formats.flatten import numbers_in
+from brace_drake.recording.importing.formats.flatten import (
+    all_different,
+    numbers_in,
+)
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.table import Columns
@@ -204,7 +207,7 @@ def _read_all(data: bytes) -> tuple[dict[str, Columns], dict[str, dict]]:
             channel = channels[record.channel_id]
             if channel.message_encoding == _ENCODING:
                 value = parse_json(record.data, may_be_nan=True)
-                sample = dict(numbers_in("", value))
+                sample = all_different(list(numbers_in("", value)))
                 sample[_LOG_TIME] = 1e-9 * record.log_time
                 topics.setdefault(channel.topic, _Topic()).add(sample)
     return {name: topic.table() for name, topic in topics.items()}, metadata

@@ -13,12 +13,17 @@ from brace_drake.recording.importing.units import scale_of
 from brace_drake.recording.table import Columns
 
 _LEAST_RATE_DEVIATION = 0.02
+_MOST_ADDED = 64  # columns
 _NUMBER = number_from(-HUGE, HUGE, required=False)
 _FACTOR = number_from(-HUGE, HUGE)
 _RULE = {
     "from": Field(
         "a column's name, or a map of columns to their factors",
-        lambda v: isinstance(v, str | int | dict) and v not in ("", {}),
+        lambda v: (
+            isinstance(v, str | int | dict)
+            and v not in ("", {})
+            and not (isinstance(v, dict) and len(v) > _MOST_ADDED)
+        ),
         required=False,
     ),
     "unit": TEXT,
@@ -99,10 +104,11 @@ def read_channels(
     rows = len(next(iter(table.values())))
     channels = {}
     for name, rule in rules.items():
-        if "from" not in rule:
-            channels[name] = np.full(rows, float(rule["constant"]))
-            continue
         scale, offset = rule.get("scale", 1.0), rule.get("offset", 0.0)
+        if "from" not in rule:
+            value = scale * float(rule["constant"]) + offset
+            channels[name] = np.full(rows, value)
+            continue
         with np.errstate(over="ignore", invalid="ignore"):
             values = _add_up(source, table, rule["from"])
             channels[name] = scale * values + offset

@@ -8,10 +8,10 @@ from collections.abc import Iterable
 from brace_drake.recording.columns import BENCH, BRACE, DEVICES
 
 # What a column is about, by words in its name; the first that is found counts.
-_COMMAND = r"cmd|command(ed)?|drive|actuator|tau|u"
-_LENGTH = r"len|length|stroke|extension|pos|position|l|q"
-_DESIRED = r"[yv]?(desired|des|ref|reference|target|setpoint|d)"
-_AXIS = re.compile(r"\b(?:f|p|force|torso|marker|load)?([xyz])\b")
+_COMMAND = r"cmd|command(ed)?|drive|actuator|tau|u|stellkraft|antrieb"
+_LENGTH = r"len|length|stroke|extension|pos|position|l|q|länge|laenge"
+_DESIRED = r"[yv]?(desired|des|ref|reference|target|setpoint|d|soll\w*)"
+_AXIS = re.compile(r"\b(?:f|p|force|kraft|torso|marker|load|rumpf)?([xyz])\b")
 _FEWEST_LEGS = 6
 
 
@@ -55,13 +55,15 @@ def _has(words: str, pattern: str) -> bool:
 
 def _leg_channel(words: str) -> str | None:
     number = re.search(r"\b(\d+)\b", words)
-    is_leg = _has(words, r"leg|cyl|cylinder|actuator|strut|l|len|length|u|q")
+    is_leg = _has(
+        words, r"leg|bein|zylinder|cyl|cylinder|actuator|strut|l|len|length|u|q"
+    )
     if number is None or not is_leg or _has(words, "ring|pad|torso"):
         return None
     k = int(number[1])
-    if _has(words, _COMMAND) or _has(words, "force|f"):
+    if _has(words, _COMMAND) or _has(words, "force|kraft|f"):
         return f"leg{k}_force_command_N"
-    if _has(words, rf"leg|{_LENGTH}"):
+    if _has(words, rf"leg|bein|{_LENGTH}"):
         return f"leg{k}_length_m"
     return None
 
@@ -77,16 +79,16 @@ def _other_channel(words: str, device: str) -> str | None:
     ring = re.search(r"\bring (\d)\b", words)
     i = ring[1] if ring else "2"
     axis = _axis(words)
-    if _has(words, "(torso|marker|trunk)[xyz]?") and axis:
+    if _has(words, "(torso|marker|trunk|rumpf)[xyz]?") and axis:
         return f"torso_{axis}_m"
     if _has(words, _DESIRED):
-        if _has(words, "ay|y?(acc|accel|acceleration)|a"):
+        if _has(words, "ay|y?(acc|accel|acceleration)|a|soll(beschl\\w*)"):
             return f"ring{i}_ay_desired_m_s2"
-        if _has(words, "vy|y?(vel|velocity|speed)|v|vref"):
+        if _has(words, "vy|y?(vel|velocity|speed)|v|vref|soll(geschw\\w*)"):
             return f"ring{i}_vy_desired_m_s"
         return f"ring{i}_y_desired_m"
     if _has(words, "virtual"):
         return f"ring{i}_y_virtual_m"
-    if axis and _has(words, "(force|load|f)[xyz]?|ft"):
+    if axis and _has(words, "(force|kraft|load|f)[xyz]?|ft"):
         return f"ring{i}_force_{axis}_N"
     return None

@@ -72,7 +72,10 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
             check_file(path)
         columns = reader(path, options)
     if not columns:
-        raise CampaignError(f"{path}: no column of numbers there")
+        raise CampaignError(
+            f"{path}: no column of numbers there; of text, options.delimiter"
+            " and options.decimal say how numbers are written"
+        )
     return columns
 
 

@@ -63,6 +63,11 @@ _KINDS: tuple[tuple[str, dict[str, float]], ...] = (
 )
 
 
+def is_unit(unit: str, channel: str) -> bool:
+    """Whether values of a channel may be in a unit."""
+    return unit in dict(_KINDS).get(split_unit(channel)[1], {})
+
+
 def scale_of(unit: str, channel: str) -> float | str:
     """What values in a unit are multiplied by for a channel.
 

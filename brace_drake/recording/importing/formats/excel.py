@@ -16,6 +16,7 @@ from brace_drake.core.reading.files import LARGEST, most_bytes
 from brace_drake.recording.importing.formats.flatten import (
     Arrays,
     check_room,
+    distinct,
     pick,
 )
 
@@ -71,10 +72,12 @@ def _columns(rows: Iterator[tuple]) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def _names(header: Iterable) -> list[str]:
-    return [
-        str(i) if name is None else str(name).strip()
-        for i, name in enumerate(header, 1)
-    ]
+    return distinct(
+        [
+            str(i) if name is None else str(name).strip()
+            for i, name in enumerate(header, 1)
+        ]
+    )
 
 
 def _number(cell) -> float:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -10,10 +11,19 @@ from brace_drake.core.errors import ReadError, quoted, suggest
 from brace_drake.core.reading.files import LARGEST, most_bytes
 
 Arrays = dict[str, np.ndarray]
+_MOST_COLUMNS = 100_000
 
 
 def as_columns(arrays: Mapping[str, np.ndarray]) -> Arrays:
-    """Vectors as they are, and columns of matrices, which count from 1."""
+    """Vectors as they are, and columns of matrices, which count from 1.
+
+    Raises:
+        ReadError: There are more numbers or columns than memory is meant for.
+    """
+    check_room(sum(array.size for array in arrays.values()))
+    widths = [a.shape[1] if a.ndim == 2 else 1 for a in arrays.values()]
+    if sum(widths) > _MOST_COLUMNS:
+        raise ReadError(f"has {sum(widths)} columns; allowed: {_MOST_COLUMNS}")
     columns: Arrays = {}
     for name, array in arrays.items():
         if array.ndim == 1 and array.size > 1:
@@ -39,6 +49,33 @@ def numbers_in(name: str, value) -> Iterator[tuple[str, float]]:
             yield from numbers_in(f"{name}[{i}]", item)
     elif isinstance(value, int | float):
         yield name, float(value)
+
+
+def distinct(names: Sequence[str]) -> list[str]:
+    """Names of which each is there once: x(1), x(2) where one is there twice,
+    so that nobody takes one of them for the other.
+    """
+    count, seen = Counter(names), Counter[str]()
+    found = []
+    for name in names:
+        seen[name] += 1
+        is_alone = count[name] == 1
+        found.append(name if is_alone else f"{name}({seen[name]})")
+    return found
+
+
+def all_different(pairs: Sequence[tuple[str, float]]) -> dict[str, float]:
+    """Numbers of a sample by name.
+
+    Raises:
+        ReadError: A name is there twice.
+    """
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(n for n in found if names.count(n) > 1)
+        raise ReadError(f"{quoted(twice)} is there twice in a sample")
+    return found
 
 
 def check_room(count: int) -> None:

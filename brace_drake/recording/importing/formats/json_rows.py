@@ -12,6 +12,7 @@ from brace_drake.core.reading import ReadBytes, parse_json
 from brace_drake.core.reading.json_text import LARGEST_MB
 from brace_drake.recording.importing.formats.flatten import (
     Arrays,
+    all_different,
     check_room,
     numbers_in,
 )
@@ -57,7 +58,7 @@ def _from_columns(found: dict) -> Arrays:
 
 
 def _from_samples(samples: list[dict]) -> Arrays:
-    flat = [dict(numbers_in("", sample)) for sample in samples]
+    flat = [all_different(list(numbers_in("", s))) for s in samples]
     names = dict.fromkeys(name for sample in flat for name in sample)
     check_room(len(names) * len(flat))
     return {

@@ -17,6 +17,7 @@ import numpy as np
 
 from brace_drake.core.errors import ReadError, quoted
 from brace_drake.core.reading.files import LARGEST, most_bytes
+from brace_drake.recording.importing.formats.flatten import check_room
 
 _HEADER, _TAG = 128, 8
 _MATRIX, _COMPRESSED = 14, 15
@@ -118,6 +119,7 @@ def _matrix(
     if stored is None:
         return name, None
     flat = np.frombuffer(parts[3][1], f"{order}{stored}")
+    check_room(flat.size)
     if min(sizes, default=0) < 0 or math.prod(sizes) != flat.size:
         raise ReadError(f"{quoted(name or within)} has not the size it says")
     return name, flat.reshape(sizes, order="F").astype(float).squeeze()
@@ -173,6 +175,7 @@ def _version_4(data: bytes) -> Iterator[tuple[str, np.ndarray | dict | None]]:
         count = rows * columns
         if count * dtype.itemsize > len(data) - at:
             raise ReadError(f"{quoted(name)} has not the size it says")
+        check_room(count)
         flat = np.frombuffer(data, dtype, count, at)
         at += count * dtype.itemsize * (2 if is_complex else 1)
         if not is_text and not is_complex:

@@ -23,7 +23,7 @@ def read_npz(path: Path, group: str | None) -> Arrays:
             raise ReadError(f"no array {quoted(group)}")
         arrays = {group: arrays[group]}
     numbers = {n: a for n, a in arrays.items() if a.dtype.kind in _NUMBERS}
-    return as_columns({n: a.astype(float) for n, a in numbers.items()})
+    return {n: c.astype(float) for n, c in as_columns(numbers).items()}
 
 
 def read_npy(path: Path, group: str | None) -> Arrays:
@@ -38,4 +38,5 @@ def read_npy(path: Path, group: str | None) -> Arrays:
             f"an array of {array.ndim} dimensions of {array.dtype}; allowed: a"
             " matrix of numbers, a row a sample"
         )
-    return {str(i): c.astype(float) for i, c in enumerate(array.T, 1)}
+    columns = as_columns({"": array}).values()
+    return {str(i): c.astype(float) for i, c in enumerate(columns, 1)}

@@ -107,6 +107,8 @@ def _of_message(name: str, message) -> Iterator[tuple[str, float]]:
         return
     named = values.get("name")
     labels = named if isinstance(named, list) else []
+    if len(set(labels)) < len(labels):
+        labels = []
     for field, value in values.items():
         own = f"{name}.{field}" if name else field
         is_named = isinstance(value, np.ndarray) and len(value) == len(labels)

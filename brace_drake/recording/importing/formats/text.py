@@ -13,7 +13,7 @@ import numpy as np
 from brace_drake.core.errors import ReadError
 from brace_drake.core.reading import ReadBytes
 from brace_drake.core.reading.rows import decode_lines, is_number, read_rows
-from brace_drake.recording.importing.formats.flatten import Arrays
+from brace_drake.recording.importing.formats.flatten import Arrays, distinct
 
 # As a delimiter: blanks and tabs, as many as there are.
 BLANKS = " "
@@ -44,7 +44,8 @@ def read_text(
     """Columns that hold a number at all, NaN where they hold something else.
 
     Where the first row holds numbers alone there are no names: columns are
-    then named by their number, "1" the first.
+    then named by their number, "1" the first. Columns that share a name are
+    x(1), x(2).
 
     Args:
         path: The file.
@@ -63,7 +64,7 @@ def read_text(
         first = next(every)
         names = [str(i) for i in range(1, len(first) + 1)]
         if not is_row_of_numbers(first, decimal):
-            names = [name.strip() for name in first]
+            names = distinct([name.strip() for name in first])
         else:
             every = chain([first], every)
         rows = read_rows(every, len(names), decimal)
@@ -75,7 +76,8 @@ def read_text(
     if wrong.size:
         raise ReadError(
             f"row {wrong[0] + 1} has {rows.widths[wrong[0]]} fields,"
-            f" the header {len(names)}"
+            f" the header {len(names)}; options.skip_lines says how many lines"
+            " come before the header"
         )
     return {
         name: column
@@ -88,12 +90,22 @@ def split_lines(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
     """Fields of each line."""
     if delimiter == BLANKS:
         return (line.split() for line in lines)
-    return csv.reader(lines, delimiter=delimiter)
+    return _quoted_lines(lines, delimiter)
+
+
+def _quoted_lines(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
+    reader = csv.reader(lines, delimiter=delimiter, strict=True)
+    for number, fields in enumerate(reader, 1):
+        if reader.line_num != number:
+            raise ReadError(f"row {number}: a quote is open at its end")
+        yield fields
 
 
 def is_row_of_numbers(fields: list[str], decimal: str = ".") -> bool:
     """Whether there are fields, and each is a number."""
-    plain = [field.replace(decimal, ".") for field in fields]
+    plain = fields
+    if decimal != ".":
+        plain = [f.replace(".", "_").replace(decimal, ".") for f in fields]
     return bool(plain) and all(map(is_number, plain))
 
 

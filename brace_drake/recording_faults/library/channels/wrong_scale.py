@@ -51,7 +51,8 @@ CARD = RecordingFault(
     law="x_rec - zero = scale (x - zero)",
     signature="the channel is as many times too large in every sample, and"
     " the controller has not read it so",
-    remedy="divide the column by the scale, or name its unit in its header",
+    remedy="divide the column by the scale, or name its unit in its header;"
+    " where the machine is not the scenario's, name its own scenario",
     impostors={
         "force_scale": "the controller reads it too: commands still follow"
         " from readings",
