@@ -21,6 +21,7 @@ from brace_drake.recording import (
     WriteCampaign,
 )
 from brace_drake.recording.columns import near_misses
+from brace_drake.recording.findings import by_message, error, warning
 from brace_drake.recording.forces import explained
 from brace_drake.recording.manifest import parse_manifest
 from brace_drake.recording.samples import check_time, flat_extremes
@@ -35,6 +36,26 @@ from tests.test_campaign_read import (
 
 SHARED = Path(__file__).parents[2] / "shared"
 EXAMPLE = Path(__file__).parent / "data" / "example"
+
+
+class TestLines(unittest.TestCase):
+    def test_what_is_told_of_several_files_alike_is_one_line(self):
+        found = [
+            *(
+                warning(f"run{i}.csv", "no marker", "torso_x_m")
+                for i in range(3)
+            ),
+            warning("run0.csv", "no marker", "torso_y_m"),
+            error("run1.csv", "no marker", "torso_x_m"),
+        ]
+        self.assertEqual(
+            by_message(found),
+            [
+                f"{found[0]} (and 2 other files alike)",
+                str(found[3]),
+                str(found[4]),
+            ],
+        )
 
 
 class CheckTest(CampaignFolderTest):

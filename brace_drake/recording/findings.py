@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,20 @@ class Problem:
         if self.column is not None:
             place += f", column {self.column}"
         return one_line(f"{self.severity}: {place}: {self.message}")
+
+
+def by_message(problems: Sequence[Problem]) -> list[str]:
+    """A line for each problem; one for all files of which the same is told."""
+    alike: dict[tuple, list[Problem]] = {}
+    for p in problems:
+        key = p.severity, p.message, p.row, p.column
+        alike.setdefault(key, []).append(p)
+    lines = []
+    for same in alike.values():
+        more = len(same) - 1
+        others = f" (and {counted(more, 'other file')} alike)" if more else ""
+        lines.append(f"{same[0]}{others}")
+    return lines
 
 
 def counted(number: int, noun: str) -> str:

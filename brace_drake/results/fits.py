@@ -20,6 +20,8 @@ from brace_drake.results.options import (
 )
 from brace_drake.results.tables import fit_tables
 
+# Floors of mean square beyond which the subject alone explains no recording.
+_FAR = 2.0
 # Evaluations that a fit usually takes; for the estimate of the time left.
 _USUAL = 8
 
@@ -31,11 +33,13 @@ class FitResult:
         document: Content of fit.json.
         parameters: Its rows: name, unit, value, standard_error, lower95,
             upper95, at_limit, nominal, fixed.
+        warnings: What has to be known beside them.
     """
 
     def __init__(self, document: dict[str, Any]):
         self.document = document
         self.parameters: list[dict[str, Any]] = document["parameters"]
+        self.warnings = fit_warnings(document)
 
     def __repr__(self) -> str:
         width = max((len(p["name"]) for p in self.parameters), default=0)
@@ -43,6 +47,7 @@ class FitResult:
             f"<Fit of {self.document['campaign']}: mean square"
             f" {self.document['mean_square']:.4g} floors",
             *(f"  {p['name']:{width}} {_shown(p)}" for p in self.parameters),
+            *(f"  warning: {text}" for text in self.warnings),
         ]
         return "\n".join(lines) + ">"
 
@@ -133,6 +138,16 @@ def fit(
                 diagram=find_diagram(diagram),
             )
         )
+
+
+def fit_warnings(document: Mapping[str, Any]) -> list[str]:
+    """What has to be known beside the parameters of fit.json."""
+    if document["mean_square"] <= _FAR:
+        return []
+    return [
+        "far above 1: the twin lacks something, and its parameters follow"
+        " what it lacks; run brace-drake diagnose"
+    ]
 
 
 def _told(run: Callable[..., dict], progress: Any) -> Callable[..., dict]:

@@ -16,7 +16,7 @@ from brace_drake.cli.options import (
 )
 from brace_drake.core.errors import BraceError
 from brace_drake.recording import CheckCampaign, LoadCampaign
-from brace_drake.recording.findings import Problem, counted
+from brace_drake.recording.findings import Problem, by_message, counted
 
 _EPILOG = """\
 example:
@@ -56,8 +56,8 @@ def Run(args: argparse.Namespace) -> int:
         rows = [asdict(problem) for problem in problems]
         PrintJson({"usable": usable, "problems": rows})
         return 2 if errors else 0
-    for problem in problems:
-        print(problem)
+    for line in by_message(problems):
+        print(line)
     if note:
         print(note)
     verdict = "not usable" if errors else "usable"

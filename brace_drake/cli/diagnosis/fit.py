@@ -29,8 +29,6 @@ example:
 
 Prints the parameters with standard errors. --out also writes fit.json.
 """
-# Floors of mean square beyond which the subject alone explains no recording.
-_FAR = 2.0
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -83,6 +81,8 @@ def Run(args: argparse.Namespace) -> int:
 
 def format_fit(found: dict) -> str:
     """The starts, the parameters as a table, and how sharp the fit is."""
+    from brace_drake.results.fits import fit_warnings
+
     lines = [
         f"start from {start['run']}: k {start['stiffness']:.0f} N/m,"
         f" c {start['damping']:.0f} N s/m"
@@ -118,9 +118,4 @@ def format_fit(found: dict) -> str:
         f" {correlation[i, j]:.2f} ({names[i]}, {names[j]}),"
         f" {found['solver']}: {found['evaluations']} evaluations"
     )
-    if found["mean_square"] > _FAR:
-        lines.append(
-            "far above 1: the twin lacks something, and its parameters follow"
-            " what it lacks; run brace-drake diagnose"
-        )
-    return "\n".join(lines)
+    return "\n".join([*lines, *fit_warnings(found)])
