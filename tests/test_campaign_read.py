@@ -243,7 +243,7 @@ class TestWriteRefusals(CampaignFolderTest):
 
     def test_a_place_that_is_no_folder_is_told_in_one_line(self):
         (self.folder / "file").write_text("")
-        self.assert_refused(self.folder / "file", "not replaced")
+        self.assert_refused(self.folder / "file", "is not empty")
         self.assert_refused(self.folder / "file" / "out", "cannot be written")
 
     def test_a_read_only_place_is_told_in_one_line(self):
