@@ -33,13 +33,16 @@ class FitResult:
         document: Content of fit.json.
         parameters: Its rows: name, unit, value, standard_error, lower95,
             upper95, at_limit, nominal, fixed.
-        warnings: What has to be known beside them.
     """
 
     def __init__(self, document: dict[str, Any]):
         self.document = document
         self.parameters: list[dict[str, Any]] = document["parameters"]
-        self.warnings = fit_warnings(document)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What has to be known beside the parameters."""
+        return fit_warnings(self.document)
 
     def __repr__(self) -> str:
         width = max((len(p["name"]) for p in self.parameters), default=0)
