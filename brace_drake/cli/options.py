@@ -179,15 +179,6 @@ def scenario_note(campaign, used: dict) -> str:
     return f"{text}, not {named.name} of {MANIFEST}" if named else text
 
 
-def load_scenario_option(path: str | None):
-    """The scenario of --scenario, None for the package's own."""
-    if path is None:
-        return None
-    from brace_drake.scenario.load import LoadScenario
-
-    return LoadScenario(path)
-
-
 def AddMotion(parser: argparse.ArgumentParser, **options) -> None:
     """Adds --motion."""
     parser.add_argument(

@@ -117,10 +117,11 @@ class DiagnosisResult:
             CampaignError: No such run, or nothing of it can be drawn.
         """
         from brace_drake.report.figures.traces import draw_trace
+        from brace_drake.report.traces import most_telling
 
         if run is None:
-            held = [t for t in self.traces if t.split == "validation"]
-            trace = max(held or self.traces, key=_gap_of)
+            place, _ = most_telling(self.traces) or (0, None)
+            trace = self.traces[place]
         else:
             known = {t.name: t for t in self.traces}
             if run not in known:
@@ -263,14 +264,6 @@ def diagnose(
             choice=choice,
         )
     return DiagnosisResult(found, command)
-
-
-def _gap_of(trace: Any) -> float:
-    """Largest normalised gap of a run before the repair."""
-    worst = trace.worst_channel()
-    if worst is None:
-        return 0.0
-    return float(trace.normalised_rms(trace.before)[worst])
 
 
 def _png_of(figure: Any) -> bytes:

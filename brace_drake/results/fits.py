@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from brace_drake.core.frames import pick_frames
-from brace_drake.core.output import MakeFolder, WriteJson
 from brace_drake.core.progress import open_bar
 from brace_drake.recording.recording import Campaign
 from brace_drake.results.campaigns import as_campaign
+from brace_drake.results.document_result import DocumentResult
 from brace_drake.results.options import (
     Names,
     Progress,
@@ -26,7 +26,7 @@ _FAR = 2.0
 _USUAL = 8
 
 
-class FitResult:
+class FitResult(DocumentResult):
     """Parameters of a subject with their uncertainty.
 
     Attributes:
@@ -35,8 +35,10 @@ class FitResult:
             upper95, at_limit, nominal, fixed.
     """
 
+    FILE = "fit.json"
+
     def __init__(self, document: dict[str, Any]):
-        self.document = document
+        super().__init__(document)
         self.parameters: list[dict[str, Any]] = document["parameters"]
 
     @property
@@ -74,16 +76,6 @@ class FitResult:
             ExtraError: pandas is not installed.
         """
         return pick_frames(fit_tables(self.document), table)
-
-    def save(self, folder: str | Path) -> Path:
-        """Writes fit.json into a folder, which is made; returns the file.
-
-        Raises:
-            OutputError: It cannot be written.
-        """
-        file = MakeFolder(Path(folder)) / "fit.json"
-        WriteJson(file, self.document)
-        return file
 
 
 def fit(

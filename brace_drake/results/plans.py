@@ -7,9 +7,9 @@ from typing import Any
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.core.frames import pick_frames
-from brace_drake.core.output import MakeFolder, WriteJson
 from brace_drake.devices.choice import as_names
 from brace_drake.recording.recording import Campaign, Run
+from brace_drake.results.document_result import DocumentResult
 from brace_drake.results.options import (
     Names,
     Progress,
@@ -20,7 +20,7 @@ from brace_drake.results.options import (
 from brace_drake.results.tables import plan_tables
 
 
-class PlanResult:
+class PlanResult(DocumentResult):
     """What runs would show of each effect, before they are recorded.
 
     Attributes:
@@ -29,8 +29,10 @@ class PlanResult:
         pairs: Pairs of effects that they do not tell apart.
     """
 
+    FILE = "plan.json"
+
     def __init__(self, document: dict[str, Any]):
-        self.document = document
+        super().__init__(document)
         self.runs: list[str] = document["runs"]
         self.pairs = [tuple(p["effects"]) for p in document["pairs"]]
 
@@ -56,16 +58,6 @@ class PlanResult:
             ExtraError: pandas is not installed.
         """
         return pick_frames(plan_tables(self.document), table)
-
-    def save(self, folder: str | Path) -> Path:
-        """Writes plan.json into a folder, which is made; returns the file.
-
-        Raises:
-            OutputError: It cannot be written.
-        """
-        file = MakeFolder(Path(folder)) / "plan.json"
-        WriteJson(file, self.document)
-        return file
 
 
 def plan(

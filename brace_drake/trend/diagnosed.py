@@ -8,11 +8,12 @@ from collections.abc import Callable
 from contextlib import nullcontext
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from brace_drake.core.errors import BraceError, CampaignError
 from brace_drake.core.output import MakeFolder, WriteJson
 from brace_drake.core.parallel import Workers
-from brace_drake.core.reading import LoadJson, ReadBytes, in_file, parse_yaml
+from brace_drake.core.reading import LoadJson
 from brace_drake.core.resources import cache_path
 from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.recording.manifest import MANIFEST
@@ -23,8 +24,6 @@ from brace_drake.trend.sessions import (
     parse_date,
     session_of,
 )
-
-_DATE = "recorded"  # key of campaign.yaml
 
 
 def is_campaign(folder: Path) -> bool:
@@ -73,31 +72,25 @@ def LoadOrDiagnose(
     """
     if not is_campaign(folder):
         return LoadSession(folder), None
+    # Numba and Drake are slow to import: only where there is a campaign.
+    from brace_drake.devices.nominal_scenario import choose_scenario
+
     campaign = LoadCampaign(folder)
-    date = campaign_date(folder)
-    place = None if diagram else _place(campaign, scenario, seed)
+    named = choose_scenario(campaign, scenario)
+    date = None
+    if campaign.recorded:
+        date = parse_date(campaign.recorded, str(folder / MANIFEST))
+    place = None if diagram else _place(campaign, named, seed)
     document = _kept(place)
     if document is None:
         with bar() as progress:
             document = _diagnose(
-                campaign, workers, seed, scenario, diagram, progress
+                campaign, workers, seed, named, diagram, progress
             )
         if place is not None:
             WriteJson(MakeFolder(place) / DIAGNOSIS, document)
     session = session_of(document, folder, str(folder))
     return session.with_date(date or session.date), document
-
-
-def campaign_date(folder: Path):
-    """When a campaign was recorded, by its campaign.yaml; None without.
-
-    Raises:
-        CampaignError: It is no date.
-    """
-    path = folder / MANIFEST
-    with in_file(path, CampaignError):
-        found = parse_yaml(ReadBytes(path, 4)).get(_DATE)
-    return None if found is None else parse_date(found, str(path))
 
 
 def _diagnose(campaign, workers, seed, scenario, diagram, progress) -> dict:
@@ -133,19 +126,18 @@ def _kept(place: Path | None) -> dict | None:
     return found
 
 
-def _place(campaign: Campaign, scenario, seed: int) -> Path:
+def _place(campaign: Campaign, named: Any, seed: int) -> Path:
     """Folder of the cache for all that a diagnosis is made of."""
-    from pydrake.common.yaml import yaml_dump_typed
-
     from brace_drake.document.document import campaign_hash
 
-    named = campaign.scenario
+    own = None
+    if named.scenario is not None:
+        own = named.describe(named.scenario)["sha256"]
     made_of = [
         # The sentence of a verdict has the name in it.
         campaign.name,
         campaign_hash(campaign),
-        "" if scenario is None else yaml_dump_typed(scenario),
-        named.data.decode(errors="replace") if named else "",
+        own,
         seed,
         _code_hash(),
     ]

@@ -15,9 +15,9 @@ from brace_drake.cli.options import (
     not_negative,
     open_workers_option,
     positive,
-    share_bar,
 )
 from brace_drake.core.output import HoldFolder
+from brace_drake.core.progress import share_bar
 
 _EPILOG = """\
 example:

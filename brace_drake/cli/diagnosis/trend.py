@@ -16,11 +16,11 @@ from brace_drake.cli.options import (
     AddScenario,
     PrintJson,
     find_diagram_option,
-    load_scenario_option,
+    name_scenario_option,
     open_workers_option,
-    share_bar,
 )
 from brace_drake.core.output import HoldFolder, MakeFolder, WriteJson
+from brace_drake.core.progress import share_bar
 
 _EPILOG = """\
 examples:
@@ -174,7 +174,7 @@ def _sessions(args: argparse.Namespace, out: Path) -> list:
     # A folder that is none is told before minutes are spent on others.
     for folder in folders:
         is_campaign(folder)
-    scenario = load_scenario_option(args.scenario)
+    scenario = name_scenario_option(args.scenario)
     diagram = find_diagram_option(args.diagram)
     sessions = []
     with open_workers_option(args) as workers:
