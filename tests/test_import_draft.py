@@ -15,6 +15,7 @@ from brace_drake.recording.importing.dialect import guess_options
 from brace_drake.recording.importing.draft import (
     draft_map,
     guess_channels,
+    read_draft,
     unit_of,
 )
 from brace_drake.recording.importing.mapped import ImportCampaign
@@ -106,7 +107,7 @@ class TestDraft(unittest.TestCase):
     def test_a_draft_is_a_map_that_imports(self):
         with tempfile.TemporaryDirectory() as folder:
             path = german(folder)
-            text = draft_map(path)
+            text = draft_map(read_draft(path))
             (Path(folder) / "a.map.yaml").write_text(text)
             campaign = ImportCampaign(Path(folder) / "a.map.yaml")
         (run,) = campaign.runs
@@ -135,7 +136,7 @@ class TestDraft(unittest.TestCase):
             for text in ("", "a\n", "a,b\nx,y\n"):
                 path.write_text(text)
                 with self.subTest(text), self.assertRaises(CampaignError):
-                    draft_map(path)
+                    draft_map(read_draft(path))
 
 
 if __name__ == "__main__":

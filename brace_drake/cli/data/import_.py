@@ -83,11 +83,11 @@ def _init(args: argparse.Namespace) -> int:
     """Prints a draft of a map, and draws what it was made from."""
     from brace_drake.recording.importing.draft import draft_map, read_draft
 
-    print(draft_map(args.map), end="")
+    draft = read_draft(args.map)
+    print(draft_map(draft), end="")
     if args.plot is not None:
         from brace_drake.core.output import WriteBytes
         from brace_drake.recording.importing.draft_plot import plot_draft
 
-        _, table, _, guesses = read_draft(args.map)
-        WriteBytes(Path(args.plot), plot_draft(guesses, table))
+        WriteBytes(Path(args.plot), plot_draft(draft))
     return 0

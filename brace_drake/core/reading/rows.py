@@ -77,12 +77,7 @@ def read_rows(
             values.extend(lost)
             kinds += numbers
             continue
-        if decimal != ".":
-            # A point is none then: of thousands, or a mistake.
-            fields = [
-                field.replace(".", "_").replace(decimal, ".")
-                for field in fields
-            ]
+        fields = with_points(fields, decimal)
         row = _all_numbers(fields)
         if row is not None:
             values.extend(row)
@@ -104,6 +99,15 @@ def read_rows(
         np.array(widths, int),
         first,
     )
+
+
+def with_points(fields: list[str], decimal: str) -> list[str]:
+    """Fields with a point for their decimal sign. Where that is another one a
+    point is none: of thousands, or a mistake.
+    """
+    if decimal == ".":
+        return fields
+    return [f.replace(".", "_").replace(decimal, ".") for f in fields]
 
 
 def is_number(field: str) -> bool:

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +23,10 @@ from brace_drake.recording.columns import (
 )
 from brace_drake.recording.importing.derived import derivable
 from brace_drake.recording.importing.dialect import guess_options
-from brace_drake.recording.importing.stage_names import guess_stage_channels
+from brace_drake.recording.importing.stage_names import (
+    guess_stage_channels,
+    words_of,
+)
 from brace_drake.recording.importing.tables import LoadTable
 from brace_drake.recording.importing.units import is_unit
 from brace_drake.recording.table import Columns
@@ -94,26 +98,38 @@ class Guess:
     by_range: bool = False
 
 
-def draft_map(path: str | Path) -> str:
-    """A map for one file, as YAML with what was guessed in remarks.
+class Draft(NamedTuple):
+    """A recording, and what it was taken for.
+
+    Attributes:
+        path: The file.
+        options: Of its reader.
+        table: Its columns.
+        device: Whose recording it may be.
+        guesses: What each column may be.
+    """
+
+    path: Path
+    options: dict
+    table: Columns
+    device: str
+    guesses: list[Guess]
+
+
+def read_draft(path: str | Path) -> Draft:
+    """A file, its columns, and what they may be.
 
     Raises:
         CampaignError: The file cannot be read, or has no columns of numbers.
     """
-    options, table, device, guesses = read_draft(path)
-    lines = _lines(Path(path), options, device, guesses, table)
-    return "\n".join(lines) + "\n"
-
-
-def read_draft(path: str | Path) -> tuple[dict, Columns, str, list[Guess]]:
-    """Options of a file's reader, its columns, the device, and the guesses.
-
-    Raises:
-        CampaignError: As of `draft_map`.
-    """
     options = guess_options(Path(path))
     table = LoadTable(path, options)
-    return options, table, *guess_channels(table)
+    return Draft(Path(path), options, table, *guess_channels(table))
+
+
+def draft_map(draft: Draft) -> str:
+    """A map for one file, as YAML with what was guessed in remarks."""
+    return "\n".join(_lines(draft)) + "\n"
 
 
 def guess_channels(table: Columns) -> tuple[str, list[Guess]]:
@@ -174,8 +190,7 @@ def unit_of(column: str) -> str:
 
 
 def _channels(column: str, unit: str) -> Iterator[str]:
-    words = re.sub(r"[\[(].*", "", column)
-    words = re.sub(r"(?<=[a-z])(?=[A-Z])|[_\-.]", " ", words).lower()
+    words = words_of(column)
     is_command = bool(re.search(_COMMAND, words))
     for pattern, (measured, *command) in _WORDS:
         if not re.search(pattern, words):
@@ -186,13 +201,8 @@ def _channels(column: str, unit: str) -> Iterator[str]:
                 yield name
 
 
-def _lines(
-    path: Path,
-    options: dict,
-    device: str,
-    guesses: list[Guess],
-    table: Columns,
-) -> Iterator[str]:
+def _lines(draft: Draft) -> Iterator[str]:
+    path, options, table, device, guesses = draft
     yield "format: brace-import/1"
     yield f"device: {device}  # or another one: brace-drake devices"
     yield f"subject: {_quoted(path.stem)}"

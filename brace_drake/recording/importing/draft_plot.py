@@ -3,25 +3,19 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.recording.importing.draft import Guess
-from brace_drake.recording.table import Columns
+from brace_drake.recording.importing.draft import Draft
 
 _ACROSS, _MOST_POINTS, _MOST_PANELS = 4, 2000, 60
 
 
-def plot_draft(guesses: Sequence[Guess], table: Columns) -> bytes:
-    """A panel for each column over the time, as PNG: accept or correct.
-
-    Args:
-        guesses: Of `guess_channels`.
-        table: The file's columns.
-    """
+def plot_draft(draft: Draft) -> bytes:
+    """A panel for each column over the time, as PNG: accept or correct."""
     from matplotlib.figure import Figure
 
+    guesses, table = draft.guesses, draft.table
     clock = next((g.column for g in guesses if g.channel == "time_s"), None)
     shown = [g for g in guesses if g.column != clock][:_MOST_PANELS]
     down = max(-(-len(shown) // _ACROSS), 1)

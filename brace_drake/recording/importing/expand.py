@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping
 
 from brace_drake.core.errors import CampaignError, quoted
+from brace_drake.recording.importing.rules import MOST_ADDED
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _MOST = 1000  # channels
@@ -48,7 +49,7 @@ def _expand(place: str, name: str, rule: object) -> list[tuple[str, object]]:
     if len(braces) > 1:
         raise CampaignError(f"{place}: allowed: one pair of braces")
     values = _values(place, braces[0])
-    if len(values) > _MOST or (isinstance(rule, dict) and len(rule) > _MOST):
+    if len(values) > _MOST:
         raise CampaignError(f"{place}: allowed: {_MOST} channels")
     return [
         (_BRACES.sub(value, name), _fill(place, rule, values, i))
@@ -74,6 +75,8 @@ def _values(place: str, text: str) -> list[str]:
 def _fill(place: str, rule: object, values: list[str], i: int) -> object:
     """The i-th channel's rule: texts within it with their braces filled."""
     if isinstance(rule, dict):
+        if len(rule) > MOST_ADDED:
+            raise CampaignError(f"{place}: allowed: {MOST_ADDED} columns")
         # Columns of a sum are keys.
         filled = {
             _fill(place, key, values, i): _fill(place, item, values, i)

@@ -148,13 +148,14 @@ def has_json_messages(path: Path) -> bool:
     Raises:
         CampaignError: One line: file, and what is wrong with it.
     """
+    has_topics = False
     with _reading(path):
-        found = {
-            record.message_encoding
-            for record in _records(ReadBytes(path))
-            if type(record).__name__ == "Channel"
-        }
-    return not found or _ENCODING in found
+        for record in _records(ReadBytes(path)):
+            if type(record).__name__ == "Channel":
+                has_topics = True
+                if record.message_encoding == _ENCODING:
+                    return True
+    return not has_topics
 
 
 class _Topic:

@@ -13,7 +13,7 @@ from brace_drake.recording.importing.units import scale_of
 from brace_drake.recording.table import Columns
 
 _LEAST_RATE_DEVIATION = 0.02
-_MOST_ADDED = 64  # columns
+MOST_ADDED = 64  # columns
 _NUMBER = number_from(-HUGE, HUGE, required=False)
 _FACTOR = number_from(-HUGE, HUGE)
 _RULE = {
@@ -22,7 +22,7 @@ _RULE = {
         lambda v: (
             isinstance(v, str | int | dict)
             and v not in ("", {})
-            and not (isinstance(v, dict) and len(v) > _MOST_ADDED)
+            and not (isinstance(v, dict) and len(v) > MOST_ADDED)
         ),
         required=False,
     ),

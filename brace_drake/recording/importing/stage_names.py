@@ -42,11 +42,15 @@ def guess_stage_channels(
     return device, found
 
 
-def _words(column: str) -> str:
+def words_of(column: str) -> str:
+    """The words of a column's name, small, its unit in brackets left out."""
     name = re.sub(r"[\[(].*", "", column)
-    name = re.sub(r"(?<=[a-z])(?=[A-Z])|[_\-.]", " ", name).lower()
+    return re.sub(r"(?<=[a-z])(?=[A-Z])|[_\-.]", " ", name).lower()
+
+
+def _words(column: str) -> str:
     # A number is a word of its own, whatever it stands behind.
-    return " ".join(re.sub(r"(\d+)", r" \1 ", name).split())
+    return " ".join(re.sub(r"(\d+)", r" \1 ", words_of(column)).split())
 
 
 def _has(words: str, pattern: str) -> bool:

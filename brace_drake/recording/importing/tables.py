@@ -63,7 +63,7 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
     path = Path(path)
     is_bag = (path / _BAG).is_file()
     ending = path.suffix.lower()
-    reader = partial(_read_apart, "ros bag") if is_bag else READERS.get(ending)
+    reader = _BAG_READER if is_bag else READERS.get(ending)
     if reader is None:
         known = f"known are {', '.join(READERS)}, and folders of ROS 2 bags"
         raise CampaignError(f"{path}: {ending or 'no ending'}; {known}")
@@ -99,7 +99,7 @@ def _read_matlab(path: Path, options: dict) -> Columns:
 def _read_mcap(path: Path, options: dict) -> Columns:
     if has_json_messages(path):
         return LoadMcapTable(path, options)
-    return _read_apart("ros bag", path, options)
+    return _BAG_READER(path, options)
 
 
 def _read_excel(path: Path, options: dict) -> Columns:
@@ -107,14 +107,11 @@ def _read_excel(path: Path, options: dict) -> Columns:
     return read_apart("excel", path, options.get("group"), skipped)
 
 
-def _read_apart(kind: str, path: Path, options: dict) -> Columns:
-    return read_apart(kind, path, options.get("group"))
-
-
 def _grouped(reader: Callable[..., Columns]) -> Callable[..., Columns]:
     return lambda path, options: reader(path, options.get("group"))
 
 
+_BAG_READER = _grouped(partial(read_apart, "ros bag"))
 READERS: dict[str, Callable[..., Columns]] = {
     **dict.fromkeys((".csv", ".txt", ".tsv", ".dat"), _read_text),
     ".mat": _read_matlab,
@@ -123,7 +120,7 @@ READERS: dict[str, Callable[..., Columns]] = {
     **dict.fromkeys((".json", ".jsonl", ".ndjson"), _grouped(read_json)),
     ".npz": _grouped(read_npz),
     ".npy": _grouped(read_npy),
-    **dict.fromkeys((".h5", ".hdf5"), partial(_read_apart, "hdf5")),
+    **dict.fromkeys((".h5", ".hdf5"), _grouped(partial(read_apart, "hdf5"))),
     **dict.fromkeys((".xlsx", ".xlsm"), _read_excel),
-    **dict.fromkeys((".db3", ".bag"), partial(_read_apart, "ros bag")),
+    **dict.fromkeys((".db3", ".bag"), _BAG_READER),
 }

@@ -12,7 +12,12 @@ import numpy as np
 
 from brace_drake.core.errors import ReadError
 from brace_drake.core.reading import ReadBytes
-from brace_drake.core.reading.rows import decode_lines, is_number, read_rows
+from brace_drake.core.reading.rows import (
+    decode_lines,
+    is_number,
+    read_rows,
+    with_points,
+)
 from brace_drake.recording.importing.formats.flatten import Arrays, distinct
 
 # As a delimiter: blanks and tabs, as many as there are.
@@ -103,10 +108,7 @@ def _quoted_lines(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
 
 def is_row_of_numbers(fields: list[str], decimal: str = ".") -> bool:
     """Whether there are fields, and each is a number."""
-    plain = fields
-    if decimal != ".":
-        plain = [f.replace(".", "_").replace(decimal, ".") for f in fields]
-    return bool(plain) and all(map(is_number, plain))
+    return bool(fields) and all(map(is_number, with_points(fields, decimal)))
 
 
 def _is_utf_8(data: bytes) -> bool:
