@@ -24,7 +24,8 @@ _UNITS = (
 _AXES = "xyz"
 # Columns so much alike are one, misspelt.
 _MISSPELT = 0.85
-_MARKS = re.compile(r"\d+|(?<=_)[xyz](?=_)")
+# What tells columns of one kind apart: a number, or an axis.
+MARKS = re.compile(r"\d+|(?<=_)[xyz](?=_)")
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ def near_misses(
     found = {}
     for name in names:
         # Another leg, ring or axis is no misspelling.
-        alike = [n for n in there if _MARKS.findall(n) == _MARKS.findall(name)]
+        alike = [n for n in there if MARKS.findall(n) == MARKS.findall(name)]
         found[name] = quantities.get(
             split_unit(name)[0].lower(), closest(name, alike, _MISSPELT)
         )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import re
 from collections.abc import Iterable
 from typing import Any
 
 from brace_drake.cli.library.table import format_table
 from brace_drake.cli.options import AddCommand, AddJson, PrintJson
+from brace_drake.recording.columns import MARKS
 
 _EPILOG = """\
 example:
@@ -19,7 +19,6 @@ One line for each device that campaign.yaml can name: where its nominal numbers
 are from, and its channels, those in brackets optional; leg1..6 stands for six
 legs, x..z for three axes. Devices of installed packages are among them.
 """
-_PARTS = re.compile(r"\d+|(?<=_)[xyz](?=_)")
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -117,7 +116,7 @@ def _merged(names: list[str]) -> list[str]:
     """Names with the first part merged that makes the most of them one."""
     groups: dict[tuple[str, str], list[tuple[str, str]]] = {}
     for name in names:
-        for part in _PARTS.finditer(name):
+        for part in MARKS.finditer(name):
             key = name[: part.start()], name[part.end() :]
             groups.setdefault(key, []).append((part.group(), name))
     key, group = max(
