@@ -6,15 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from brace_drake.core.errors import BraceError
-from brace_drake.effects.stack import Use
-from brace_drake.identification.evaluation import (
-    Evaluator,
-    PreparedRun,
+from brace_drake.devices.replays import (
     is_dithered,
-    replay,
+    replay_each,
     uses_in_run,
 )
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.noise_floor import NoiseFloor, estimate_floor
 from brace_drake.identification.prepare import noise_replicates, prepare_run
 from brace_drake.recording.recording import Run
@@ -97,22 +95,15 @@ def predict(
     if dithered is None:
         dithered = any(is_dithered(twin, u) for _, u in points)
 
-    def one(prepared, subject, uses):
-        try:
-            simulated = replay(
-                twin,
-                prepared,
-                subject,
-                uses_in_run(uses, 0),
-                _DITHERS if dithered else 0,
-            )
-        except BraceError:
-            return None
-        return prepared.weigh(simulated)
+    noisy = [_DITHERS if dithered else 0] * len(points)
+    each = [(subject, uses_in_run(uses, 0)) for subject, uses in points]
 
-    tasks = [(p, s, u) for s, u in points for p in evaluator.prepared]
-    parts, size = evaluator.map(one, tasks), len(evaluator.prepared)
-    return [parts[i : i + size] for i in range(0, len(parts), size)]
+    def predict(p):
+        replays = replay_each(twin, p.motion, p.seed, each, noisy)
+        return [None if x is None else p.weigh(x) for x in replays]
+
+    parts = evaluator.map(predict, [(p,) for p in evaluator.prepared])
+    return [list(of_runs) for of_runs in zip(*parts, strict=True)]
 
 
 def subject_columns(

@@ -20,8 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.design.planned import predict, subject_columns
+from brace_drake.devices.replays import is_dithered
 from brace_drake.effects.card import Effect
-from brace_drake.identification.evaluation import Evaluator, is_dithered
+from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.least_squares import beyond, orthonormal_basis
 
 # Sizes at which a gap counts as one floor, and tries to find them.

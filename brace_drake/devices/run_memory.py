@@ -8,7 +8,7 @@ replays of a fit were computed before. What is remembered is exact.
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from threading import Lock
 
 import numpy as np
@@ -46,12 +46,40 @@ class RunMemory:
                 self._logs.move_to_end(key)
                 return self._logs[key]
         log = compute()
-        log.flags.writeable = False
         with self._lock:
-            self._logs[key] = log
-            while len(self._logs) > self._most:
-                self._logs.popitem(last=False)
+            self._keep(key, log)
         return log
+
+    def recall_each(
+        self,
+        keys: Sequence[Hashable],
+        compute: Callable[[Sequence[int]], Sequence[np.ndarray | None]],
+    ) -> list[np.ndarray | None]:
+        """The logs of keys; those not known, each once, are computed at once
+        from their places. None where there is none.
+        """
+        with self._lock:
+            known = {k: self._logs[k] for k in keys if k in self._logs}
+        places: dict[Hashable, int] = {}
+        for place, key in enumerate(keys):
+            if key not in known:
+                places.setdefault(key, place)
+        logs = compute(list(places.values())) if places else []
+        new = dict(zip(places, logs, strict=True))
+        with self._lock:
+            for key, log in new.items():
+                if log is not None:
+                    self._keep(key, log)
+            for key in known:
+                if key in self._logs:
+                    self._logs.move_to_end(key)
+        return [new[key] if key in new else known[key] for key in keys]
+
+    def _keep(self, key: Hashable, log: np.ndarray) -> None:
+        log.flags.writeable = False
+        self._logs[key] = log
+        while len(self._logs) > self._most:
+            self._logs.popitem(last=False)
 
 
 def key_of_run(

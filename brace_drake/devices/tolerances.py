@@ -212,16 +212,10 @@ def linearise_tolerances(
         )
         steps.append(step)
     try:
-        changes = evaluator.map(
-            lambda p: evaluator.changes(p, subject, uses, more, here),
-            [(p,) for p in evaluator.prepared],
-        )
+        changes = evaluator.changes(subject, uses, more, here)
     except BraceError:
         return None
-    columns = np.column_stack(
-        [np.concatenate(parts) for parts in zip(*changes, strict=True)]
-    )
-    columns /= steps
+    columns = np.column_stack(changes) / steps
     if len(ways) < len(nuisances):
         other = np.eye(len(nuisances)) - ways.T @ ways
         columns = columns @ ways + before.basis @ (before.columns @ other)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from brace_drake.core.errors import BraceError
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use, modify_numbers
@@ -104,6 +105,29 @@ class ReplayTwin(ABC):
         uses = (*self.carried, *uses)
         numbers = modify_numbers(self.with_subject(subject), uses)
         return self._replay(numbers, motion, subject, uses, generator)
+
+    def simulate_each(
+        self,
+        motion,
+        points: Sequence[tuple[np.ndarray, Sequence[Use]]],
+        seed: Sequence[int] | None = None,
+    ) -> list[np.ndarray | None]:
+        """`simulate` at several points, each what it is alone; None where the
+        run broke down.
+
+        Args:
+            motion: From `motion`.
+            points: Subject and uses of each.
+            seed: Of the reading noise, the same at all; None: exact readings.
+        """
+        logs: list[np.ndarray | None] = []
+        for subject, uses in points:
+            generator = None if seed is None else np.random.default_rng(seed)
+            try:
+                logs.append(self.simulate(motion, subject, uses, generator))
+            except BraceError:
+                logs.append(None)
+        return logs
 
     @abstractmethod
     def _replay(

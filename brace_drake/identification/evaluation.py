@@ -9,6 +9,12 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
+from brace_drake.devices.replays import (
+    is_dithered,
+    replay,
+    replay_each,
+    uses_in_run,
+)
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
@@ -20,6 +26,8 @@ from brace_drake.recording.recording import Run
 # comparison that counts, and in one that only ranks.
 NUM_DITHERS = 3
 _FEW_DITHERS = 1
+# Points in a task.
+_AT_ONCE = 8
 
 
 @dataclass(frozen=True)
@@ -74,41 +82,12 @@ class PreparedRun:
         )
 
 
-def uses_in_run(uses: Sequence[Use], index: int) -> tuple[Use, ...]:
-    """Effects with the parameters that they have in one run."""
-    return tuple((e, e.in_run(values, index)) for e, values in uses)
-
-
-def is_dithered(twin, uses: Sequence[Use]) -> bool:
-    """Whether a twin with these effects is averaged over noisy replays.
-
-    Where readings feed a loop, their noise moves the machine; what that does
-    to effects such as dry friction has to be averaged.
-    """
-    rough = any(effect.dithered for effect, _ in (*twin.carried, *uses))
-    return rough and twin.has_loop
-
-
-def replay(
-    twin,
-    prepared: PreparedRun,
-    subject: np.ndarray,
-    uses: Sequence[Use],
-    noisy: int,
-) -> np.ndarray:
-    """A run by a twin (N, C): the mean of noisy replays, 0: an exact one."""
-    if noisy == 0:
-        return twin.simulate(prepared.motion, subject, uses)
-    replays = [
-        twin.simulate(
-            prepared.motion,
-            subject,
-            uses,
-            np.random.default_rng([prepared.seed, i]),
-        )
-        for i in range(noisy)
-    ]
-    return np.mean(replays, axis=0)
+def _alike_runs(prepared: Sequence[PreparedRun]) -> list[list[int]]:
+    """Places of runs by their motion, where it can be told."""
+    found: dict[object, list[int]] = {}
+    for i, p in enumerate(prepared):
+        found.setdefault(getattr(p.motion, "digest", i), []).append(i)
+    return list(found.values())
 
 
 class Evaluator:
@@ -152,6 +131,7 @@ class Evaluator:
         sizes = [p.num_weighted for p in self.prepared]
         self.ends = [int(n) for n in np.cumsum(sizes)]
         self.map = open_workers(jobs).map
+        self._alike = _alike_runs(self.prepared)
 
     @property
     def effects(self) -> list[Effect]:
@@ -176,41 +156,45 @@ class Evaluator:
         """The twin's expected recording of a run (N, C)."""
         twin, uses = twin or self.twin, uses_in_run(uses, prepared.index)
         noisy = dithers if is_dithered(twin, uses) else 0
-        return replay(twin, prepared, subject, uses, noisy)
+        return replay(
+            twin, prepared.motion, prepared.seed, subject, uses, noisy
+        )
 
-    def weighted_residual(
+    def weighted_residuals(
         self,
-        prepared: PreparedRun,
-        subject: np.ndarray,
-        uses: Sequence[Use],
+        points: Sequence[tuple[np.ndarray, Sequence[Use]]],
         step: str = "",
-    ) -> np.ndarray | None:
-        """Weighted residual of a run; None where the twin broke down.
+    ) -> list[np.ndarray | None]:
+        """Weighted residuals of all runs at each point; None where the twin
+        broke down.
 
         Args:
-            prepared: The run.
-            subject, uses: As of `simulate`.
+            points: Subject and uses of each.
             step: "coarse" takes the longer plant step of `twin.coarse()` and
                 fewer dithers, for differences between points and first
                 rankings; "fine" half the plant step; "" the twin's own.
         """
         dithers = _FEW_DITHERS if step == "coarse" else NUM_DITHERS
-        twin = self._twins[step]
-        try:
-            simulated = self.simulate(prepared, subject, uses, twin, dithers)
-        except BraceError:
-            return None
-        return prepared.weigh(prepared.measured - simulated)
+        noisy = [
+            dithers if is_dithered(self.twin, uses) else 0 for _, uses in points
+        ]
+
+        def weigh(prepared, replays):
+            return [
+                None if x is None else prepared.weigh(prepared.measured - x)
+                for x in replays
+            ]
+
+        return self._of_all_runs(weigh, points, noisy, step)
 
     def changes(
         self,
-        prepared: PreparedRun,
         subject: np.ndarray,
         uses: Sequence[Use],
         more: Sequence[Sequence[Use]],
         instead: Sequence[Use] = (),
     ) -> list[np.ndarray]:
-        """What further effects, one set at a time, change of a run's weighted
+        """What further effects, one set at a time, change of the weighted
         residual; where there were others, in place of those.
 
         At the coarse plant step; where noise acts as a dither all replays take
@@ -219,17 +203,65 @@ class Evaluator:
         Raises:
             BraceError: The twin breaks down.
         """
-        twin, out = self._twins["coarse"], []
-        uses = uses_in_run(uses, prepared.index)
-        first = (*uses, *uses_in_run(instead, prepared.index))
-        before: dict[int, np.ndarray] = {}
-        for one in more:
-            both = (*uses, *uses_in_run(one, prepared.index))
-            noisy = _FEW_DITHERS if is_dithered(twin, both) else 0
-            if noisy not in before:
-                before[noisy] = replay(twin, prepared, subject, first, noisy)
-            after = replay(twin, prepared, subject, both, noisy)
-            out.append(prepared.weigh(before[noisy] - after))
+        after = [(*uses, *one) for one in more]
+        noisy = [
+            _FEW_DITHERS if is_dithered(self.twin, both) else 0
+            for both in after
+        ]
+        kinds = sorted(set(noisy))
+        points = [(subject, (*uses, *instead))] * len(kinds)
+        points += [(subject, both) for both in after]
+
+        def weigh(prepared, replays):
+            return [None if x is None else prepared.weigh(x) for x in replays]
+
+        found = self._of_all_runs(weigh, points, [*kinds, *noisy], "coarse")
+        if any(x is None for x in found):
+            raise BraceError("the twin breaks down with further effects")
+        before = dict(zip(kinds, found, strict=False))
+        return [
+            before[kind] - x
+            for kind, x in zip(noisy, found[len(kinds) :], strict=True)
+        ]
+
+    def _of_all_runs(self, weigh, points, noisy, step):
+        """What `weigh` makes of the replays of runs at points, run after run;
+        None at points where one broke down.
+
+        Points go side by side, a few in a task; runs of one motion follow each
+        other, as a twin may remember what they have in common.
+        """
+        twin = self._twins[step]
+        order = sorted(range(len(points)), key=lambda i: noisy[i])
+        tasks = []
+        for runs in self._alike:
+            for at in range(0, len(order), _AT_ONCE):
+                tasks.append((runs, order[at : at + _AT_ONCE]))
+
+        def perform(runs, places):
+            found = {}
+            for i in runs:
+                prepared = self.prepared[i]
+                own = [
+                    (subject, uses_in_run(uses, prepared.index))
+                    for subject, uses in (points[k] for k in places)
+                ]
+                counts = [noisy[k] for k in places]
+                replays = replay_each(
+                    twin, prepared.motion, prepared.seed, own, counts
+                )
+                for k, x in zip(places, weigh(prepared, replays), strict=True):
+                    found[i, k] = x
+            return found
+
+        found = {}
+        for part in self.map(perform, tasks):
+            found.update(part)
+        out = []
+        for k in range(len(points)):
+            parts = [found[i, k] for i in range(len(self.prepared))]
+            broke = any(x is None for x in parts)
+            out.append(None if broke else np.concatenate(parts))
         return out
 
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:

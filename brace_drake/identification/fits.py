@@ -8,14 +8,12 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from brace_drake.devices.replays import is_dithered
 from brace_drake.devices.stretch import stretch_of
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
-from brace_drake.identification.evaluation import (
-    Evaluator,
-    is_dithered,
-)
+from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
     calc_triangle,

@@ -19,11 +19,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brace_drake.core.block_bootstrap import interval_of, pieces_of
+from brace_drake.devices.replays import is_dithered
 from brace_drake.identification.evaluation import (
     NUM_DITHERS,
     Evaluator,
     PreparedRun,
-    is_dithered,
 )
 from brace_drake.identification.fits import CandidateFit
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.identification.evaluation import Evaluator, uses_in_run
+from brace_drake.devices.replays import uses_in_run
+from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.prepare import noise_replicates
 

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from brace_drake.devices.replays import is_dithered
 from brace_drake.effects.stack import Use
-from brace_drake.identification.evaluation import PreparedRun, is_dithered
+from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.identification.noise_floor import (
     NoiseFloor,
     estimate_floor,

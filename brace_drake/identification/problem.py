@@ -249,28 +249,25 @@ class CandidateProblem:
 
         Args:
             points: Scaled parameters.
-            coarse, fine: See `Evaluator.weighted_residual`.
+            coarse, fine: See `Evaluator.weighted_residuals`.
             smooth: Without the effects that noise dithers.
         """
         evaluator = self.evaluator
         step = "coarse" if coarse else "fine" if fine else ""
-        tasks = []
+        split = []
         for z in points:
             subject, uses = self.split(z)
             uses = (
                 without_dither(uses, self.off) if smooth else (*uses, *self.off)
             )
-            tasks += [(p, subject, uses, step) for p in evaluator.prepared]
+            split.append((subject, uses))
         evaluator.replays += len(points)
-        found = evaluator.map(evaluator.weighted_residual, tasks)
+        found = evaluator.weighted_residuals(split, step)
         out: list[np.ndarray | None] = []
-        size = len(evaluator.prepared)
-        for i, z in enumerate(points):
-            parts = found[i * size : (i + 1) * size]
-            if any(p is None for p in parts):
+        for z, rows in zip(points, found, strict=True):
+            if rows is None:
                 out.append(None)
                 continue
-            rows = np.concatenate(parts)
             if self.tolerances is not None:
                 rows = self.tolerances.around_zero(rows)
             rows = np.concatenate([rows, self.prior_rows(z)])

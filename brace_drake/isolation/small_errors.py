@@ -74,30 +74,28 @@ def _responses(
         has of its own comes apart for each of them.
     """
     twin = evaluator.twin.coarse()
-    bases = [twin.simulate(run.motion, subject) for run in runs]
 
-    def respond(error, place):
-        run = runs[place]
-        uses = error.uses(run)
-        if not uses:
-            return None
-        try:
-            moved = twin.simulate(run.motion, subject, uses)
-        except BraceError:
-            return None
-        return run.weigh(moved - bases[place])
+    def respond(run):
+        each = [error.uses(run) for error in errors]
+        points = [(subject, ()), *((subject, uses) for uses in each if uses)]
+        base, *moved = twin.simulate_each(run.motion, points)
+        if base is None:
+            raise BraceError("the nominal twin breaks down")
+        answers = iter(moved)
+        logs = [next(answers) if uses else None for uses in each]
+        return [None if x is None else run.weigh(x - base) for x in logs]
 
-    tasks = [(error, place) for error in errors for place in range(len(runs))]
-    changes = evaluator.map(respond, tasks)
+    changes = evaluator.map(respond, [(run,) for run in runs])
     found: list[tuple[str, dict[int, np.ndarray]]] = []
-    for (error, place), change in zip(tasks, changes, strict=True):
-        if place == 0 and not error.is_own:
+    for error, answers in zip(errors, zip(*changes, strict=True), strict=True):
+        if not error.is_own:
             found.append((error.block, {}))
-        if change is None:
-            continue
-        if error.is_own:
-            found.append((error.block, {}))
-        found[-1][1][place] = change
+        for place, change in enumerate(answers):
+            if change is None:
+                continue
+            if error.is_own:
+                found.append((error.block, {}))
+            found[-1][1][place] = change
     return found
 
 

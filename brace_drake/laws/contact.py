@@ -11,6 +11,7 @@ force N = max(0, k d + c d') where d > 0, else 0. N presses the torso along
 import math
 
 from brace_drake.laws.compiled import compiled_law
+from brace_drake.laws.lanes.elementary import tanh
 
 
 @compiled_law
@@ -69,11 +70,9 @@ def add_pad_forces(s, N, friction, v_s, o, F_R_W, F_T_W, f_T_W):
     tx = o[8] - along * nx
     ty = o[9] - along * ny
     tz = o[10] - along * nz
-    speed = math.sqrt(tx * tx + ty * ty + tz * tz)
-    if speed > 1e-15:
-        drag = friction * N * math.tanh(speed / v_s) / speed
-    else:
-        drag = friction * N / v_s
+    # Slower than this tanh(x) is x.
+    speed = max(math.sqrt(tx * tx + ty * ty + tz * tz), 1e-15)
+    drag = friction * N * tanh(speed / v_s) / speed
     fx = -s * N * nx + drag * tx
     fy = -s * N * ny + drag * ty
     fz = -s * N * nz + drag * tz

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from brace_drake.laws.compiled import compiled_law, compiled_maker
+from brace_drake.laws.lanes.functions import every, where
 from brace_drake.laws.linear_solve import solve_in_place
 from brace_drake.laws.rotation import quaternion_to_matrix, rotate_quaternion
 
@@ -83,21 +84,24 @@ def search_pose(lengths, p_WB, p_RT, p_WR, q_WR, place):
     `place` is to work in: (3, 3), (6, 6), (6,), (6,).
     """
     R_WR, J, at_pose, step = place
+    arrived = lengths[0] < 0.0
     for _ in range(20):
         quaternion_to_matrix(q_WR, R_WR)
         calc_leg_kinematics(p_WR, R_WR, p_WB, p_RT, at_pose, J)
         for k in range(6):
-            step[k] = lengths[k] - at_pose[k]
+            # Of copies side by side those that have arrived stay.
+            step[k] = where(arrived, 0.0, lengths[k] - at_pose[k])
         if not solve_in_place(J, step):
             return False
         p_WR[0] += step[0]
         p_WR[1] += step[1]
         p_WR[2] += step[2]
         rotate_quaternion(q_WR, step[3], step[4], step[5])
-        largest = 0.0
+        largest = abs(step[0])
         for k in range(3):
-            largest = max(largest, abs(step[k]), 0.2 * abs(step[k + 3]))
-        if largest < _SMALL_STEP:
+            largest = max(largest, max(abs(step[k]), 0.2 * abs(step[k + 3])))
+        arrived = largest < _SMALL_STEP
+        if every(arrived):
             return True
     return False
 

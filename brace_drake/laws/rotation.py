@@ -3,6 +3,8 @@
 import math
 
 from brace_drake.laws.compiled import compiled_law
+from brace_drake.laws.lanes.elementary import atan2, cos, sin
+from brace_drake.laws.lanes.functions import where
 
 
 @compiled_law
@@ -25,11 +27,10 @@ def quaternion_to_matrix(q, R):
 def quaternion_to_rotation_vector(q, r):
     """Writes angle times axis into r (3,), rad, the shorter way round."""
     vector = math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-    sign = 1.0 if q[0] >= 0.0 else -1.0
-    if vector < 1e-12:
-        scale = 2.0 / q[0]
-    else:
-        scale = sign * 2.0 * math.atan2(vector, abs(q[0])) / vector
+    sign = where(q[0] >= 0.0, 1.0, -1.0)
+    # Below this an angle is its tangent.
+    vector = max(vector, 1e-12)
+    scale = sign * 2.0 * atan2(vector, abs(q[0])) / vector
     r[0] = scale * q[1]
     r[1] = scale * q[2]
     r[2] = scale * q[3]
@@ -38,9 +39,10 @@ def quaternion_to_rotation_vector(q, r):
 @compiled_law
 def rotate_quaternion(q, dx, dy, dz):
     """Turns q in place by the rotation vector (dx, dy, dz) given in W."""
-    angle = math.sqrt(dx * dx + dy * dy + dz * dz)
-    a = math.cos(0.5 * angle)
-    b = 0.5 if angle < 1e-9 else math.sin(0.5 * angle) / angle
+    # Below this a sine is its angle.
+    angle = max(math.sqrt(dx * dx + dy * dy + dz * dz), 1e-9)
+    a = cos(0.5 * angle)
+    b = sin(0.5 * angle) / angle
     ex, ey, ez = b * dx, b * dy, b * dz
     w, x, y, z = q[0], q[1], q[2], q[3]
     q[0] = a * w - ex * x - ey * y - ez * z

@@ -10,9 +10,10 @@ import numpy as np
 from brace_drake.core.errors import CampaignError, quoted, suggest
 from brace_drake.devices.motions.library import MOTIONS, MakeMotion
 from brace_drake.devices.motions.reference import LoadReference
+from brace_drake.devices.replays import is_dithered
 from brace_drake.diagnosis import Diagnosis
 from brace_drake.effects.stack import Use
-from brace_drake.identification.evaluation import NUM_DITHERS, is_dithered
+from brace_drake.identification.evaluation import NUM_DITHERS
 from brace_drake.recording.columns import BENCH, BRACE
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.load import SaveScenario

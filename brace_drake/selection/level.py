@@ -49,11 +49,8 @@ def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     power, more = tolerated_friction(evaluator, fit), 0.0
     rough = [u for u in fit.uses if u[0].dithered]
     if rough:
-        changes = evaluator.map(
-            lambda p: evaluator.changes(p, fit.subject, (), [rough])[0],
-            [(p,) for p in evaluator.prepared],
-        )
-        power += sum(float(c @ c) for c in changes) / evaluator.count
+        (change,) = evaluator.changes(fit.subject, (), [rough])
+        power += float(change @ change) / evaluator.count
         more = thresholds.BENT
     return thresholds.LEVEL + more + thresholds.FRICTION_ERROR**2 * power
 

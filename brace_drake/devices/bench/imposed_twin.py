@@ -18,10 +18,11 @@ from brace_drake.devices.bench.rollout import (
     FORCE,
     LENGTHS,
     Motion,
+    draw_noise,
     simulate_bench,
 )
 from brace_drake.devices.bench.twin import BenchTwin
-from brace_drake.devices.run_memory import key_of_run
+from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.hooks import MAX_EFFECTS
@@ -113,28 +114,33 @@ class GuidedBenchTwin(BenchTwin):
         head = [start, rate, *numbers.ring[0], _HOLD]
         return np.concatenate([head, rows.ravel()])
 
-    def _replay(self, numbers, motion, subject, uses, generator):
-        """On the way; noise is that of the readings and of a way so read."""
+    def simulate_each(self, motion, points, seed=None):
+        """Side by side only where readings are exact."""
+        if seed is not None:
+            return ReplayTwin.simulate_each(self, motion, points, seed)
+        return super().simulate_each(motion, points)
 
-        mine = self.numbers
+    def _plug_ins(self, numbers, motion, uses):
+        """The effects, and what guides the ring."""
+        mine, way = self.numbers, motion.way
         is_moved = not (
             np.array_equal(numbers.lower, mine.lower)
             and np.array_equal(numbers.upper, mine.upper)
         )
+        if is_moved:
+            way = self._way(numbers, motion, motion.lengths)
+        return stack_effects([*uses, (_GUIDE, way)], numbers)
 
-        def follow(motion):
-            way = motion.way
-            if is_moved:
-                way = self._way(numbers, motion, motion.lengths)
-            plug_ins = stack_effects([*uses, (_GUIDE, way)], numbers)
-            key = key_of_run(numbers, motion, plug_ins)
-            step = self.time_step
-            return key, lambda: simulate_bench(numbers, motion, step, plug_ins)
-
-        exact = self._memory.recall(*follow(motion))
+    def _replay(self, numbers, motion, subject, uses, generator):
+        """On the way; noise is that of the readings and of a way so read."""
+        exact = super()._replay(numbers, motion, subject, uses, None)
         if generator is None:
             return exact
-        noisy = super()._replay(numbers, motion, subject, uses, generator)
+        step = self.time_step
+        noise = draw_noise(numbers, len(motion.desired), generator)
+        free = stack_effects(uses, numbers)
+        noisy = simulate_bench(numbers, motion, step, free, noise)
         # A way of noise is asked for but once, so not remembered.
-        _, again = follow(self._guided(motion, noisy))
-        return exact + noisy - again()
+        read = self._guided(motion, noisy)
+        again = self._plug_ins(numbers, read, uses)
+        return exact + noisy - simulate_bench(numbers, read, step, again)

@@ -12,6 +12,7 @@ from brace_drake.devices.bench.rollout import (
     draw_noise,
     simulate_bench,
 )
+from brace_drake.devices.bench.rollout_copies import simulate_copies
 from brace_drake.devices.motions.reference import (
     COLUMNS,
     reference_at_ticks,
@@ -23,7 +24,7 @@ from brace_drake.devices.subject import (
     with_subject,
 )
 from brace_drake.devices.twin import ReplayTwin
-from brace_drake.effects.stack import stack_effects
+from brace_drake.effects.stack import modify_numbers, stack_effects
 from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.brace import BenchScenario
@@ -75,9 +76,34 @@ class BenchTwin(ReplayTwin):
         names = np.array(self.channels)
         return run.contact | ~np.char.startswith(names, "torso")
 
+    def simulate_each(self, motion, points, seed=None):
+        """Copies of the machine side by side, where nothing is known yet."""
+        machines = [self._machine(motion, *point) for point in points]
+        if seed is not None:
+            generator = np.random.default_rng(seed)
+            first, _ = machines[0]
+            noise = draw_noise(first, len(motion.desired), generator)
+            return simulate_copies(machines, motion, self.time_step, noise)
+        keys = [key_of_run(n, motion, plug_ins) for n, plug_ins in machines]
+        return self._memory.recall_each(
+            keys,
+            lambda places: simulate_copies(
+                [machines[i] for i in places], motion, self.time_step
+            ),
+        )
+
+    def _machine(self, motion, subject, uses):
+        """Numbers of the machine, and what is plugged in."""
+        uses = (*self.carried, *uses)
+        numbers = modify_numbers(self.with_subject(subject), uses)
+        return numbers, self._plug_ins(numbers, motion, uses)
+
+    def _plug_ins(self, numbers, motion, uses):
+        return stack_effects(uses, numbers)
+
     def _replay(self, numbers, motion, subject, uses, generator):
         """In closed loop; not writable where readings are exact."""
-        plug_ins = stack_effects(uses, numbers)
+        plug_ins = self._plug_ins(numbers, motion, uses)
 
         def run(noise=None):
             return simulate_bench(

@@ -3,6 +3,7 @@
 from brace_drake.laws import legs, stages
 from brace_drake.laws.compiled import compiled_law, copy_values
 from brace_drake.laws.control import impedance as control
+from brace_drake.laws.lanes.functions import lead
 from brace_drake.laws.rotation import (
     quaternion_to_matrix,
     quaternion_to_rotation_vector,
@@ -44,7 +45,7 @@ def estimate_pose(lengths, law, p_WB, p_RT, memory, estimate, place):
     for i in range(3):
         estimate[i] = memory[i] - law[i]
     quaternion_to_rotation_vector(memory[3:7], estimate[3:6])
-    if memory[19] == 0.0:
+    if lead(memory[19]) == 0.0:
         # Before the first tick there is nothing to difference with.
         memory[19] = 1.0
         copy_values(estimate[0:6], memory[7:13])

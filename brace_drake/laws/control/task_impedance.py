@@ -8,6 +8,7 @@ Arrays over the task coordinates of n rings have a row for each quantity and
 
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.control import impedance as control
+from brace_drake.laws.lanes.functions import lead
 
 
 @compiled_law
@@ -70,7 +71,7 @@ def advance_pic(
         virtual, impedance: (3, 6n), updated.
     """
     for i in range(selected.shape[0]):
-        if selected[i] == 0.0:
+        if lead(selected[i]) == 0.0:
             follow_reference(i, desired, virtual, impedance)
         else:
             step_impedance(

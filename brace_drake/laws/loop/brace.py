@@ -10,6 +10,7 @@ from numba import boolean, float64, types
 from brace_drake.laws import stages
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import matrix, vector
+from brace_drake.laws.lanes.functions import every
 from brace_drake.laws.numbers import BraceNumbers
 
 # From rest or further, in sum over x, y, z of all bodies, m: flown apart.
@@ -102,10 +103,13 @@ def make_brace(
 
 @compiled_law
 def is_near(numbers, brace):
-    """Whether all bodies are near their places at rest, as numbers."""
-    n, off = numbers.rest.shape[0], 0.0
-    for c in range(3):
-        off += abs(brace.poses[n, 4 + c] - numbers.torso_rest[c])
-        for i in range(n):
+    """Whether all bodies, of all copies, are near their places at rest, as
+    numbers.
+    """
+    n = numbers.rest.shape[0]
+    p, rest = brace.poses[n, 4:7], numbers.torso_rest
+    off = abs(p[0] - rest[0]) + abs(p[1] - rest[1]) + abs(p[2] - rest[2])
+    for i in range(n):
+        for c in range(3):
             off += abs(brace.poses[i, 4 + c] - numbers.rest[i, c])
-    return off < _FAR
+    return every(off < _FAR)

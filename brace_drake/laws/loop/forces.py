@@ -16,6 +16,14 @@ from brace_drake.laws.hooks import (
     RING,
     TORSO,
 )
+from brace_drake.laws.lanes.functions import lead, some, where
+from brace_drake.laws.loop.effect_calls import (
+    call_compression,
+    call_contact,
+    call_drive,
+    call_ring,
+    call_torso,
+)
 from brace_drake.laws.posture import add_posture_force
 from brace_drake.laws.rotation import (
     quaternion_to_matrix,
@@ -52,21 +60,16 @@ def press_pad(t, dt, i, pad, numbers, effects, brace):
     o[14], o[15] = o[0], o[1]
     for e in range(MAX_EFFECTS):
         if effects.active[COMPRESSION, e]:
-            effects.laws[COMPRESSION][e](
-                t, dt, pad, o[14:16], effects.parameters[e][i],
-                effects.memory[COMPRESSION][e][i],
-            )  # fmt: skip
+            call_compression(effects, e, i, t, dt, pad, o[14:16])
     o[16] = contact.normal_force(o[14], o[15], law[0], law[1])
     for e in range(MAX_EFFECTS):
         if effects.active[CONTACT, e]:
-            effects.laws[CONTACT][e](
-                t, dt, pad, o[14:16], law, o[16:17], effects.parameters[e][i],
-                effects.memory[CONTACT][e][i],
-            )  # fmt: skip
-    if o[14] > 0.0 and o[16] > 0.0:
+            call_contact(effects, e, i, t, dt, pad, o[14:16], law, o[16:17])
+    presses = (o[14] > 0.0) & (o[16] > 0.0)
+    if some(presses):
         contact.add_pad_forces(
-            side, o[16], law[2], law[3], o, brace.F[i], brace.F[n],
-            brace.f_T[i],
+            side, where(presses, o[16], 0.0), law[2], law[3], o, brace.F[i],
+            brace.F[n], brace.f_T[i],
         )  # fmt: skip
 
 
@@ -90,7 +93,8 @@ def press_pads(t, dt, numbers, effects, brace):
         return
     quaternion_to_matrix(brace.poses[n, 0:4], brace.R[n])
     for i in range(n):
-        if numbers.contact[i, 0] != 0.0 or numbers.contact[i, 1] != 0.0:
+        law = numbers.contact[i]
+        if lead(law[0]) != 0.0 or lead(law[1]) != 0.0:
             for pad in range(2):
                 press_pad(t, dt, i, pad, numbers, effects, brace)
 
@@ -105,10 +109,9 @@ def drive_legs(t, dt, numbers, effects, brace):
         if effects.active[DRIVE, e]:
             for i in range(n):
                 a, b = 6 * i, 6 * i + 6
-                effects.laws[DRIVE][e](
-                    t, dt, brace.u[a:b], brace.lengths[a:b], brace.rates[a:b],
-                    viscous[a:b], f[a:b], effects.parameters[e][i],
-                    effects.memory[DRIVE][e][i],
+                call_drive(
+                    effects, e, i, t, dt, brace.u[a:b], brace.lengths[a:b],
+                    brace.rates[a:b], viscous[a:b], f[a:b],
                 )  # fmt: skip
     stages.add_wrenches(brace.J, brace.J_L, f, brace.F)
 
@@ -116,16 +119,14 @@ def drive_legs(t, dt, numbers, effects, brace):
 @compiled_law
 def push_rings(t, dt, numbers, effects, brace):
     """Adds what effects at the rings put on them."""
-    if not (effects.active[RING, 0] or effects.active[RING, 1]):
-        return
     at = brace.displacement
-    for i in range(numbers.rest.shape[0]):
-        calc_displacement(brace.poses[i], numbers.rest[i], at)
-        for e in range(MAX_EFFECTS):
-            if effects.active[RING, e]:
-                effects.laws[RING][e](
-                    t, dt, at[0:3], at[3:6], brace.V[i], brace.F[i],
-                    effects.parameters[e][i], effects.memory[RING][e][i],
+    for e in range(MAX_EFFECTS):
+        if effects.active[RING, e]:
+            for i in range(numbers.rest.shape[0]):
+                calc_displacement(brace.poses[i], numbers.rest[i], at)
+                call_ring(
+                    effects, e, i, t, dt, at[0:3], at[3:6], brace.V[i],
+                    brace.F[i],
                 )  # fmt: skip
 
 
@@ -138,10 +139,9 @@ def hold_torso(t, dt, numbers, effects, brace):
     add_posture_force(at[0:3], at[3:6], V, numbers.posture, F)
     for e in range(MAX_EFFECTS):
         if effects.active[TORSO, e]:
-            effects.laws[TORSO][e](
-                t, dt, at[0:3], at[3:6], V, numbers.posture, F,
-                effects.parameters[e][0], effects.memory[TORSO][e][0],
-            )  # fmt: skip
+            call_torso(
+                effects, e, t, dt, at[0:3], at[3:6], V, numbers.posture, F
+            )
 
 
 @compiled_law

@@ -87,7 +87,8 @@ def place_desired(values, columns, desired):
 
 
 @compiled_law
-def _write_row(brace, virtual, columns, row):
+def write_row(brace, virtual, columns, row):
+    """Writes a row of a log, see `RunPlan.log`."""
     a = brace.u.shape[0]
     b = a + brace.readings.shape[0]
     copy_values(brace.u, row[0:a])
@@ -109,7 +110,7 @@ def _perform_tick(tick, dt, steps, numbers, effects, brace, controller, plan):
         return False
     if tick % plan.ticks_per_sample == 0:
         row = plan.log[tick // plan.ticks_per_sample]
-        _write_row(brace, controller.virtual, plan.columns, row)
+        write_row(brace, controller.virtual, plan.columns, row)
     return True
 
 

@@ -16,7 +16,9 @@ from brace_drake.laws.compiled import (
     compiled_when_called,
 )
 from brace_drake.laws.hooks import EFFECTS, MAX_EFFECTS, SENSING, vector
+from brace_drake.laws.lanes.functions import lead
 from brace_drake.laws.loop.brace import BRACE, is_near
+from brace_drake.laws.loop.effect_calls import call_sensing
 from brace_drake.laws.loop.forces import add_forces, press_pads
 from brace_drake.laws.numbers import NUMBERS
 from brace_drake.laws.rigid_body import step_free_body_at
@@ -51,7 +53,7 @@ def round_readings(resolution, noise, out):
     for k in range(end):
         step = resolution[0] if k < 2 * end // 3 else resolution[1]
         out[k] += noise[k]
-        if step > 0.0:
+        if lead(step) > 0.0:
             out[k] = step * round(out[k] / step)
     for k in range(end, end + 3):
         out[k] += noise[k]
@@ -67,9 +69,9 @@ def read(t, period, numbers, effects, brace, noise):
             for i in range(n):
                 a, b = 6 * i, 6 * i + 6
                 at = 6 * n + 3 * i
-                effects.laws[SENSING][e](
-                    t, period, brace.u[a:b], out[a:b], out[at : at + 3],
-                    effects.parameters[e][i], effects.memory[SENSING][e][i],
+                call_sensing(
+                    effects, e, i, t, period, brace.u[a:b], out[a:b],
+                    out[at : at + 3],
                 )  # fmt: skip
     round_readings(numbers.resolution, noise, out)
     if not brace.present[0]:

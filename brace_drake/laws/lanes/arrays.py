@@ -1,0 +1,114 @@
+"""Arrays of lanes: arrays of floats with the copies along the last axis."""
+
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+from numba.np import arrayobj
+
+from brace_drake.laws.lanes.kinds import COUNT, LANES
+
+
+def stack_copies(copies):
+    """What each copy has, as one: arrays of floats (...) become arrays of all
+    copies (..., COUNT), in tuples too. The last copy is repeated where there
+    are fewer; what else there is, is that of the first.
+    """
+    first = copies[0]
+    if isinstance(first, tuple):
+        parts = [stack_copies(part) for part in zip(*copies, strict=True)]
+        named = hasattr(first, "_fields")
+        return type(first)(*parts) if named else tuple(parts)
+    if not isinstance(first, np.ndarray) or first.dtype != float:
+        return first
+    filled = [*copies, *[copies[-1]] * (COUNT - len(copies))]
+    return np.ascontiguousarray(np.stack(filled, axis=-1))
+
+
+def _mapped(kind, change):
+    """A kind of tuple, or of array, with its arrays of floats changed."""
+    if isinstance(kind, types.BaseTuple):
+        parts = [_mapped(part, change) for part in kind.types]
+        if isinstance(kind, types.NamedTuple | types.NamedUniTuple):
+            return types.NamedTuple(parts, kind.instance_class)
+        return types.Tuple(parts)
+    is_floats = isinstance(kind, types.Array) and kind.dtype == types.float64
+    return change(kind) if is_floats else kind
+
+
+def stacked_kind(kind):
+    """Kind of what `stack_copies` makes of copies of a kind."""
+    return _mapped(kind, lambda k: types.Array(types.float64, k.ndim + 1, "C"))
+
+
+def _lane_kind(kind):
+    # Floats need not lie where a vector would.
+    return types.Array(LANES, kind.ndim - 1, "C", aligned=False)
+
+
+def _look_at(context, builder, kind, value, out):
+    """An array's data looked at as another kind, with a dimension less, or
+    one more.
+    """
+    source = arrayobj.make_array(kind)(context, builder, value)
+    shape = cgutils.unpack_tuple(builder, source.shape)
+    strides = cgutils.unpack_tuple(builder, source.strides)
+    size = 8 * COUNT if out.ndim < kind.ndim else 8
+    if out.ndim < kind.ndim:
+        shape, strides = shape[:-1], strides[:-1]
+    else:
+        shape = [*shape, context.get_constant(types.intp, COUNT)]
+        strides = [*strides, context.get_constant(types.intp, size)]
+    item = context.get_data_type(out.dtype)
+    array = arrayobj.make_array(out)(context, builder)
+    arrayobj.populate_array(
+        array,
+        data=builder.bitcast(source.data, item.as_pointer()),
+        shape=cgutils.pack_array(builder, shape),
+        strides=cgutils.pack_array(builder, strides),
+        itemsize=context.get_constant(types.intp, size),
+        # Who looks does not own the data.
+        meminfo=None,
+        parent=None,
+    )
+    return array._getvalue()
+
+
+def _convert(context, builder, kind, value):
+    """Arrays of floats of a value, in tuples too, looked at as lanes."""
+    if isinstance(kind, types.BaseTuple):
+        out = _mapped(kind, _lane_kind)
+        struct = context.get_constant_undef(out)
+        for place, part in enumerate(kind.types):
+            item = builder.extract_value(value, place)
+            item = _convert(context, builder, part, item)
+            struct = builder.insert_value(struct, item, place)
+        return struct
+    out = _mapped(kind, _lane_kind)
+    if out == kind:
+        # Handed on, so owned once more.
+        if context.enable_nrt:
+            context.nrt.incref(builder, kind, value)
+        return value
+    return _look_at(context, builder, kind, value, out)
+
+
+@intrinsic
+def lanes_of(typingctx, stacked):
+    """What `stack_copies` made, which must live on, looked at as lanes."""
+
+    def convert(context, builder, sig, args):
+        return _convert(context, builder, sig.args[0], args[0])
+
+    return _mapped(stacked, _lane_kind)(stacked), convert
+
+
+@intrinsic
+def floats_of(typingctx, lanes):
+    """Lanes (...), looked at as floats (..., COUNT)."""
+    kind = types.Array(types.float64, lanes.ndim + 1, "C")
+
+    def look(context, builder, sig, args):
+        return _look_at(context, builder, sig.args[0], args[0], kind)
+
+    return kind(lanes), look
