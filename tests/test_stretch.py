@@ -35,7 +35,9 @@ class StretchTest(unittest.TestCase):
         whitened = known.whiten(residual)
         self.assertAlmostEqual(stretch_of(known, whitened), 6.0, delta=0.05)
         self.assertAlmostEqual(
-            float(np.max(np.abs(known.estimate(whitened)))), 3.0, delta=0.05
+            float(np.max(np.abs(known.estimate(known.along(whitened))))),
+            3.0,
+            delta=0.05,
         )
 
     def test_estimates_of_right_numbers_move_by_one_deviation(self):
@@ -62,12 +64,14 @@ class StretchTest(unittest.TestCase):
             right = self.random.normal(size=60)
             right[7] = 30.0
             residual = 5.0 * self.random.normal(size=ROWS) + changes @ right
-            found.append(noise_along(known, known.whiten(residual)))
+            found.append(
+                noise_along(known, known.along(known.whiten(residual)))
+            )
         self.assertAlmostEqual(float(np.mean(found)), 25.0, delta=4.0)
 
     def test_noise_along_numbers_is_never_less_than_that_of_the_readings(self):
         known = known_with(self.random.normal(size=(ROWS, 20)))
-        self.assertEqual(noise_along(known, np.zeros(ROWS)), 1.0)
+        self.assertEqual(noise_along(known, known.along(np.zeros(ROWS))), 1.0)
 
 
 if __name__ == "__main__":

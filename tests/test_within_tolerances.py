@@ -51,7 +51,7 @@ class TestTolerances(unittest.TestCase):
         noise, residual = 7.0, self.rng.normal(size=60)
         known = self.known.beside_noise(noise)
         whitened = known.whiten(residual)
-        off = known.estimate(whitened, noise)
+        off = known.estimate(known.along(whitened), noise)
         rest = residual + self.columns @ off
         joint = rest @ rest / noise + off @ off
         self.assertAlmostEqual(whitened @ whitened / noise, joint, places=9)
@@ -68,7 +68,9 @@ class TestTolerances(unittest.TestCase):
         precision = self.columns.T @ self.columns / noise + np.eye(4)
         # r + J t is noise: t is the posterior mean under a unit normal prior.
         mean = -np.linalg.solve(precision, self.columns.T @ residual / noise)
-        found = self.known.estimate(self.known.whiten(residual), noise)
+        found = self.known.estimate(
+            self.known.along(self.known.whiten(residual)), noise
+        )
         np.testing.assert_allclose(found, mean, atol=1e-9)
         deviation = np.sqrt(np.diag(np.linalg.inv(precision)))
         np.testing.assert_allclose(self.known.errors(noise), deviation)
@@ -142,7 +144,9 @@ class TestBenchWithinTolerances(unittest.TestCase):
         self.assertLess(within.excess / evaluator.count, 0.1)
         self.assertLess(within.stretch, 5.0)
         residual = within.solution.residual[: evaluator.ends[-1]]
-        off = evaluator.tolerances.estimate(residual)
+        off = evaluator.tolerances.estimate(
+            evaluator.tolerances.along(residual)
+        )
         errors = evaluator.tolerances.errors()
         names = [n.name for n in evaluator.tolerances.nuisances]
         for name in ("ring_mass_kg", "leg_viscous_N_s_m", "force_bias_N"):

@@ -33,12 +33,12 @@ def stretch_of(
         whitened: Residual after `LinearTolerances.whiten` (rows,).
         least: Variance of the noise along the numbers at least.
     """
-    noise = max(least, noise_along(known, whitened))
-    moved = _moved(known, whitened, noise)
-    return float(np.max(np.abs(moved)))
+    along = known.along(whitened)
+    noise = max(least, noise_along(known, along))
+    return float(np.max(np.abs(_moved(known, along, noise))))
 
 
-def noise_along(known: LinearTolerances, whitened: np.ndarray) -> float:
+def noise_along(known: LinearTolerances, along: np.ndarray) -> float:
     """Variance of noise and of what else there is along the numbers, at least
     1.
 
@@ -48,30 +48,31 @@ def noise_along(known: LinearTolerances, whitened: np.ndarray) -> float:
     not pass for noise.
 
     Args:
-        known, whitened: As of `stretch_of`.
+        known: As of `stretch_of`.
+        along: See `LinearTolerances.along`.
     """
-    ways, sizes, numbers = np.linalg.svd(known.columns, full_matrices=False)
-    along = ways.T @ (known.basis.T @ known.colour(whitened))
-    first = _median_noise(along, sizes)
-    farthest = np.argmax(np.abs(_moved(known, whitened, first)))
+    ways, sizes, numbers = known.principal
+    parts = ways.T @ along
+    first = _median_noise(parts, sizes)
+    farthest = np.argmax(np.abs(_moved(known, along, first)))
     out = sizes * numbers[:, farthest]
     out /= max(float(np.linalg.norm(out)), 1e-300)
-    return _median_noise(along - out * (out @ along), sizes)
+    return _median_noise(parts - out * (out @ parts), sizes)
 
 
 def _moved(
-    known: LinearTolerances, whitened: np.ndarray, noise: float
+    known: LinearTolerances, along: np.ndarray, noise: float
 ) -> np.ndarray:
     """Estimates over their prior deviations (n,)."""
     free = np.sqrt(np.maximum(1.0 - known.errors(noise) ** 2, _TOLD**2))
-    return known.estimate(whitened, noise) / free
+    return known.estimate(along, noise) / free
 
 
-def _median_noise(along: np.ndarray, sizes: np.ndarray) -> float:
+def _median_noise(parts: np.ndarray, sizes: np.ndarray) -> float:
     def beyond(noise):
-        return np.median(along**2 / (noise + sizes**2)) - _MEDIAN
+        return np.median(parts**2 / (noise + sizes**2)) - _MEDIAN
 
     if beyond(1.0) <= 0.0:
         return 1.0
-    most = float(np.max(along**2)) / _MEDIAN
+    most = float(np.max(parts**2)) / _MEDIAN
     return float(brentq(beyond, 1.0, most + 1.0))

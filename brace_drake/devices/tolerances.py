@@ -97,15 +97,19 @@ class LinearTolerances:
         along = self.basis.T @ whitened
         return whitened + self.basis @ (self._coloured @ along - along)
 
-    def estimate(self, whitened: np.ndarray, noise: float = 1.0) -> np.ndarray:
+    def along(self, whitened: np.ndarray) -> np.ndarray:
+        """A residual in the basis (k,), of what it is after `whiten`."""
+        return self._coloured @ (self.basis.T @ whitened)
+
+    def estimate(self, along: np.ndarray, noise: float = 1.0) -> np.ndarray:
         """Posterior means t of the numbers, in their deviations (n,).
 
         Args:
-            whitened: Residual after `whiten`.
+            along: See `along`.
             noise: Variance of what else there is in the residual: 1 for noise
                 alone, more where the twin leaves more.
         """
-        slope = self.columns.T @ (self._coloured @ (self.basis.T @ whitened))
+        slope = self.columns.T @ along
         gram = self.columns.T @ self.columns
         return -np.linalg.solve(gram + noise * np.eye(len(gram)), slope)
 
@@ -157,6 +161,13 @@ class LinearTolerances:
         """The same weighed beside another variance of all else."""
         whole = self.whole and self.whole.beside_noise(noise)
         return replace(self, noise=noise, whole=whole)
+
+    @cached_property
+    def principal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Directions in the basis, what they change, and the numbers that do:
+        the singular value decomposition of `columns`.
+        """
+        return np.linalg.svd(self.columns, full_matrices=False)
 
     @cached_property
     def at_zero(self) -> LinearTolerances:

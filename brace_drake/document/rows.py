@@ -118,7 +118,8 @@ def tolerance_rows(d: Diagnosis) -> list[dict]:
         return []
     off = estimate_off(d.evaluator, fit)
     residual = fit.solution.residual[: d.evaluator.ends[-1]]
-    errors = fit.tolerances.errors(noise_along(fit.tolerances, residual))
+    known = fit.tolerances
+    errors = known.errors(noise_along(known, known.along(residual)))
     rows = [
         {
             "name": n.name,

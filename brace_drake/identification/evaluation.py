@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
+from brace_drake.core.parallel.together import ask, together
 from brace_drake.devices.replays import (
     is_dithered,
     replay,
@@ -88,6 +90,10 @@ def _alike_runs(prepared: Sequence[PreparedRun]) -> list[list[int]]:
     for i, p in enumerate(prepared):
         found.setdefault(getattr(p.motion, "digest", i), []).append(i)
     return list(found.values())
+
+
+def _residual_of(prepared: PreparedRun, replay: np.ndarray) -> np.ndarray:
+    return prepared.weigh(prepared.measured - replay)
 
 
 class Evaluator:
@@ -174,18 +180,28 @@ class Evaluator:
                 fewer dithers, for differences between points and first
                 rankings; "fine" half the plant step; "" the twin's own.
         """
-        dithers = _FEW_DITHERS if step == "coarse" else NUM_DITHERS
-        noisy = [
-            dithers if is_dithered(self.twin, uses) else 0 for _, uses in points
-        ]
+        return ask((points, step), self._answer)
 
-        def weigh(prepared, replays):
-            return [
-                None if x is None else prepared.weigh(prepared.measured - x)
-                for x in replays
+    def together(self, searches: Sequence[Callable[[], Any]]) -> list[Any]:
+        """Results of functions that ask for residuals, side by side."""
+        return together(searches, self._answer)
+
+    def _answer(self, questions):
+        """Weighted residuals at the points of several questions."""
+        answers = {}
+        for step in dict.fromkeys(step for _, step in questions):
+            dithers = _FEW_DITHERS if step == "coarse" else NUM_DITHERS
+            mine = [i for i, (_, own) in enumerate(questions) if own == step]
+            points = [p for i in mine for p in questions[i][0]]
+            noisy = [
+                dithers if is_dithered(self.twin, uses) else 0
+                for _, uses in points
             ]
-
-        return self._of_all_runs(weigh, points, noisy, step)
+            found = self._of_all_runs(_residual_of, points, noisy, step)
+            for i in mine:
+                size = len(questions[i][0])
+                answers[i], found = found[:size], found[size:]
+        return [answers[i] for i in range(len(questions))]
 
     def changes(
         self,
@@ -212,10 +228,9 @@ class Evaluator:
         points = [(subject, (*uses, *instead))] * len(kinds)
         points += [(subject, both) for both in after]
 
-        def weigh(prepared, replays):
-            return [None if x is None else prepared.weigh(x) for x in replays]
-
-        found = self._of_all_runs(weigh, points, [*kinds, *noisy], "coarse")
+        found = self._of_all_runs(
+            PreparedRun.weigh, points, [*kinds, *noisy], "coarse"
+        )
         if any(x is None for x in found):
             raise BraceError("the twin breaks down with further effects")
         before = dict(zip(kinds, found, strict=False))
@@ -225,8 +240,8 @@ class Evaluator:
         ]
 
     def _of_all_runs(self, weigh, points, noisy, step):
-        """What `weigh` makes of the replays of runs at points, run after run;
-        None at points where one broke down.
+        """What `weigh` makes of a run and its replay at each point, run after
+        run; None at points where one broke down.
 
         Points go side by side, a few in a task; runs of one motion follow each
         other, as a twin may remember what they have in common.
@@ -250,8 +265,8 @@ class Evaluator:
                 replays = replay_each(
                     twin, prepared.motion, prepared.seed, own, counts
                 )
-                for k, x in zip(places, weigh(prepared, replays), strict=True):
-                    found[i, k] = x
+                for k, x in zip(places, replays, strict=True):
+                    found[i, k] = None if x is None else weigh(prepared, x)
             return found
 
         found = {}

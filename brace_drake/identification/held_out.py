@@ -51,8 +51,8 @@ def estimate_off(
     known = fit.tolerances
     if known is None:
         return []
-    residual = fit.solution.residual[: evaluator.ends[-1]]
-    off = known.estimate(residual, noise_along(known, residual))
+    along = known.along(fit.solution.residual[: evaluator.ends[-1]])
+    off = known.estimate(along, noise_along(known, along))
     return list(zip(known.nuisances, off.tolist(), strict=True))
 
 

@@ -30,11 +30,15 @@ advances by one step; both belong to the caller.
 """
 
 import warnings
+from collections.abc import Callable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 from numba import boolean, float64, int64, njit, types
+from numba.core import cgutils
 from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.extending import intrinsic
 
 from brace_drake.laws.compiled import LAW, compiled_law
 from brace_drake.laws.kept import keep_by_sources
@@ -131,31 +135,83 @@ NO_LAW = {
 matrix = float64[:, ::1]
 # One parameter vector for each effect; one state vector for each at a point.
 vectors = types.UniTuple(vector, MAX_EFFECTS)
-matrices = types.UniTuple(matrix, MAX_EFFECTS)
 
 
 class Effects(NamedTuple):
-    """Effects at the plug points of a brace of n stages, each acting alike.
+    """Effects at the plug points of a brace of n stages, each acting alike, or
+    of several copies of a brace, see `laws.lanes`.
 
     Attributes:
-        laws: Of each plug point, MAX_EFFECTS of them.
-        parameters: Of each effect, a row for each stage (n, m).
-        memory: Of each plug point, states of each effect (n, s).
-        active: Whether an effect sits at a plug point (points, MAX_EFFECTS).
+        laws: Address of each law, 0: none (points, MAX_EFFECTS, copies).
+        parameters: Of all effects, copies and stages, one behind the other.
+        memory: States, likewise, of each plug point.
+        places: Where an effect's own begin and end: parameters, then states at
+            each plug point (1 + points, MAX_EFFECTS, copies, n, 2).
+        active: Whether any copy has an effect at a plug point
+            (points, MAX_EFFECTS).
+        work: Places for what one copy's law takes and changes (5, 12).
     """
 
-    laws: tuple
-    parameters: tuple
-    memory: tuple
+    laws: np.ndarray
+    parameters: np.ndarray
+    memory: np.ndarray
+    places: np.ndarray
     active: np.ndarray
+    work: np.ndarray
+
+    def parameters_of(self, e: int) -> np.ndarray:
+        """Parameters of an effect in all stages, to be written into."""
+        return self._own(self.parameters, 0, e)
+
+    def memory_of(self, point: int, e: int) -> np.ndarray:
+        """States of an effect at a plug point, to be written into."""
+        return self._own(self.memory, 1 + point, e)
+
+    def _own(self, values: np.ndarray, row: int, e: int) -> np.ndarray:
+        places = self.places[row, e]
+        return values[places.min() : places.max()]
 
 
 EFFECTS = types.NamedTuple(
     (
-        types.Tuple(tuple(stack_type(point) for point in STAGE_POINTS)),
-        matrices,
-        types.UniTuple(matrices, len(STAGE_POINTS)),
+        int64[:, :, ::1],
+        vector,
+        vector,
+        int64[:, :, :, :, ::1],
         boolean[:, ::1],
+        matrix,
     ),
     Effects,
 )
+
+
+@cache
+def address_of(law: Callable, point: str) -> int:
+    """Where the code of a law lies that was compiled for a plug point; the law
+    is kept from then on.
+    """
+    compiled = law.overloads[SIGNATURES[point].args]
+    return compiled.library.get_pointer_to_function(
+        compiled.fndesc.llvm_func_name
+    )
+
+
+def caller_of(point: str) -> Callable:
+    """`call(address, arguments)` in compiled code, for laws of a plug point."""
+    kinds = SIGNATURES[point].args
+
+    @intrinsic
+    def call(typingctx, address, arguments):
+        def lower(context, builder, sig, args):
+            own, packed = args
+            kind = context.call_conv.get_function_type(types.none, kinds)
+            function = builder.inttoptr(own, kind.as_pointer())
+            parts = cgutils.unpack_tuple(builder, packed, len(kinds))
+            context.call_conv.call_function(
+                builder, function, types.none, kinds, parts
+            )
+            return context.get_dummy_value()
+
+        return types.none(types.int64, types.Tuple(kinds)), lower
+
+    return call

@@ -69,6 +69,8 @@ AS_PREDICTED, FAILED = 0.02, 0.5
 # times what the best leaves; fewer once one has come to the floor; beyond them
 # those that take this share of the gap.
 PLACES, FACTOR, PLACES_AT_FLOOR, WORTH_A_PLACE = 5, 2.0, 3, 0.1
+# So many candidates are searched side by side.
+AT_ONCE = 4
 # A start that is predicted to leave this share of the gap is not tried again,
 # and beyond so many places not searched; beside drives that stick, of whose
 # chance any effect takes a part, already what leaves less.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -16,10 +16,9 @@ from brace_drake.laws.control.brace_control import (
 from brace_drake.laws.lanes.arrays import stack_copies
 from brace_drake.laws.lanes.kinds import COUNT
 from brace_drake.laws.loop.brace import make_brace
-from brace_drake.laws.loop.effect_calls import EffectsOfCopies
 from brace_drake.laws.loop.rollout_copies import rollout_copies
 from brace_drake.laws.numbers import BraceNumbers
-from brace_drake.laws.plug_in import PlugIn, make_effects
+from brace_drake.laws.plug_in import PlugIn, make_effects_of
 
 Machine = tuple[BraceNumbers, Mapping[str, PlugIn]]
 
@@ -32,8 +31,7 @@ def simulate_copies(
 ) -> list[np.ndarray | None]:
     """`simulate_bench` of several machines, each what it is alone.
 
-    Those with the same effects go side by side: four take little longer than
-    one.
+    They go side by side: four take little longer than one.
 
     Args:
         machines: Numbers and effects of each.
@@ -43,27 +41,11 @@ def simulate_copies(
     Returns:
         The log of each; None where its run broke down.
     """
-    logs: list[np.ndarray | None] = [None] * len(machines)
-    for places in _alike(machines):
-        for at in range(0, len(places), COUNT):
-            few = places[at : at + COUNT]
-            own = [machines[i] for i in few]
-            found = _side_by_side(own, motion, time_step, noise)
-            for i, log in zip(few, found, strict=True):
-                logs[i] = log
+    logs: list[np.ndarray | None] = []
+    for at in range(0, len(machines), COUNT):
+        few = machines[at : at + COUNT]
+        logs += _side_by_side(few, motion, time_step, noise)
     return logs
-
-
-def _alike(machines: Sequence[Machine]) -> list[list[int]]:
-    """Places of machines by their effects."""
-    found: dict[Hashable, list[int]] = {}
-    for i, (_, plug_ins) in enumerate(machines):
-        parts = [
-            (plug.point, plug.laws, tuple(p.shape for p in plug.parameters))
-            for plug in plug_ins.values()
-        ]
-        found.setdefault(tuple(parts), []).append(i)
-    return list(found.values())
 
 
 def _side_by_side(
@@ -72,7 +54,7 @@ def _side_by_side(
     time_step: float,
     noise: np.ndarray | None,
 ) -> list[np.ndarray | None]:
-    """Up to COUNT machines with the same effects."""
+    """Up to COUNT machines."""
     if len(machines) > 1:
         logs = _run(machines, motion, time_step, noise)
         if logs is not None:
@@ -112,7 +94,7 @@ def _run(
         first.period / steps,
         steps,
         stack_copies(numbers),
-        _effects_of(machines),
+        make_effects_of([plugs for _, plugs in machines], n, COUNT),
         stack_copies([make_brace(m, motion.with_torso) for m in numbers]),
         stack_copies(controllers),
         (plan.desired, plan.columns, plan.noise, plan.ticks_per_sample),
@@ -122,21 +104,3 @@ def _run(
         return None
     log = log[motion.settled_ticks // motion.ticks_per_sample :]
     return [log[:, :, i].copy() for i in range(len(machines))]
-
-
-def _effects_of(machines: Sequence[Machine]) -> EffectsOfCopies:
-    each = [make_effects(plugs, m.num_stages) for m, plugs in machines]
-    each += [each[-1]] * (COUNT - len(each))
-    memory = zip(*(e.memory for e in each), strict=True)
-    return EffectsOfCopies(
-        each[0].laws,
-        _stack([e.parameters for e in each]),
-        tuple(_stack(points) for points in memory),
-        each[0].active,
-        np.zeros((5, 12)),
-    )
-
-
-def _stack(copies: Sequence[Sequence[np.ndarray]]) -> tuple[np.ndarray, ...]:
-    """Of each effect the arrays of all copies (COUNT, n, m)."""
-    return tuple(np.stack(arrays) for arrays in zip(*copies, strict=True))

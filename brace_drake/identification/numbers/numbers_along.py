@@ -79,7 +79,7 @@ def _step(
     # What the fit leaves counts as noise.
     noise = max(known.noise, cost / evaluator.count)
     left = (residual + jacobian @ step)[: evaluator.ends[-1]]
-    way = known.estimate(left, noise) - known.off
+    way = known.estimate(known.along(left), noise) - known.off
     for part in _PARTS:
         there = problem.with_numbers(known.off + part * way)
         (moved,) = there.batch([z + part * step])

@@ -26,12 +26,13 @@ def noise_left(evaluator: Evaluator, fit: CandidateFit) -> float:
     """
     known = fit.tolerances
     whitened = fit.solution.residual[: evaluator.ends[-1]]
-    off = known.estimate(whitened, known.noise)
+    along = known.along(whitened)
+    off = known.estimate(along, known.noise)
     rest = known.colour(whitened) + known.basis @ (known.columns @ off)
     level = evaluator.noise_level(fit.uses) * evaluator.count
     excess = max(0.0, float(rest @ rest) - level)
-    along = noise_along(known, whitened)
-    return max(along, 1.0 + excess / len(known.nuisances))
+    shown = noise_along(known, along)
+    return max(shown, 1.0 + excess / len(known.nuisances))
 
 
 def reweigh(

@@ -30,10 +30,9 @@ from brace_drake.laws.control.brace_control import (
 )
 from brace_drake.laws.control.impedance import filter_force
 from brace_drake.laws.control.pose_estimate import estimate_rings
-from brace_drake.laws.hooks import matrix
+from brace_drake.laws.hooks import EFFECTS, matrix
 from brace_drake.laws.lanes.arrays import lanes_of, stacked_kind
 from brace_drake.laws.loop.brace import BRACE, is_near
-from brace_drake.laws.loop.effect_calls import EFFECTS_OF_COPIES
 from brace_drake.laws.loop.rollout import place_desired, write_row
 from brace_drake.laws.loop.ticks import go_to_tick
 from brace_drake.laws.numbers import NUMBERS
@@ -73,7 +72,7 @@ def advance_copies(controller, readings, command):
 
 @compiled_when_called(
     (
-        float64, int64, stacked_kind(NUMBERS), EFFECTS_OF_COPIES,
+        float64, int64, stacked_kind(NUMBERS), EFFECTS,
         stacked_kind(BRACE), stacked_kind(CONTROLLER),
         types.Tuple((_array3, int64[::1], matrix, int64)), _array3,
     ),

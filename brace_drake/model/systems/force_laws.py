@@ -34,11 +34,11 @@ class ForceEffects:
         self._parameters: list[tuple[int, np.ndarray]] = []
         self._states: list[tuple[int, np.ndarray]] = []
         for e in np.flatnonzero(effects.active.any(axis=0)):
-            values = effects.parameters[e].reshape(-1)
+            values = effects.parameters_of(e)
             index = system.DeclareNumericParameter(BasicVector(values))
             self._parameters.append((int(index), values))
             for point in np.flatnonzero(effects.active[:, e]):
-                values = effects.memory[point][e].reshape(-1)
+                values = effects.memory_of(point, e)
                 index = system.DeclareDiscreteState(values)
                 self._states.append((int(index), values))
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -38,12 +40,16 @@ def screen(
     Returns:
         Candidates with the excess that each is predicted to leave.
     """
-    candidates = []
     name = f"{base.base.name}+" if base.base.effects else ""
-    for i, effect in enumerate(effects):
+
+    def one(i, effect):
         say(f"cause {name}{effect.key}", 0.6 * i / len(effects))
-        candidates += predict(base, effect)
-    return candidates
+        return predict(base, effect)
+
+    found = base.evaluator.together(
+        [partial(one, i, effect) for i, effect in enumerate(effects)]
+    )
+    return [candidate for candidates in found for candidate in candidates]
 
 
 def others(effects: Sequence[Effect], fit: CandidateFit) -> list[Effect]:
@@ -85,7 +91,8 @@ def search_best(
     say: Say = silent,
     places: int = thresholds.PLACES,
 ) -> None:
-    """Searches the candidates that are predicted to leave least, best first.
+    """Searches the candidates that are predicted to leave least, best first,
+    a few side by side.
 
     None is searched where the base leaves nothing to explain.
 
@@ -97,28 +104,44 @@ def search_best(
     """
     if base.is_exact:
         return
-    candidates, least = _best_starts(candidates), np.inf
+    candidates, best = _best_starts(candidates), _Best()
     trust = thresholds.COARSE * base.evaluator.count
     remaining, most = base.remaining, _most(base)
-    for place, candidate in enumerate(candidates):
-        left = candidate.left
-        far_behind = left > thresholds.FACTOR * (least + trust)
-        worth = max(trust, thresholds.WORTH_A_PLACE * remaining)
-        no_gain = remaining - left < worth
-        if least <= trust:
-            places = min(places, thresholds.PLACES_AT_FLOOR)
-        if place >= places and (far_behind or no_gain):
-            break
-        hopeless = left > most
-        if place >= thresholds.HOPELESS_PLACES and hopeless:
-            break
-        say(f"cause {candidate.name}", 0.6 + 0.4 * place / len(candidates))
+    worth = max(trust, thresholds.WORTH_A_PLACE * remaining)
+
+    def is_worth(place, left):
+        if place >= thresholds.HOPELESS_PLACES and left > most:
+            return False
+        far_behind = left > thresholds.FACTOR * (best.left + trust)
+        return place < places or not (far_behind or remaining - left < worth)
+
+    def search_starts(candidate):
         for start in (candidate, *candidate.others):
-            if _search(base, start, least):
-                least = max(0.0, min(least, start.left))
+            if _search(base, start, best):
+                best.left = max(0.0, min(best.left, start.left))
             # Where one has come to the floor no other way need be tried.
-            if least <= trust:
+            if best.left <= trust:
                 break
+
+    # The first alone: often no other comes near it.
+    ends = [
+        1,
+        *range(
+            1 + thresholds.AT_ONCE,
+            len(candidates) + thresholds.AT_ONCE,
+            thresholds.AT_ONCE,
+        ),
+    ]
+    for place, end in itertools.pairwise([0, *ends]):
+        if best.left <= trust:
+            places = min(places, thresholds.PLACES_AT_FLOOR)
+        whole = list(enumerate(candidates))[place:end]
+        few = [c for at, c in whole if is_worth(at, c.left)]
+        for c in few:
+            say(f"cause {c.name}", 0.6 + 0.4 * place / len(candidates))
+        base.evaluator.together([partial(search_starts, c) for c in few])
+        if len(few) < len(whole):
+            break
 
 
 def _most(base: Linearisation) -> float:
@@ -128,7 +151,14 @@ def _most(base: Linearisation) -> float:
     return thresholds.HOPELESS * base.remaining
 
 
-def _search(base: Linearisation, candidate: Candidate, least: float) -> bool:
+@dataclass
+class _Best:
+    """The least excess that a search has left so far, strained."""
+
+    left: float = np.inf
+
+
+def _search(base: Linearisation, candidate: Candidate, best: _Best) -> bool:
     """Rounds of steps while they bring much; False if its twin breaks down.
 
     One that would not come near the best at the rate of the last round is
@@ -138,8 +168,11 @@ def _search(base: Linearisation, candidate: Candidate, least: float) -> bool:
     trust = end = thresholds.COARSE * count
     if candidate.added.spread is not None:
         end = thresholds.COARSE_OF_MANY * count
-    near_best = thresholds.FACTOR * (least + trust)
     before, predicted = np.inf, candidate.predicted
+
+    def near_best():
+        return thresholds.FACTOR * (best.left + trust)
+
     for done in range(1, thresholds.ROUNDS + 1):
         if not candidate.step(base, thresholds.STEPS):
             return False
@@ -152,11 +185,11 @@ def _search(base: Linearisation, candidate: Candidate, least: float) -> bool:
         if is_first and np.isclose(left, predicted, rtol=near):
             break
         rate = thresholds.BEST_ROUND if is_first else rate
-        if left * rate**rounds > near_best:
+        if left * rate**rounds > near_best():
             break
         before = left
     has_failed = end < left and predicted < thresholds.FAILED * left
-    if predicted < near_best and has_failed:
+    if predicted < near_best() and has_failed:
         # Far from the base its sensitivities may lead nowhere.
         return candidate.step(base, thresholds.STEPS, own=True)
     return True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -59,17 +60,21 @@ def refine(
     trust = thresholds.SHORTLIST_TRUST * count
     near = thresholds.SHORTLIST * max(trust, left(ranked[0]) + trust)
     bar = min(thresholds.GAINED * remaining - trust, near)
-    out = []
-    for place, fit in enumerate(ranked):
-        searched = fit.is_searched and not fit.refined
-        if (
-            place < thresholds.NUM_SHORTLIST
-            and searched
-            and (place == 0 or left(fit) <= bar)
-        ):
-            fit = try_refine(evaluator, fit)
-        out.append(fit)
-    return out
+    listed = [
+        i
+        for i, fit in enumerate(ranked[: thresholds.NUM_SHORTLIST])
+        if fit.is_searched and not fit.refined and (i == 0 or left(fit) <= bar)
+    ]
+    tasks = [partial(try_refine, evaluator, ranked[i]) for i in listed]
+    known = evaluator.tolerances
+    if known is None or known.noise == 1.0:
+        ends = evaluator.together(tasks)
+    else:
+        # Each has the tolerances weighed beside what it leaves.
+        ends = [task() for task in tasks]
+    for i, end in zip(listed, ends, strict=True):
+        ranked[i] = end
+    return ranked
 
 
 def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
