@@ -46,9 +46,11 @@ class StretchTest(unittest.TestCase):
         free = np.sqrt(1.0 - known.errors() ** 2)
         draws = [
             known.estimate(
-                known.whiten(
-                    self.random.normal(size=ROWS)
-                    - changes @ self.random.normal(size=8)
+                known.along(
+                    known.whiten(
+                        self.random.normal(size=ROWS)
+                        - changes @ self.random.normal(size=8)
+                    )
                 )
             )
             / free

@@ -3,7 +3,8 @@
 Each is called alike by a LeafSystem, by the compiled rollout and by the
 tests. They write into arrays that the caller owns and allocate next to
 nothing. In this folder are the laws of single parts, in `control` those of the
-controllers, in `loop` all of them put together.
+controllers, in `loop` all of them put together, in `alone` a part by itself,
+and in `lanes` what lets several copies of a brace go side by side.
 
 They are kept in a folder for each state of their sources, see `kept`. Where
 that folder takes no files, as on a full disk or in a home that is

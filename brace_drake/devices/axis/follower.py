@@ -17,7 +17,7 @@ from brace_drake.devices.pad_bench.twin import steps_per_sample
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
-from brace_drake.laws.loop.axis_response import BIAS, WORK, rollout_response
+from brace_drake.laws.alone.axis_response import BIAS, WORK, rollout_response
 from brace_drake.recording.columns import AXIS, axis_columns, speed_column
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.axis import AxisScenario
@@ -46,7 +46,7 @@ class Commanded:
 
 @dataclass(frozen=True)
 class FollowerNumbers:
-    """Law of a follower (4,), see `laws.loop.axis_response`, and the noise of
+    """Law of a follower (4,), see `laws.alone.axis_response`, and the noise of
     a position reading.
     """
 
@@ -154,7 +154,7 @@ def simulate_response(
     """Simulates one run with the compiled rollout.
 
     Args:
-        law: See `laws.loop.axis_response` (4,).
+        law: See `laws.alone.axis_response` (4,).
         motion: The run.
         length: That lengths are counted in, m or rad.
         time_step: Longest plant step, s.

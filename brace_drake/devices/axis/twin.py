@@ -16,7 +16,7 @@ from brace_drake.devices.pad_bench.twin import (
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
-from brace_drake.laws.loop.axis_rollout import GAINS, WORK, rollout_axis
+from brace_drake.laws.alone.axis_rollout import GAINS, WORK, rollout_axis
 from brace_drake.laws.plug_in import idle
 from brace_drake.recording.columns import AXIS, axis_columns
 from brace_drake.recording.recording import Run

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from brace_drake.effects.stack import Use, stack_effects
-from brace_drake.laws.loop.signal_chain import pass_signal
+from brace_drake.laws.alone.signal_chain import pass_signal
 
 # Longest step of what happens to a command on its way, s.
 _FINE_S = 1e-3

@@ -13,7 +13,7 @@ from brace_drake.core.errors import BraceError
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
-from brace_drake.laws.loop.leg_rollout import NUM_LOGGED, rollout_leg
+from brace_drake.laws.alone.leg_rollout import NUM_LOGGED, rollout_leg
 from brace_drake.laws.plug_in import PlugIn, idle
 from brace_drake.recording.columns import LEG_BENCH
 from brace_drake.recording.recording import Run

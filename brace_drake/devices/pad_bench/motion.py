@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from brace_drake.laws.loop.pad_path import (
+from brace_drake.laws.alone.pad_path import (
     filter_cosines,
     noise_gain,
     path_slopes,

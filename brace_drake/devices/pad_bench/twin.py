@@ -13,7 +13,7 @@ from brace_drake.devices.pad_bench.motion import MakePadMotion, PadMotion
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
-from brace_drake.laws.loop.pad_rollout import rollout_pad
+from brace_drake.laws.alone.pad_rollout import rollout_pad
 from brace_drake.laws.plug_in import PlugIn, idle
 from brace_drake.recording.columns import PAD_BENCH
 from brace_drake.recording.recording import Run

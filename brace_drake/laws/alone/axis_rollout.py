@@ -6,6 +6,7 @@ reference.
 
 from numba import boolean, int64, njit
 
+from brace_drake.laws.alone.pad_rollout import FORCE_AXIS, interpolate_path
 from brace_drake.laws.compiled import MAKER, compiled_maker
 from brace_drake.laws.hooks import (
     MAX_EFFECTS,
@@ -14,7 +15,6 @@ from brace_drake.laws.hooks import (
     vector,
     vectors,
 )
-from brace_drake.laws.loop.pad_rollout import FORCE_AXIS, interpolate_path
 
 # Of the law's vector, what stands before the gains of extra inputs.
 MASS, VISCOUS, STIFFNESS, OFFSET, GAINS = range(5)
