@@ -28,6 +28,7 @@ from brace_drake.devices.motions.reference import (
 )
 from brace_drake.diagnosis import diagnose
 from brace_drake.identification.subject.campaign_fit import fit_campaign
+from brace_drake.laws.lanes.kinds import COUNT
 from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.subjects import EffectRange, SubjectRanges
 from brace_drake.learning.task import (
@@ -85,6 +86,26 @@ def closed_loop(run, step):
     motion = twins[0].motion(run)
     rollout = best_of(5, lambda: twins.pop().simulate(motion, subject))
     return diagram, rollout
+
+
+def copies(run, step, effect=None):
+    """Times of one copy of a bench, and of as many as go side by side, s."""
+    scenario = BenchScenario()
+    scenario.time_step = step
+    uses = []
+    if effect is not None:
+        card = BenchTwin(scenario).effects()[effect]
+        uses = [(card, card.starts()[0])]
+
+    def simulate(count):
+        # A twin remembers what it has simulated.
+        twin = BenchTwin(scenario)
+        usual = np.array([p.nominal for p in twin.subject])
+        points = [(usual * (1.0 + 0.01 * i), uses) for i in range(count)]
+        return twin.simulate_each(twin.motion(run), points)
+
+    simulate(2)
+    return tuple(best_of(5, lambda n=n: simulate(n)) for n in (1, COUNT))
 
 
 def time_env(task):
@@ -189,6 +210,10 @@ def main():
         ):
             label = f"{name}, 12 s at {1e3 * step:g} ms"
             print(f"{label:44} {value:8.3f} {value / bare:13.2f}")
+    for effect in (None, "relaxation", "coulomb_friction"):
+        alone, together = copies(run, 1e-3 / 3.0, effect)
+        label = f"{COUNT} copies of one, {effect or 'no effect'}"
+        print(f"{label:44} {together:8.3f} {together / alone:8.2f} x one")
     bench_brace.time_braces()
     bench_brace.time_contact()
     time_learning()
