@@ -58,12 +58,8 @@ def record(twin, subject, uses, seed):
 
 def residual_of(evaluator, subject, uses=(), step=""):
     """Weighted residual of all runs."""
-    return np.concatenate(
-        [
-            evaluator.weighted_residual(p, subject, uses, step)
-            for p in evaluator.prepared
-        ]
-    )
+    (residual,) = evaluator.weighted_residuals([(subject, uses)], step)
+    return residual
 
 
 def without_torso(run):

@@ -15,7 +15,7 @@ from brace_drake.design.confusable import ALIKE, reason_of
 from brace_drake.design.plan import plan_campaign, standard_errors
 from brace_drake.design.signature import size_of_one_floor, sizes_of
 from brace_drake.devices.subject import SubjectParameter
-from brace_drake.devices.twin import HIGHEST_HZ
+from brace_drake.devices.twin import HIGHEST_HZ, ReplayTwin
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import all_effects, effects_for, find_effect
 from brace_drake.recording.recording import Run
@@ -61,7 +61,7 @@ CARDS = {
 }
 
 
-class LinearTwin:
+class LinearTwin(ReplayTwin):
     """y = phi w_4 + sum of p_i shapes_i, read with white noise."""
 
     channels, device, carried = ("y",), "toy", ()
@@ -70,6 +70,18 @@ class LinearTwin:
         SubjectParameter("phi", "1", 1.0, -1e9, 1e9),
         SubjectParameter("unseen", "1", 1.0, 0.0, 2.0),
     )
+
+    def __init__(self):
+        """It has no scenario."""
+
+    def scenario_of(self, subject):
+        return None
+
+    def with_subject(self, values):
+        return None
+
+    def _replay(self, numbers, motion, subject, uses, generator):
+        raise NotImplementedError
 
     def coarse(self):
         return self

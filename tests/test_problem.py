@@ -23,16 +23,19 @@ class LinearEvaluator:
         )
         self.rows, self.replays, self.tolerances = rows, 0, None
 
-    def map(self, function, tasks):
-        return [function(*task) for task in tasks]
-
     def whitened(self, rows):
         return rows
 
     def coloured(self, rows):
         return rows
 
-    def weighted_residual(self, run, subject, uses, step):
+    def weighted_residuals(self, points, step):
+        return [
+            np.concatenate([self.of_run(run, *p) for run in self.prepared])
+            for p in points
+        ]
+
+    def of_run(self, run, subject, uses):
         total = 0.1 * subject[0]
         for k, (effect, values) in enumerate(uses):
             own = effect.in_run(values, run.index)

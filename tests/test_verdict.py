@@ -216,10 +216,8 @@ class TestLevel(unittest.TestCase):
     def test_friction_adds_to_what_a_right_twin_leaves(self):
         # What friction of one tolerance changes: three floors everywhere.
         evaluator = SimpleNamespace(
-            prepared=[None],
             count=COUNT,
-            map=lambda function, tasks: [function(*task) for task in tasks],
-            changes=lambda run, subject, uses, more: [
+            changes=lambda subject, uses, more: [
                 np.full(COUNT, 30.0 * one[0][1][0]) for one in more
             ],
         )
