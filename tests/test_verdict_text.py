@@ -42,8 +42,8 @@ def verdict(**effects):
     }
 
 
-def sentence(told, closed=None, moved=0):
-    return verdict_sentence("case016", told, closed, moved)
+def sentence(told, closed=None, moved=0, off=None):
+    return verdict_sentence("case016", told, closed, moved, off)
 
 
 class TestVerdictText(unittest.TestCase):
@@ -56,6 +56,15 @@ class TestVerdictText(unittest.TestCase):
             " the legs off its data sheet value (extra viscous 99.46 N s/m);"
             " adding them closes 100 % of the gap on the validation runs.",
         )
+
+    def test_a_twin_above_its_noise_is_not_said_to_be_at_it(self):
+        none = verdict() | {"gap": False}
+        told = sentence(none, moved=3, off=1.96)
+        self.assertIn("is 1.96 times the noise floor off", told)
+        self.assertIn("numbers within their tolerances", told)
+        self.assertNotIn("down to its noise", told)
+        self.assertTrue(told.startswith("No gap"))
+        self.assertIn("down to its noise", sentence(none, moved=3, off=1.02))
 
     def test_no_identifier_and_one_meaning_of_the_word_gap(self):
         text = sentence(verdict(clearance=CLEARANCE), closed=0.9957)

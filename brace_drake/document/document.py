@@ -47,6 +47,7 @@ def MakeDocument(d: Diagnosis, origin: Origin | None = None) -> dict:
     causes = cause_rows(d)
     own = table.num_subject
     closed = d.shrinkage["closed"] if d.shrinkage else None
+    off = d.shrinkage["after"] if d.shrinkage else None
     moved = tolerance_rows(d)
     told = {
         "gap": verdict.gap,
@@ -61,7 +62,7 @@ def MakeDocument(d: Diagnosis, origin: Origin | None = None) -> dict:
         "contradicted": verdict.contradicted or None,
     }
     name = d.campaign.name
-    told["sentence"] = verdict_sentence(name, told, closed, len(moved))
+    told["sentence"] = verdict_sentence(name, told, closed, len(moved), off)
     told["sentence"] += law_sentence(told["unexplained"]["law"])
     told["sentence"] += controller_text(d.block_tests)
     told["sentence"] += stated_text(

@@ -15,8 +15,16 @@ _STATED, _CLEAR = 0.1, 4.0
 _EXPLAINED = 1.0 - MATERIAL
 
 
+# Times the floor up to which a twin is said to be at its noise.
+_AT_NOISE = 1.1
+
+
 def verdict_sentence(
-    name: str, verdict: dict, closed: float | None, moved: int
+    name: str,
+    verdict: dict,
+    closed: float | None,
+    moved: int,
+    off: float | None = None,
 ) -> str:
     """What was found, what is certain of it, and what is left.
 
@@ -25,6 +33,8 @@ def verdict_sentence(
         verdict: Of the document, without its sentence.
         closed: Share of the gap that all effects close on validation runs.
         moved: Numbers known to a tolerance that the data move.
+        off: Times the floor that the twin is off on validation runs; None
+            without any.
     """
     why = verdict["contradicted"]
     if why and not verdict["effects"]:
@@ -35,6 +45,12 @@ def verdict_sentence(
     if not verdict["gap"]:
         how = "the subject's parameters"
         how += " and numbers within their tolerances" if moved else ""
+        if off is not None and off > _AT_NOISE:
+            return (
+                f"No gap that tolerances do not allow for: with {how} fitted,"
+                f" the twin of {name} is {off:.3g} times the noise floor off on"
+                " validation runs, no more than a right twin may leave."
+            )
         return (
             f"No gap: with {how} fitted, the twin reproduces {name} down to"
             " its noise."
