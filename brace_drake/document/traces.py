@@ -23,13 +23,14 @@ def _trace(
 ) -> RunTrace:
     signals = d.device.motion_signals(c.prepared, d.nominal.subject)
     floor, run = c.prepared.floor, c.prepared.run
-    recorded = d.device.twin.recorded(run)
+    # What tells nothing in a run, as the marker of no torso, is not shown.
+    shown = d.device.twin.recorded(run) & d.device.twin.active(run)
     return RunTrace(
         run.name,
         run.split,
         run.time_s - run.time_s[0],
         d.device.twin.channels,
-        np.where(recorded, c.prepared.measured, np.nan),
+        np.where(shown, c.prepared.measured, np.nan),
         c.before,
         c.after,
         floor.rms,
