@@ -246,37 +246,45 @@ class Evaluator:
         Points go side by side, a few in a task; runs of one motion follow each
         other, as a twin may remember what they have in common.
         """
-        twin = self._twins[step]
-        order = sorted(range(len(points)), key=lambda i: noisy[i])
-        tasks = []
-        for runs in self._alike:
-            for at in range(0, len(order), _AT_ONCE):
-                tasks.append((runs, order[at : at + _AT_ONCE]))
-
-        def perform(runs, places):
-            found = {}
-            for i in runs:
-                prepared = self.prepared[i]
-                own = [
-                    (subject, uses_in_run(uses, prepared.index))
-                    for subject, uses in (points[k] for k in places)
-                ]
-                counts = [noisy[k] for k in places]
-                replays = replay_each(
-                    twin, prepared.motion, prepared.seed, own, counts
-                )
-                for k, x in zip(places, replays, strict=True):
-                    found[i, k] = None if x is None else weigh(prepared, x)
-            return found
-
+        order = sorted(range(len(points)), key=lambda k: noisy[k])
+        few = [
+            order[at : at + _AT_ONCE] for at in range(0, len(order), _AT_ONCE)
+        ]
+        places = [(runs, own) for runs in self._alike for own in few]
+        tasks = [
+            (
+                weigh,
+                step,
+                runs,
+                [points[k] for k in own],
+                [noisy[k] for k in own],
+            )
+            for runs, own in places
+        ]
         found = {}
-        for part in self.map(perform, tasks):
-            found.update(part)
+        for (runs, own), parts in zip(
+            places, self.map(self._replay_few, tasks), strict=True
+        ):
+            for i, of_run in zip(runs, parts, strict=True):
+                found |= {(i, k): x for k, x in zip(own, of_run, strict=True)}
         out = []
         for k in range(len(points)):
             parts = [found[i, k] for i in range(len(self.prepared))]
             broke = any(x is None for x in parts)
             out.append(None if broke else np.concatenate(parts))
+        return out
+
+    def _replay_few(self, weigh, step, runs, points, noisy):
+        """What `weigh` makes of a few points of some runs, run by run."""
+        out = []
+        for prepared in (self.prepared[i] for i in runs):
+            own = [(s, uses_in_run(u, prepared.index)) for s, u in points]
+            replays = replay_each(
+                self._twins[step], prepared.motion, prepared.seed, own, noisy
+            )
+            out.append(
+                [None if x is None else weigh(prepared, x) for x in replays]
+            )
         return out
 
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
