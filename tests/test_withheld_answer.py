@@ -1,7 +1,9 @@
 """Making and answering withheld cases, file by file."""
 
 import json
+import signal
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -119,22 +121,23 @@ class TestAnswer(unittest.TestCase):
         seals = yaml.safe_dump({"seals": {"case000": "0", "case001": "1"}})
         (self.cases / SEALS).write_text(seals)
 
-    def diagnose(self, command, cwd, **_):
+    def diagnose(self, command, folder):
         """Stands in for the process: notes what it is handed."""
         copy, out = Path(command[4]), Path(command[6])
         self.handed.append(sorted(p.name for p in copy.iterdir()))
         if self.fails:
-            return mock.Mock(returncode=2, stderr="brace-drake: no good\n")
+            return 2, "brace-drake: no good\n"
         out.mkdir()
         (out / "diagnosis.json").write_text(
             json.dumps({"verdict": VERDICT, "shrink": {"closed": 0.5}})
         )
-        return mock.Mock(returncode=0, stderr="")
+        return 0, ""
 
     def answer(self, fails=False):
         self.handed, self.fails = [], fails
         with mock.patch(
-            "brace_drake.withheld.answer.subprocess.run", self.diagnose
+            "brace_drake.withheld.answer._Running.run",
+            lambda _, command, folder: self.diagnose(command, folder),
         ):
             return answer_cases(self.cases, self.answers, jobs=2)
 
@@ -166,6 +169,29 @@ class TestAnswer(unittest.TestCase):
         self.answer()
         third = yaml.safe_load((self.answers / COMMITMENT).read_text())
         self.assertEqual(third, second)
+
+    def test_a_signal_ends_what_runs_and_begins_no_more(self):
+        # A diagnosis that takes a minute, and notes that it has begun.
+        slow = self.cases.parent / "slow"
+        begun = self.cases.parent / "begun"
+        slow.write_text(f"#!/bin/sh\necho >> {begun}\nexec sleep 60\n")
+        slow.chmod(0o755)
+
+        def interrupt(*_):
+            raise KeyboardInterrupt
+
+        before = signal.signal(signal.SIGALRM, interrupt)
+        self.addCleanup(signal.signal, signal.SIGALRM, before)
+        start = time.monotonic()
+        signal.setitimer(signal.ITIMER_REAL, 2.0)
+        with (
+            mock.patch("brace_drake.withheld.answer.sys.executable", str(slow)),
+            self.assertRaises(KeyboardInterrupt),
+        ):
+            answer_cases(self.cases, self.answers, jobs=1)
+        self.assertLess(time.monotonic() - start, 30.0)
+        self.assertEqual(begun.read_text(), "\n")
+        self.assertFalse((self.answers / "answers.json").exists())
 
     def test_answers_to_other_cases_are_not_taken_for_these(self):
         self.answer()

@@ -14,6 +14,7 @@ import tempfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
+from threading import Lock
 
 from brace_drake.core.output import HoldFolder, WriteText
 from brace_drake.core.reading import LoadJson, ReadBytes
@@ -56,14 +57,21 @@ def answer_cases(
         raise AnswerError(f"{folder}: no case {missing[0] if names else ''}")
     HoldFolder(answers)
     _bind(folder, answers)
-    found = {}
+    found, running = {}, _Running()
     with ThreadPoolExecutor(jobs) as pool:
         tasks = {
-            pool.submit(_answer, folder / n, answers / n): n for n in names
+            pool.submit(_answer, running, folder / n, answers / n): n
+            for n in names
         }
-        for task in as_completed(tasks):
-            found[tasks[task]] = task.result()
-            progress(tasks[task], label(found[tasks[task]]["verdict"]))
+        try:
+            for task in as_completed(tasks):
+                found[tasks[task]] = task.result()
+                progress(tasks[task], label(found[tasks[task]]["verdict"]))
+        except BaseException:
+            # As of a signal: what has not begun is dropped, what runs ends.
+            pool.shutdown(wait=False, cancel_futures=True)
+            running.stop()
+            raise
     cases = {name: found[name] for name in names}
     commit(folder, answers, cases)
     return cases
@@ -81,10 +89,44 @@ def _bind(folder: Path, answers: Path) -> None:
         )
 
 
-def _answer(case: Path, out: Path) -> dict:
+class _Running:
+    """The processes of the cases that are being diagnosed."""
+
+    def __init__(self):
+        self._lock, self._processes = Lock(), set()
+        self._stopped = False
+
+    def run(self, command: list[str], folder: str) -> tuple[int, str]:
+        """Status and errors of a command, run in a folder."""
+        with self._lock:
+            if self._stopped:
+                raise AnswerError("stopped")
+            process = subprocess.Popen(
+                command,
+                cwd=folder,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+            self._processes.add(process)
+        with process:
+            _, errors = process.communicate()
+        with self._lock:
+            self._processes.discard(process)
+        return process.returncode, errors
+
+    def stop(self) -> None:
+        """Ends what runs; nothing begins any more."""
+        with self._lock:
+            self._stopped = True
+            for process in self._processes:
+                process.terminate()
+
+
+def _answer(running: _Running, case: Path, out: Path) -> dict:
     """One case's verdict and closed share, of a diagnosis old or new."""
     path = out / "diagnosis.json"
-    error = None if path.exists() else _diagnose(case, out)
+    error = None if path.exists() else _diagnose(running, case, out)
     try:
         document = LoadJson(path, AnswerError)
         shrink = document.get("shrink") or {}
@@ -98,7 +140,7 @@ def _answer(case: Path, out: Path) -> dict:
         return {"verdict": None, "closed": None, "error": error}
 
 
-def _diagnose(case: Path, out: Path) -> str | None:
+def _diagnose(running: _Running, case: Path, out: Path) -> str | None:
     """Runs the command on a copy of the recordings; its error, if any."""
     with tempfile.TemporaryDirectory(prefix="withheld-") as folder:
         copy = Path(folder) / case.name
@@ -108,14 +150,8 @@ def _diagnose(case: Path, out: Path) -> str | None:
                 shutil.copyfile(file, copy / file.name)
         command = [sys.executable, "-m", "brace_drake.cli.main", "diagnose"]
         command += [str(copy), "--out", str(out.resolve()), "--jobs", "1"]
-        done = subprocess.run(
-            command,
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-    if done.returncode == 0:
+        status, errors = running.run(command, folder)
+    if status == 0:
         return None
-    lines = done.stderr.strip().splitlines() or ["no message"]
-    return f"status {done.returncode}: {lines[-1]}"
+    lines = errors.strip().splitlines() or ["no message"]
+    return f"status {status}: {lines[-1]}"
