@@ -23,17 +23,11 @@ from brace_drake.scenario.brace import BenchScenario, BraceScenario
 
 @njit
 def _functions_of_lanes(x, y, out):
-    x, y, out = lanes_of(x), lanes_of(y), lanes_of(out)
-    for i in range(x.shape[0]):
-        out[i, 0] = elementary.exp(x[i])
-        out[i, 1] = elementary.tanh(x[i])
-        out[i, 2] = elementary.sin(x[i])
-        out[i, 3] = elementary.cos(x[i])
-        out[i, 4] = elementary.atan2(y[i], x[i])
+    _functions(lanes_of(x), lanes_of(y), lanes_of(out))
 
 
 @njit
-def _functions_of_floats(x, y, out):
+def _functions(x, y, out):
     for i in range(x.shape[0]):
         out[i, 0] = elementary.exp(x[i])
         out[i, 1] = elementary.tanh(x[i])
@@ -101,7 +95,7 @@ class TestLanes(unittest.TestCase):
             floats = np.zeros((COUNT, 3000, 5))
             _functions_of_lanes(x, y, lanes)
             for k in range(COUNT):
-                _functions_of_floats(x[:, k].copy(), y[:, k].copy(), floats[k])
+                _functions(x[:, k].copy(), y[:, k].copy(), floats[k])
             known = [np.exp(x), np.tanh(x), np.sin(x), np.cos(x)]
             known.append(np.arctan2(y, x))
             with self.subTest(size=size):

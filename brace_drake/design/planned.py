@@ -98,12 +98,12 @@ def predict(
     noisy = [_DITHERS if dithered else 0] * len(points)
     each = [(subject, uses_in_run(uses, 0)) for subject, uses in points]
 
-    def predict(p):
+    def of_run(p):
         replays = replay_each(twin, p.motion, p.seed, each, noisy)
         return [None if x is None else p.weigh(x) for x in replays]
 
-    parts = evaluator.map(predict, [(p,) for p in evaluator.prepared])
-    return [list(of_runs) for of_runs in zip(*parts, strict=True)]
+    parts = evaluator.map(of_run, [(p,) for p in evaluator.prepared])
+    return [list(point) for point in zip(*parts, strict=True)]
 
 
 def subject_columns(

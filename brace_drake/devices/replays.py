@@ -64,9 +64,8 @@ def replay_each(
         seeds = [[seed, i] for i in range(number)] or [None]
         each = [twin.simulate_each(motion, some, s) for s in seeds]
         for k, logs in zip(places, zip(*each, strict=True), strict=True):
-            broke = any(log is None for log in logs)
-            whole = None if broke else logs[0]
-            if number > 0 and not broke:
-                whole = np.mean(logs, axis=0)
-            found[k] = whole
+            if any(log is None for log in logs):
+                found[k] = None
+            else:
+                found[k] = np.mean(logs, axis=0) if number else logs[0]
     return [found[k] for k in range(len(points))]

@@ -41,14 +41,7 @@ class RunMemory:
         self, key: Hashable, compute: Callable[[], np.ndarray]
     ) -> np.ndarray:
         """The log of a key, computed where it is not known; not writable."""
-        with self._lock:
-            if key in self._logs:
-                self._logs.move_to_end(key)
-                return self._logs[key]
-        log = compute()
-        with self._lock:
-            self._keep(key, log)
-        return log
+        return self.recall_each([key], lambda _: [compute()])[0]
 
     def recall_each(
         self,
@@ -67,19 +60,17 @@ class RunMemory:
         logs = compute(list(places.values())) if places else []
         new = dict(zip(places, logs, strict=True))
         with self._lock:
-            for key, log in new.items():
-                if log is not None:
-                    self._keep(key, log)
             for key in known:
                 if key in self._logs:
                     self._logs.move_to_end(key)
-        return [new[key] if key in new else known[key] for key in keys]
-
-    def _keep(self, key: Hashable, log: np.ndarray) -> None:
-        log.flags.writeable = False
-        self._logs[key] = log
-        while len(self._logs) > self._most:
-            self._logs.popitem(last=False)
+            for key, log in new.items():
+                if log is not None:
+                    log.flags.writeable = False
+                    self._logs[key] = log
+            while len(self._logs) > self._most:
+                self._logs.popitem(last=False)
+        found = known | new
+        return [found[key] for key in keys]
 
 
 def key_of_run(

@@ -102,9 +102,15 @@ class ReplayTwin(ABC):
         Raises:
             BraceError: The simulated run broke down.
         """
-        uses = (*self.carried, *uses)
-        numbers = modify_numbers(self.with_subject(subject), uses)
+        numbers, uses = self._machine(subject, uses)
         return self._replay(numbers, motion, subject, uses, generator)
+
+    def _machine(
+        self, subject: np.ndarray, uses: Sequence[Use]
+    ) -> tuple[Any, tuple[Use, ...]]:
+        """Numbers of a subject as all effects have changed them, and these."""
+        uses = (*self.carried, *uses)
+        return modify_numbers(self.with_subject(subject), uses), uses
 
     def simulate_each(
         self,

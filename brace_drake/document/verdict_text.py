@@ -13,8 +13,6 @@ from brace_drake.selection.thresholds import MATERIAL
 _STATED, _CLEAR = 0.1, 4.0
 # Share of the gap from which on effects that close it explain it, not a part.
 _EXPLAINED = 1.0 - MATERIAL
-
-
 # Times the floor up to which a twin is said to be at its noise.
 _AT_NOISE = 1.1
 

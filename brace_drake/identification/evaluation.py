@@ -22,14 +22,15 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.noise_floor import NoiseFloor
 from brace_drake.laws.hooks import MAX_EFFECTS
+from brace_drake.laws.lanes.kinds import COUNT
 from brace_drake.recording.recording import Run
 
 # Noisy replays averaged for effects on which noise acts as a dither: in a
 # comparison that counts, and in one that only ranks.
 NUM_DITHERS = 3
 _FEW_DITHERS = 1
-# Points in a task.
-_AT_ONCE = 8
+# Points in a task: a few times as many as go side by side.
+_AT_ONCE = 2 * COUNT
 
 
 @dataclass(frozen=True)

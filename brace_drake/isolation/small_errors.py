@@ -77,13 +77,16 @@ def _responses(
 
     def respond(run):
         each = [error.uses(run) for error in errors]
-        points = [(subject, ()), *((subject, uses) for uses in each if uses)]
+        acting = [i for i, uses in enumerate(each) if uses]
+        points = [(subject, ()), *((subject, each[i]) for i in acting)]
         base, *moved = twin.simulate_each(run.motion, points)
         if base is None:
             raise BraceError("the nominal twin breaks down")
-        answers = iter(moved)
-        logs = [next(answers) if uses else None for uses in each]
-        return [None if x is None else run.weigh(x - base) for x in logs]
+        logs = dict(zip(acting, moved, strict=True))
+        return [
+            None if logs.get(i) is None else run.weigh(logs[i] - base)
+            for i in range(len(each))
+        ]
 
     changes = evaluator.map(respond, [(run,) for run in runs])
     found: list[tuple[str, dict[int, np.ndarray]]] = []

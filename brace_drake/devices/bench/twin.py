@@ -24,7 +24,7 @@ from brace_drake.devices.subject import (
     with_subject,
 )
 from brace_drake.devices.twin import ReplayTwin
-from brace_drake.effects.stack import modify_numbers, stack_effects
+from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.brace import BenchScenario
@@ -78,7 +78,10 @@ class BenchTwin(ReplayTwin):
 
     def simulate_each(self, motion, points, seed=None):
         """Copies of the machine side by side, where nothing is known yet."""
-        machines = [self._machine(motion, *point) for point in points]
+        machines = []
+        for subject, uses in points:
+            numbers, every = self._machine(subject, uses)
+            machines.append((numbers, self._plug_ins(numbers, motion, every)))
         if seed is not None:
             generator = np.random.default_rng(seed)
             first, _ = machines[0]
@@ -91,12 +94,6 @@ class BenchTwin(ReplayTwin):
                 [machines[i] for i in places], motion, self.time_step
             ),
         )
-
-    def _machine(self, motion, subject, uses):
-        """Numbers of the machine, and what is plugged in."""
-        uses = (*self.carried, *uses)
-        numbers = modify_numbers(self.with_subject(subject), uses)
-        return numbers, self._plug_ins(numbers, motion, uses)
 
     def _plug_ins(self, numbers, motion, uses):
         return stack_effects(uses, numbers)

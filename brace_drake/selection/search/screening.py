@@ -123,24 +123,18 @@ def search_best(
             if best.left <= trust:
                 break
 
+    ranked, at_once = list(enumerate(candidates)), thresholds.AT_ONCE
     # The first alone: often no other comes near it.
-    ends = [
-        1,
-        *range(
-            1 + thresholds.AT_ONCE,
-            len(candidates) + thresholds.AT_ONCE,
-            thresholds.AT_ONCE,
-        ),
-    ]
-    for place, end in itertools.pairwise([0, *ends]):
+    batches = [ranked[:1]]
+    batches += [ranked[i : i + at_once] for i in range(1, len(ranked), at_once)]
+    for batch in batches:
         if best.left <= trust:
             places = min(places, thresholds.PLACES_AT_FLOOR)
-        whole = list(enumerate(candidates))[place:end]
-        few = [c for at, c in whole if is_worth(at, c.left)]
-        for c in few:
+        few = [(place, c) for place, c in batch if is_worth(place, c.left)]
+        for place, c in few:
             say(f"cause {c.name}", 0.6 + 0.4 * place / len(candidates))
-        base.evaluator.together([partial(search_starts, c) for c in few])
-        if len(few) < len(whole):
+        base.evaluator.together([partial(search_starts, c) for _, c in few])
+        if len(few) < len(batch):
             break
 
 
