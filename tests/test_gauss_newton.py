@@ -114,6 +114,38 @@ class TestGaussNewton(unittest.TestCase):
         with self.assertRaises(ValueError):
             solve(lambda p, coarse=False: [None] * len(p), [1.0], [0], [9])
 
+    def test_sensitivities_of_elsewhere_do_not_hide_a_limit(self):
+        # Of a drive's limit L = 6.6; that of the first parameter, which is
+        # right already, is from elsewhere and takes what the limit leaves.
+        t = np.linspace(0.0, 12.0, 600)
+        x = 7.3 * np.sin(t)
+
+        def model(z):
+            return np.clip(x, -z[1], z[1]) + 0.5 * (z[0] - 1.0) * np.cos(3 * t)
+
+        def differentiate(z, residual):
+            wrong = np.clip(x, -8.0, 8.0) - np.clip(x, -5.0, 5.0)
+            own = model(z + np.array([0.0, 1e-4])) - model(z)
+            return np.column_stack([wrong, own / 1e-4])
+
+        data, left = model(np.array([1.0, 6.6])), []
+        for first in (0, 1):
+            found = solve_gauss_newton(
+                lambda points, coarse=False: [model(z) - data for z in points],
+                np.array([1.0, 5.0]),
+                np.array([0.1, 0.1]),
+                np.array([10.0, 20.0]),
+                np.full(2, 1e-3),
+                np.array([0.3, 5.0]),
+                differentiate=differentiate,
+                max_iterations=5,
+                first=first,
+            )
+            left.append(found.residual @ found.residual)
+        self.assertAlmostEqual(found.z[0], 1.0)
+        self.assertAlmostEqual(found.z[1], 6.6, delta=0.2)
+        self.assertLess(left[1], 0.1 * left[0])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.effects.registry import find_effect
+from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
@@ -15,7 +16,7 @@ from brace_drake.selection.search.screening import (
     screen,
     search_best,
 )
-from brace_drake.selection.search.shortlist import best_fits
+from brace_drake.selection.search.shortlist import best_fits, improve_choices
 from tests.synthetic_bench import SyntheticBench
 
 COULOMB, STRIBECK = (
@@ -62,6 +63,20 @@ class TestRicherRace(unittest.TestCase):
     def test_of_coulomb_friction_nothing_richer_is_searched(self):
         _, _, found = self.race(COULOMB, [0.8])
         self.assertEqual(found, [])
+
+
+class TestOtherForms(unittest.TestCase):
+    def test_a_form_goes_on_from_where_another_has_come(self):
+        evaluator = SyntheticBench().evaluator([(COULOMB, np.array([2.0]))])
+        ground = Linearisation(evaluator, fit_nominal(evaluator))
+        holds = find_effect("coulomb_friction (without creep)")
+        start = [np.array([1.9])]
+        wrong = fit_effects(evaluator, [holds], start, is_compared=True)
+        (found,) = improve_choices(ground, [wrong])
+        self.assertEqual(found.name, "coulomb_friction")
+        self.assertTrue(found.refined)
+        self.assertLess(found.excess, 0.5 * wrong.excess)
+        self.assertAlmostEqual(found.values[0][0], 2.0, delta=0.02)
 
 
 def begun(name, start, predicted):

@@ -28,6 +28,9 @@ _DAMPED = (1e-4, 1e-3, 1e-2)
 # few parameters that brings so many times the predicted decrease is tried so
 # much longer.
 _EXCEEDED, _LONGER = 1.3, (2.0, 4.0)
+# A limit acts on one side of it only: of a step that leaves more than so many
+# times what was predicted these shares are tried.
+_MISSED, _SHORTER = 2.0, (0.25, 0.5, 0.75)
 
 
 def calc_triangle(columns: Sequence[np.ndarray]) -> np.ndarray:
@@ -146,14 +149,15 @@ def solve_gauss_newton(
     known: tuple[np.ndarray, np.ndarray] | None = None,
     max_iterations: int = 12,
     tolerance: float = 3e-6,
+    first: int = 0,
 ) -> LeastSquaresSolution:
     """Minimises the sum of squares of a simulated residual in a box.
 
     Gauss-Newton; a step that does not help is halved up to three times, of
     many parameters damped before; of few parameters one that brings more than
-    predicted is lengthened. The Jacobian is kept (the chord method) as long as
-    steps bring what it predicts; the search ends when a step with a new one
-    brings nothing.
+    predicted is lengthened, one that leaves far more is tried in parts. The
+    Jacobian is kept (the chord method) as long as steps bring what it predicts;
+    the search ends when a step with a new one brings nothing.
 
     Args:
         batch: Residuals of many points at once.
@@ -165,6 +169,8 @@ def solve_gauss_newton(
         known: Residual and Jacobian at the start, where they are known.
         max_iterations: Limit.
         tolerance: On the relative decrease of the cost.
+        first: So many parameters come first that may stay where they are:
+            where few are not as predicted, the others are moved alone too.
 
     Raises:
         ValueError: The residual could not be evaluated at the start.
@@ -190,7 +196,7 @@ def solve_gauss_newton(
         step = step_within(triangle, z, limits)
         left = residual + jacobian @ step
         rest = float(left @ left)
-        accepted = _improve(batch, z, step, triangle, limits, cost, rest)
+        accepted = _improve(batch, z, step, triangle, limits, cost, rest, first)
         decrease = 0.0
         if accepted is not None:
             z, residual = accepted
@@ -205,12 +211,13 @@ def solve_gauss_newton(
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
-def _improve(batch, z, step, triangle, limits, cost, predicted_rest):
+def _improve(batch, z, step, triangle, limits, cost, predicted_rest, first=0):
     """The point and residual of a step that lowers the cost, or None.
 
     The full step, else halves of it; of many parameters damped steps before,
     where the full one leaves more than predicted. Of few parameters one that
-    brings more than predicted is lengthened.
+    brings more than predicted is lengthened, and of one that leaves far more
+    than predicted parts are tried.
     """
     lower, upper, _ = limits
     is_many, tries, full = len(z) > _FEW, 4, step
@@ -233,9 +240,16 @@ def _improve(batch, z, step, triangle, limits, cost, predicted_rest):
     if best is None or is_many:
         return best
     if cost - _cost_of(best) > _EXCEEDED * (cost - predicted_rest):
-        points = [np.clip(z + f * full, lower, upper) for f in _LONGER]
-        best = _least(points, batch(points), best)
-    return best
+        others = [f * full for f in _LONGER]
+    elif _cost_of(best) > _MISSED * predicted_rest:
+        others = [f * step for f in _SHORTER]
+    else:
+        return best
+    if first:
+        # By sensitivities from elsewhere the first may go a wrong way.
+        others.append(np.where(np.arange(len(z)) < first, 0.0, step))
+    points = [np.clip(z + s, lower, upper) for s in others]
+    return _least(points, batch(points), best)
 
 
 def _least(points, residuals, best=None):

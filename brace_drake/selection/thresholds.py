@@ -14,11 +14,12 @@ import math
 LEVEL = 0.10
 # Misfit to which fits are compared: what a right twin is exact to.
 TRUST = 0.01
-# Laws of dry friction are forms, and when drives slip is chance: of the
-# amplitude of what friction does this share is left.
-FRICTION_ERROR = 0.06
-# Misfit that numbers which bend leave beside it where drives stick.
-BENT = 0.10
+# Laws of dry friction are forms: of the amplitude of what friction does this
+# share is left once the better form is taken (0.6 % with 2 N in each leg).
+FRICTION_ERROR = 0.01
+# Misfit that numbers which bend leave beside it where drives stick: right twins
+# leave -0.02 to 0.12.
+BENT = 0.05
 # An effect has to leave a quarter of what is left without it, in logarithms.
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves: what an effect would have to

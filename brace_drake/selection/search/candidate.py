@@ -109,6 +109,7 @@ class Candidate:
                 known=(self.residual, kept),
                 max_iterations=count,
                 tolerance=thresholds.END_ROUGH if is_rough else thresholds.END,
+                first=problem.num_subject,
             )
         except (BraceError, ValueError, np.linalg.LinAlgError):
             return False

@@ -22,6 +22,7 @@ from brace_drake.selection.search.candidate import (
     with_one_more,
 )
 from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.shortlist import other_choices
 from brace_drake.selection.search.within import refit_within
 
 
@@ -45,16 +46,14 @@ def fit_friction(
         if not card.dithered:
             continue
         start = np.minimum(values * max(t, 1.0), card.upper)
-        candidates = _behind_joints(lines, card, start) or [
-            with_one_more(lines, form, start)
-            for form in effects
-            if form.name == card.name
-        ]
-        found += [
-            c.fit()
-            for c in candidates
-            if c is not None and c.step(lines, thresholds.STEPS, own=True)
-        ]
+        behind = _behind_joints(lines, card, start)
+        forms = [e for e in effects if e.name == card.name]
+        for candidate in behind or _best_form(lines, forms, start):
+            if candidate.step(lines, thresholds.STEPS, own=True):
+                found.append(candidate.fit())
+                if not behind:
+                    others = other_choices(lines, found[-1])
+                    found += [c.fit() for c in others]
     best = min(found, key=lambda f: f.excess, default=lines.base)
     # It takes of what is left, not of what tolerances are stretched to.
     if best.excess > thresholds.GAINED * max(0.0, lines.excess):
@@ -64,9 +63,20 @@ def fit_friction(
     return [fit] if fit.excess < lines.base.excess else []
 
 
+def _best_form(
+    lines: Linearisation, forms: Sequence[Effect], start: np.ndarray
+) -> list[Candidate]:
+    """The fit with friction in the form that begins best, if any can; others
+    set out from where that one ends.
+    """
+    begun = [with_one_more(lines, form, start) for form in forms]
+    able = [c for c in begun if c is not None]
+    return sorted(able, key=lambda c: c.excess)[:1]
+
+
 def _behind_joints(
     lines: Linearisation, card: Effect, start: np.ndarray
-) -> list[Candidate | None]:
+) -> list[Candidate]:
     """The fit with forms of its effects that contain the friction: what sticks
     behind a joint that gives way does not stick to the ring.
     """
@@ -81,4 +91,4 @@ def _behind_joints(
             both, mine = list(base.effects), list(base.values)
             both[place], mine[place] = form, np.append(values, start)
             found.append(make_candidate(lines, both, mine, base.subject))
-    return found
+    return [c for c in found if c is not None]

@@ -70,8 +70,9 @@ def search_causes(
         if not criterion.may_pay(best):
             return known
         smaller = [f for f in ranked if len(criterion.findings(f)) < number]
+        # What numbers are stretched to may be another effect.
         before, after = (
-            min(criterion.weighed(f) for f in fits)
+            min(criterion.left(f, criterion.trust) for f in fits)
             for fits in (smaller, ranked)
         )
         is_shorter = number > 1 and len(criterion.findings(best)) < number

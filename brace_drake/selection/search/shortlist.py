@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from brace_drake.core.errors import BraceError
+from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.held_out import check_fit
@@ -106,7 +107,9 @@ def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
 def improve_choices(
     base: Linearisation, fits: list[CandidateFit]
 ) -> list[CandidateFit]:
-    """Tries other discrete parameters of the best fit, where it has any."""
+    """Tries other forms and discrete parameters of the best fit's last effect,
+    where it has any: they go on from where that one has come.
+    """
     best = next(iter(refined(fits)), None)
     if best is None or best.effects[-1].is_flexible:
         return fits
@@ -123,21 +126,40 @@ def improve_choices(
 
 
 def other_choices(base: Linearisation, fit: CandidateFit) -> list[Candidate]:
-    """The fit with its last effect's discrete parameters at other values."""
+    """The fit with its last effect in other forms, and with discrete parameters
+    at other values.
+    """
     effect, found = fit.effects[-1], []
     mine = fit.values[-1][: len(effect.parameters)]
     discrete = [p.choices for p in effect.parameters if p.choices]
-    for choice in itertools.product(*discrete):
+    forms = [effect, *_other_forms(base.evaluator.effects, effect)]
+    for form, choice in itertools.product(forms, itertools.product(*discrete)):
         values = mine.copy()
         values[~effect.is_continuous] = choice
-        if np.array_equal(values, mine):
+        if form is effect and np.array_equal(values, mine):
             continue
         candidate = make_candidate(
-            base, fit.effects, [*fit.values[:-1], values], fit.subject
+            base,
+            [*fit.effects[:-1], form],
+            [*fit.values[:-1], values],
+            fit.subject,
         )
         if candidate is not None:
             found.append(candidate)
     found.sort(key=lambda c: c.residual @ c.residual)
     for candidate in found[: thresholds.OTHER_CHOICES]:
-        candidate.step(base, thresholds.CHOICE_STEPS)
+        # Where drives stick, sensitivities of the base are none of it.
+        candidate.step(base, thresholds.CHOICE_STEPS, own=effect.dithered)
     return found[: thresholds.OTHER_CHOICES]
+
+
+def _other_forms(effects: Sequence[Effect], effect: Effect) -> list[Effect]:
+    """Forms of an effect with the same parameters."""
+    names = [p.name for p in effect.parameters]
+    return [
+        other
+        for other in effects
+        if other.name == effect.name
+        and other.form != effect.form
+        and [p.name for p in other.parameters] == names
+    ]
