@@ -2,7 +2,7 @@
 
 import math
 import unittest
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +12,7 @@ from brace_drake.effects.registry import find_effect
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, closed_amplitude
 from brace_drake.selection.decision import contradict, decide
-from brace_drake.selection.level import level_of
+from brace_drake.selection.level import chance_of, level_of
 from brace_drake.selection.tolerated import is_within
 from tests.known_fits import COUNT, fit_of
 
@@ -217,6 +217,8 @@ class TestLevel(unittest.TestCase):
         # What friction of one tolerance changes: three floors everywhere.
         evaluator = SimpleNamespace(
             count=COUNT,
+            prepared=[],
+            map=lambda function, tasks: [function(*t) for t in tasks],
             changes=lambda subject, uses, more: [
                 np.full(COUNT, 30.0 * one[0][1][0]) for one in more
             ],
@@ -230,6 +232,26 @@ class TestLevel(unittest.TestCase):
             found -= thresholds.LEVEL + thresholds.BENT
             expected = factor * thresholds.FRICTION_ERROR**2 * 9.0
             self.assertAlmostEqual(found, expected)
+
+    def test_chance_beyond_the_noise_adds_to_it(self):
+        @dataclass(frozen=True)
+        class Recorded:
+            seed: int
+
+            def weigh(self, residual):
+                return residual
+
+        for scatter, chance in ((1.0, 0.0), (2.0, 3.0)):
+            evaluator = SimpleNamespace(
+                count=2 * COUNT,
+                prepared=[Recorded(0), Recorded(1)],
+                map=lambda function, tasks: [function(*t) for t in tasks],
+                simulate=lambda run, *rest, s=scatter, **more: (
+                    s * np.random.default_rng(run.seed).standard_normal(COUNT)
+                ),
+            )
+            fit = fit_of("coulomb_friction", 0.1)
+            self.assertAlmostEqual(chance_of(evaluator, fit), chance, delta=0.4)
 
 
 if __name__ == "__main__":

@@ -8,11 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
+
+# Far from the seeds of other runs.
+_ANOTHER_SEED = 100_003
 
 
 def make_criterion(
@@ -40,7 +43,8 @@ def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     """Misfit that even a right twin leaves, if a fit is it.
 
     The noise's level, and where dry friction is in the fit or within its
-    tolerance a part of what that does: it is as inexact as its law.
+    tolerance a part of what that does, as it is as inexact as its law, and what
+    chance adds where drives slip.
 
     Args:
         evaluator: Over the fit runs.
@@ -51,8 +55,31 @@ def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     if rough:
         (change,) = evaluator.changes(fit.subject, (), [rough])
         power += float(change @ change) / evaluator.count
-        more = thresholds.BENT
+        more = thresholds.BENT + chance_of(evaluator, fit)
     return thresholds.LEVEL + more + thresholds.FRICTION_ERROR**2 * power
+
+
+def chance_of(evaluator: Evaluator, fit: CandidateFit) -> float:
+    """Mean square that chance adds to the noise's: of two replays of a fit that
+    differ in their noise alone, half of the square of their difference.
+
+    Args:
+        evaluator: Over the fit runs.
+        fit: With drives that stick.
+    """
+
+    def square(run: PreparedRun) -> float:
+        noisy = (run, replace(run, seed=run.seed + _ANOTHER_SEED))
+        one, other = (
+            evaluator.simulate(r, fit.subject, fit.uses, dithers=1)
+            for r in noisy
+        )
+        difference = run.weigh(one - other)
+        return float(difference @ difference)
+
+    tasks = [(run,) for run in evaluator.prepared]
+    squares = sum(evaluator.map(square, tasks))
+    return max(0.0, 0.5 * squares / evaluator.count - 1.0)
 
 
 def tolerated_friction(

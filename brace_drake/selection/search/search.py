@@ -58,7 +58,7 @@ def search_causes(
     known: list[CandidateFit] = []
     beam, ranked = [criterion.nominal], [criterion.nominal]
     for number in range(1, thresholds.MOST_EFFECTS + 1):
-        part = _part(say, number)
+        part, smaller = _part(say, number), refined(known)
         for base in beam:
             known += _beside(evaluator, criterion, base, few, known, part)
         if number > 1:
@@ -69,16 +69,18 @@ def search_causes(
         criterion = with_level(evaluator, criterion, best)
         if not criterion.may_pay(best):
             return known
-        smaller = [f for f in ranked if len(criterion.findings(f)) < number]
-        # What numbers are stretched to may be another effect.
-        before, after = (
-            min(criterion.left(f, criterion.trust) for f in fits)
-            for fits in (smaller, ranked)
+        before, least = (
+            min([criterion.nominal, *fits], key=criterion.left)
+            for fits in (smaller, refined(known))
         )
+        after = criterion.left(least, criterion.trust)
+        worth = thresholds.WORTH_A_SET * criterion.left(before, criterion.trust)
         is_shorter = number > 1 and len(criterion.findings(best)) < number
-        if is_shorter or after > thresholds.WORTH_A_SET * before:
+        # What numbers are stretched to may be another effect.
+        is_whole = criterion.stretch(least) <= thresholds.WITHIN
+        if after > worth or (is_shorter and is_whole):
             break
-        beam = _beam(criterion, ranked, number)
+        beam = _beam(criterion, known, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]
     # Effects of dozens of parameters are dear, and cover what others do: they
     # are tried where those leave something.
@@ -92,17 +94,21 @@ def search_causes(
 
 
 def _beam(
-    criterion: Criterion, ranked: Sequence[CandidateFit], number: int
+    criterion: Criterion, known: Sequence[CandidateFit], number: int
 ) -> list[CandidateFit]:
-    """The best sets of a number of effects, of which larger ones are made; of
-    effects by the dozen none: they cover what others do.
+    """The sets that leave least, of which larger ones are made.
+
+    Of effects by the dozen none: they cover what others do. None again of which
+    larger ones were made before.
     """
+    ended = refined(known)
     able = [
         f
-        for f in ranked
-        if len(criterion.findings(f)) == number and not f.is_flexible
+        for f in ended
+        if 0 < len(criterion.findings(f)) <= number
+        and not f.is_flexible
+        and not any(_has(larger, f) for larger in ended)
     ]
-    able.sort(key=lambda f: f.excess)
     if not able:
         return []
     near = [f for f in able if f.excess <= thresholds.NEAR * able[0].excess]
