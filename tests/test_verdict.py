@@ -2,7 +2,7 @@
 
 import math
 import unittest
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -234,21 +234,24 @@ class TestLevel(unittest.TestCase):
             self.assertAlmostEqual(found, expected)
 
     def test_chance_beyond_the_noise_adds_to_it(self):
-        @dataclass(frozen=True)
-        class Recorded:
-            seed: int
-
-            def weigh(self, residual):
-                return residual
+        def recorded(seed):
+            return SimpleNamespace(
+                seed=seed, index=seed, motion=None, weigh=lambda x: x
+            )
 
         for scatter, chance in ((1.0, 0.0), (2.0, 3.0)):
-            evaluator = SimpleNamespace(
-                count=2 * COUNT,
-                prepared=[Recorded(0), Recorded(1)],
-                map=lambda function, tasks: [function(*t) for t in tasks],
-                simulate=lambda run, *rest, s=scatter, **more: (
-                    s * np.random.default_rng(run.seed).standard_normal(COUNT)
+            twin = SimpleNamespace(
+                carried=(),
+                has_loop=True,
+                simulate=lambda motion, subject, uses, noise, s=scatter: (
+                    s * noise.standard_normal(COUNT)
                 ),
+            )
+            evaluator = SimpleNamespace(
+                twin=twin,
+                count=2 * COUNT,
+                prepared=[recorded(0), recorded(1)],
+                map=lambda function, tasks: [function(*t) for t in tasks],
             )
             fit = fit_of("coulomb_friction", 0.1)
             self.assertAlmostEqual(chance_of(evaluator, fit), chance, delta=0.4)

@@ -211,7 +211,7 @@ def solve_gauss_newton(
     return LeastSquaresSolution(z, residual, jacobian, iteration, converged)
 
 
-def _improve(batch, z, step, triangle, limits, cost, predicted_rest, first=0):
+def _improve(batch, z, step, triangle, limits, cost, predicted_rest, first):
     """The point and residual of a step that lowers the cost, or None.
 
     The full step, else halves of it; of many parameters damped steps before,

@@ -36,7 +36,6 @@ def noise_replicates(
     Where an effect makes noise act as a dither, an exact replay is not what
     noisy ones scatter about: then their mean is taken.
     """
-    exact = twin.simulate(motion, subject, uses)
     noisy = np.array(
         [
             twin.simulate(motion, subject, uses, np.random.default_rng(seed))
@@ -46,7 +45,7 @@ def noise_replicates(
     if len(seeds) > 1 and is_dithered(twin, uses):
         free = len(seeds) / (len(seeds) - 1)
         return np.sqrt(free) * (noisy - noisy.mean(axis=0))
-    return noisy - exact
+    return noisy - twin.simulate(motion, subject, uses)
 
 
 def estimate_floors(

@@ -8,14 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
+from brace_drake.devices.replays import uses_in_run
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
+from brace_drake.identification.prepare import noise_replicates
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
-
-# Far from the seeds of other runs.
-_ANOTHER_SEED = 100_003
 
 
 def make_criterion(
@@ -69,13 +68,15 @@ def chance_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     """
 
     def square(run: PreparedRun) -> float:
-        noisy = (run, replace(run, seed=run.seed + _ANOTHER_SEED))
-        one, other = (
-            evaluator.simulate(r, fit.subject, fit.uses, dithers=1)
-            for r in noisy
+        # Noise that the fit was replayed with: its twin stands it.
+        noise = noise_replicates(
+            evaluator.twin,
+            run.motion,
+            fit.subject,
+            uses_in_run(fit.uses, run.index),
+            [[run.seed, i] for i in range(2)],
         )
-        difference = run.weigh(one - other)
-        return float(difference @ difference)
+        return sum(float(x @ x) for x in map(run.weigh, noise))
 
     tasks = [(run,) for run in evaluator.prepared]
     squares = sum(evaluator.map(square, tasks))

@@ -48,12 +48,12 @@ def fit_friction(
         start = np.minimum(values * max(t, 1.0), card.upper)
         behind = _behind_joints(lines, card, start)
         forms = [e for e in effects if e.name == card.name]
-        for candidate in behind or _best_form(lines, forms, start):
-            if candidate.step(lines, thresholds.STEPS, own=True):
-                found.append(candidate.fit())
-                if not behind:
-                    others = other_choices(lines, found[-1])
-                    found += [c.fit() for c in others]
+        searched = (
+            [c for c in behind if c.step(lines, thresholds.STEPS, own=True)]
+            if behind
+            else _in_each_form(lines, forms, start)
+        )
+        found += [c.fit() for c in searched]
     best = min(found, key=lambda f: f.excess, default=lines.base)
     # It takes of what is left, not of what tolerances are stretched to.
     if best.excess > thresholds.GAINED * max(0.0, lines.excess):
@@ -63,15 +63,18 @@ def fit_friction(
     return [fit] if fit.excess < lines.base.excess else []
 
 
-def _best_form(
+def _in_each_form(
     lines: Linearisation, forms: Sequence[Effect], start: np.ndarray
 ) -> list[Candidate]:
-    """The fit with friction in the form that begins best, if any can; others
-    set out from where that one ends.
+    """The fit with friction, searched in the form that begins best, and in
+    others from where that one ends.
     """
     begun = [with_one_more(lines, form, start) for form in forms]
     able = [c for c in begun if c is not None]
-    return sorted(able, key=lambda c: c.excess)[:1]
+    best = min(able, key=lambda c: c.excess, default=None)
+    if best is None or not best.step(lines, thresholds.STEPS, own=True):
+        return []
+    return [best, *other_choices(lines, best.fit())]
 
 
 def _behind_joints(

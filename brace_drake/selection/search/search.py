@@ -58,7 +58,8 @@ def search_causes(
     known: list[CandidateFit] = []
     beam, ranked = [criterion.nominal], [criterion.nominal]
     for number in range(1, thresholds.MOST_EFFECTS + 1):
-        part, smaller = _part(say, number), refined(known)
+        part = _part(say, number)
+        earlier = refined(known)
         for base in beam:
             known += _beside(evaluator, criterion, base, few, known, part)
         if number > 1:
@@ -71,7 +72,7 @@ def search_causes(
             return known
         before, least = (
             min([criterion.nominal, *fits], key=criterion.left)
-            for fits in (smaller, refined(known))
+            for fits in (earlier, refined(known))
         )
         after = criterion.left(least, criterion.trust)
         worth = thresholds.WORTH_A_SET * criterion.left(before, criterion.trust)
