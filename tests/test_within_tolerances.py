@@ -10,7 +10,9 @@ from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.registry import effects_for, find_effect
+from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.held_out import estimate_off
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.identification.problem import CandidateProblem
@@ -19,8 +21,10 @@ from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.selection import thresholds
 from brace_drake.selection.level import make_criterion
+from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.friction import fit_friction
 from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.within import refit_within, search_beside
 from tests.shared_data import EXAMPLE
 
 
@@ -102,11 +106,12 @@ class TestTolerances(unittest.TestCase):
         np.testing.assert_allclose(part.whole.off[1:], [1.0, 2.0, 3.0])
 
 
-def drawn_bench(dry_friction: float):
+def drawn_bench(dry_friction: float, *effects: Use):
     """A bench that is drawn within its tolerances, and its recordings.
 
     Args:
         dry_friction: Its tolerance, N.
+        effects: That it has beside.
 
     Returns:
         The device, what was drawn, and an evaluator over three runs.
@@ -118,7 +123,7 @@ def drawn_bench(dry_friction: float):
     twin, rate = device.twin, campaign.rate_hz
     usual = np.array([p.nominal for p in twin.subject])
     drawn = draw_tolerances(scenario, 5)
-    uses = uses_of_draws(scenario, drawn)
+    uses = (*uses_of_draws(scenario, drawn), *effects)
     runs = campaign.split("fit")[:3]
     short = Campaign(campaign.path, campaign.device, rate, "drawn", tuple(runs))
     floors, _ = estimate_floors(twin, short, usual, 0)
@@ -200,6 +205,39 @@ class TestBenchWithinTolerances(unittest.TestCase):
         # They are replayed as they are, not on a straight line from zero.
         self.assertIsNotNone(fit.tolerances.off)
         self.assertTrue(np.any(fit.tolerances.off))
+
+    def test_a_gain_is_found_where_numbers_were_stretched_to_take_its_place(
+        self,
+    ):
+        # Forces that all scale alike, and their reading that scales back, are
+        # a gain of the drives.
+        gain, size = find_effect("force_gain"), 0.05
+        device, drawn, evaluator = drawn_bench(0.03, (gain, np.array([size])))
+        nuisances = device.tolerances()
+        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
+        criterion = make_criterion(evaluator, nominal, nuisances)
+        friction = list(effects_for(evaluator.twin.device).values())
+        (fit,) = fit_friction(
+            Linearisation(evaluator, nominal), criterion, friction
+        )
+        self.assertGreater(fit.stretch, thresholds.WITHIN)
+        base = search_beside(evaluator, fit)
+        self.assertIsNone(base.tolerances.off)
+        lines = Linearisation(evaluator, base)
+        candidate = with_one_more(lines, gain, np.array([0.02]))
+        self.assertTrue(candidate.step(lines, 5))
+        found = refit_within(evaluator, candidate.fit(), nuisances)
+        self.assertIsNotNone(found.tolerances.off)
+        self.assertLess(found.stretch, thresholds.WITHIN)
+        # How much of it is the gain's, the ring's mass says: 2 % of it are one
+        # tolerance. The reading's whole scale is certain.
+        here = found.values[-1][0]
+        self.assertAlmostEqual(here, size, delta=0.02)
+        off = {
+            n.name: t * n.deviation for n, t in estimate_off(evaluator, found)
+        }
+        whole = size + drawn["force_scale"]
+        self.assertAlmostEqual(here + off["force_scale"], whole, delta=0.004)
 
 
 if __name__ == "__main__":

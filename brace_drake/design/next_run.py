@@ -27,8 +27,9 @@ from brace_drake.devices.motions.reference import format_reference
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.selection.criterion import Criterion, best_of_kinds
+from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict
+from brace_drake.selection.ranking import best_of_kinds
 
 FILE = "next_run.csv"
 

@@ -27,7 +27,11 @@ from brace_drake.selection.search.screening import (
     silent,
 )
 from brace_drake.selection.search.shortlist import best_fits, refine
-from brace_drake.selection.search.within import search_beside, set_out
+from brace_drake.selection.search.within import (
+    refit_within,
+    search_beside,
+    set_out,
+)
 
 # Terms of a law, and how many of each round are searched at least.
 MOST_TERMS, PLACES = 3, 4
@@ -86,7 +90,14 @@ def _one_more(
     candidates = screen(lines, fresh, say)
     search_best(lines, candidates, say, PLACES)
     fits = refine(evaluator, best_fits(candidates), lines.remaining)
-    return _plainest(criterion, refined(fits))
+    best = _plainest(criterion, refined(fits))
+    if best is None or best.tolerances is None or not best.is_dithered:
+        return best
+    # Where drives stick its numbers go along, if they were put back.
+    put_back = best.tolerances.off is None
+    return (
+        refit_within(evaluator, best, criterion.nuisances) if put_back else best
+    )
 
 
 def _plainest(

@@ -180,17 +180,3 @@ def closed_amplitude(before: float, after: float) -> float:
 def refined(fits: Sequence[CandidateFit]) -> list[CandidateFit]:
     """Fits whose search was led to its end, best first."""
     return sorted((f for f in fits if f.refined), key=lambda f: f.excess)
-
-
-def best_of_kinds(
-    criterion: Criterion, fits: Sequence[CandidateFit]
-) -> list[CandidateFit]:
-    """Of refined fits that name the same effects, whatever their form, the
-    best; all in the order of their score. Those whose many parameters are no
-    draw from one law are none.
-    """
-    best: dict[frozenset[str], CandidateFit] = {}
-    known = [f for f in fits if f.refined and f.is_scattered]
-    for fit in sorted(known, key=criterion.score):
-        best.setdefault(criterion.named(fit), fit)
-    return list(best.values())

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import Criterion, best_of_kinds
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.ranking import Ranked, rank
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,9 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
         criterion: Of the campaign.
         fits: Of the search; those refined may win.
     """
-    ranked = best_of_kinds(criterion, [criterion.nominal, *fits])
-    best = ranked[0]
-    odds = _probabilities(criterion, ranked)
+    ranked = rank(criterion, [criterion.nominal, *fits])
+    best = ranked[0].fit
+    odds = _probabilities(ranked)
     outside = criterion.is_material(best)
     sure = odds[0] * _sure_of_rest(criterion, best, outside)
     sure = with_less_known(_limited(sure), criterion.recorded)
@@ -83,10 +84,10 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
         within = best if best.effects else None
         return Verdict(gap, within, gap, (), sure, (), left)
     tied = [
-        "+".join(e.name for e in criterion.findings(f))
-        for f in ranked[1:]
-        if criterion.findings(f)
-        and criterion.score(f) - criterion.score(best) < thresholds.TIED
+        "+".join(e.name for e in criterion.findings(r.fit))
+        for r in ranked[1:]
+        if criterion.findings(r.fit)
+        and r.score - ranked[0].score < thresholds.TIED
     ]
     supported = tuple(
         sorted(
@@ -98,17 +99,12 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
     return Verdict(True, best, outside, tuple(tied), sure, supported, left)
 
 
-def _probabilities(
-    criterion: Criterion, ranked: Sequence[CandidateFit]
-) -> list[float]:
+def _probabilities(ranked: Sequence[Ranked]) -> list[float]:
     """Of each explanation, from the differences of their scores (pseudo-BMA;
     Yao, Vehtari, Simpson, Gelman, Bayesian Analysis 13, 2018).
     """
-    least = criterion.score(ranked[0])
-    weights = [
-        math.exp(-thresholds.ODDS * (criterion.score(f) - least))
-        for f in ranked
-    ]
+    least = ranked[0].score
+    weights = [math.exp(-thresholds.ODDS * (r.score - least)) for r in ranked]
     return [w / sum(weights) for w in weights]
 
 
@@ -131,11 +127,11 @@ def _support(criterion, best, effect, ranked, odds) -> Support:
     """What speaks for one of the named effects."""
     sure = sum(
         p
-        for f, p in zip(ranked, odds, strict=True)
-        if effect.name in criterion.named(f)
+        for r, p in zip(ranked, odds, strict=True)
+        if effect.name in criterion.named(r.fit)
     )
     others = criterion.named(best) - {effect.name}
-    same = (f for f in ranked if criterion.named(f) == others)
+    same = (r.fit for r in ranked if criterion.named(r.fit) == others)
     without = next(same, criterion.nominal)
     closes = criterion.closed(best) - criterion.closed(without)
     return Support(effect.name, _limited(sure), max(0.0, closes))

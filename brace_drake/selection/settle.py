@@ -11,8 +11,9 @@ from brace_drake.devices.tolerances import UsesOff, sizes_off
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, correct_fit
 from brace_drake.identification.held_out import check_fit, estimate_off
-from brace_drake.selection.criterion import Criterion, best_of_kinds
+from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import with_level
+from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.within import refit_within, set_out
 
 

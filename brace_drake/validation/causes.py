@@ -10,6 +10,7 @@ import numpy as np
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict
+from brace_drake.selection.ranking import rank
 from brace_drake.validation.prediction import Prediction
 
 
@@ -42,12 +43,12 @@ def one_of_each(
     furthest, and of those the best; the winner in any case.
     """
 
-    def rank(fit):
+    def place(fit):
         order = criterion.score(fit) if fit.refined else fit.excess
         return fit is not winner, not fit.refined, not fit.is_searched, order
 
     best: dict[frozenset[str], CandidateFit] = {}
-    for fit in sorted(fits, key=rank):
+    for fit in sorted(fits, key=place):
         best.setdefault(frozenset(e.key for e in fit.effects), fit)
     return list(best.values())
 
@@ -65,6 +66,9 @@ def rank_causes(
         criterion, fits, verdict: Of the search and its decision.
         predictions: Of validation runs.
     """
+    scores = {
+        id(r.fit): r.score for r in rank(criterion, [criterion.nominal, *fits])
+    }
     ranked = []
     for fit in fits:
         is_winner = fit is verdict.winner
@@ -72,10 +76,12 @@ def rank_causes(
         named = "+".join(e.name for e in criterion.findings(fit))
         is_tied = named in verdict.ambiguous_with
         score = criterion.score(fit) if fit.refined else None
+        # Once ties are broken.
+        score = scores.get(id(fit), score)
         decision = _decision(criterion, fit, verdict, is_tied)
         order = score if score is not None else criterion.misfit(fit)
-        rank = not is_winner, not fit.refined, not fit.is_searched, order
-        ranked.append((rank, Cause(fit, score, seen, is_tied, decision)))
+        place = not is_winner, not fit.refined, not fit.is_searched, order
+        ranked.append((place, Cause(fit, score, seen, is_tied, decision)))
     ranked.sort(key=lambda pair: pair[0])
     return [cause for _, cause in ranked]
 

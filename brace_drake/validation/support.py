@@ -14,8 +14,9 @@ from brace_drake.identification.gap import (
     is_repaired,
     rms_gap,
 )
-from brace_drake.selection.criterion import Criterion, best_of_kinds
+from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict
+from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.validation.shrinkage import repair_new_runs
 
 

@@ -17,8 +17,9 @@ from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import Criterion, best_of_kinds, refined
+from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.level import with_level
+from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.friction import fit_friction
 from brace_drake.selection.search.linearisation import Linearisation
@@ -34,6 +35,7 @@ from brace_drake.selection.search.shortlist import (
     best_fits,
     improve_choices,
     refine,
+    rivals,
     try_refine,
 )
 from brace_drake.selection.search.within import (
@@ -220,17 +222,14 @@ def _is_told(
 ) -> bool:
     """Whether no effect more could better the best so far.
 
-    That is led on first, with tolerances linearised where it stands and with
-    the friction that they allow for, until what is best has been.
+    That is led on first, and rivals that come near it, each with tolerances
+    linearised where it stands and with the friction that they allow for.
     """
     evaluator, base = lines.evaluator, lines.base
-    for _ in range(thresholds.NUM_SHORTLIST):
-        best = _best(criterion, base, [*known, *found])
-        place = next((i for i, f in enumerate(found) if f is best), None)
-        if place is None or best.is_settled:
-            break
-        set_out(evaluator, best)
-        fit = refit_within(evaluator, best, criterion.nuisances)
+    least = criterion.score(_best(criterion, base, [*known, *found]))
+    for place in rivals(criterion, found, least):
+        set_out(evaluator, found[place])
+        fit = refit_within(evaluator, found[place], criterion.nuisances)
         found[place] = fit
         if with_level(evaluator, criterion, fit).may_pay(fit):
             here = Linearisation(evaluator, fit)

@@ -15,7 +15,7 @@ from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.held_out import check_fit
 from brace_drake.identification.numbers.reweigh import noise_left, reweigh
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import refined
+from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.tolerated import left_by
@@ -102,6 +102,27 @@ def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     finally:
         evaluator.tolerances = known
     return check_fit(evaluator, fit)
+
+
+def rivals(
+    criterion: Criterion, fits: Sequence[CandidateFit], least: float
+) -> list[int]:
+    """Places of the fits that are to be led on, best first: those that the cost
+    of one effect would set apart from the best.
+
+    Args:
+        criterion: Of the search.
+        fits: Of one round.
+        least: Score of the best fit so far.
+    """
+    near = [
+        (criterion.score(f), i)
+        for i, f in enumerate(fits)
+        if f.refined and not f.is_settled
+    ]
+    most = least + thresholds.COST_OF_EFFECT
+    near = sorted(pair for pair in near if pair[0] <= most)
+    return [i for _, i in near[: thresholds.NUM_SHORTLIST]]
 
 
 def improve_choices(

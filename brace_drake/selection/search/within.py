@@ -36,19 +36,17 @@ def set_out(evaluator: Evaluator, fit: CandidateFit) -> None:
 def search_beside(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """A fit as a search sets out from it, with its tolerances taken.
 
-    Where numbers along it are stretched they are weighed beside what it leaves
-    along them, and so given back what they have taken of an effect.
+    Where numbers along it are stretched they are put back to their nominal
+    values, on the straight lines that they have here: they have taken what may
+    be an effect's, and where they stand they would keep it.
     """
     set_out(evaluator, fit)
     known = fit.tolerances
     bends = known is not None and known.off is not None
     if not bends or fit.stretch <= thresholds.WITHIN:
         return fit
-    less = reweigh(evaluator, fit, noise_left(evaluator, fit))
-    set_out(evaluator, less)
-    less = fit_numbers_along(evaluator, less, is_anew=False) or less
-    set_out(evaluator, less)
-    return less
+    evaluator.tolerances = evaluator.tolerances.at_zero
+    return try_refine(evaluator, replace(fit, tolerances=known.at_zero))
 
 
 def refit_within(

@@ -1,0 +1,91 @@
+"""The order of explanations, and how explanations that are tied are told apart.
+
+What an explanation leaves and how many effects it needs make its score. Those
+of as many effects that are tied by it, as a gain of the drives and a scale of
+the force reading may be, leave the same but need other values of the numbers
+that are known to a tolerance, and of parameters that have a prior: the prior
+density of these says which is the likelier.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion
+
+# Degrees of freedom of Student's distribution of numbers.
+_FREEDOM = thresholds.ODDS * thresholds.TAIL - 1.0
+
+
+class Ranked(NamedTuple):
+    """A fit and its score once ties are broken."""
+
+    fit: CandidateFit
+    score: float
+
+
+def rank(criterion: Criterion, fits: Sequence[CandidateFit]) -> list[Ranked]:
+    """Of refined fits that name the same effects, whatever their form, the
+    best, and their scores, best first. Those whose many parameters are no draw
+    from one law are none.
+    """
+    best: dict[frozenset[str], CandidateFit] = {}
+    known = [f for f in fits if f.refined and f.is_scattered]
+    for fit in sorted(known, key=criterion.score):
+        best.setdefault(criterion.named(fit), fit)
+    ranked = [Ranked(f, criterion.score(f)) for f in best.values()]
+    return _without_ties(criterion, ranked)
+
+
+def best_of_kinds(
+    criterion: Criterion, fits: Sequence[CandidateFit]
+) -> list[CandidateFit]:
+    """The fits of `rank`."""
+    return [r.fit for r in rank(criterion, fits)]
+
+
+def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
+    """Those that are tied with the best, and have as many effects, ordered and
+    set apart by what their numbers cost.
+    """
+    if not ranked:
+        return []
+    least = ranked[0].score
+    number = len(criterion.findings(ranked[0].fit))
+    tied = [
+        r
+        for r in ranked
+        if r.score - least < thresholds.TIED
+        and len(criterion.findings(r.fit)) == number
+    ]
+    if len(tied) == 1:
+        return ranked
+    costs = [r.score + prior_cost(criterion, r.fit) for r in tied]
+    apart = [
+        Ranked(r.fit, least + cost - min(costs))
+        for r, cost in zip(tied, costs, strict=True)
+    ]
+    others = [r for r in ranked if r not in tied]
+    return sorted([*apart, *others], key=lambda r: r.score)
+
+
+def prior_cost(criterion: Criterion, fit: CandidateFit) -> float:
+    """Minus the logarithm of the prior density of a fit's numbers, as of a
+    score.
+
+    Each has Student's distribution, (nu + 1) / 2 ln(1 + t^2 / nu) over `ODDS`
+    at t deviations. What the fit leaves may all lie along numbers known to a
+    tolerance.
+    """
+    rows = len(fit.solution.residual) - fit.num_prior
+    off, known = fit.solution.residual[rows:], fit.tolerances
+    if known is not None:
+        left = max(0.0, fit.excess) / len(known.nuisances)
+        along = known.along(fit.solution.residual[:rows])
+        off = np.append(off, known.estimate(along, 1.0 + left))
+    return float(0.5 * thresholds.TAIL * np.sum(np.log1p(off**2 / _FREEDOM)))

@@ -1,0 +1,90 @@
+"""Explanations that are tied are told apart by the numbers that they need."""
+
+import math
+import unittest
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import t as student
+
+from brace_drake.devices.declaration import Nuisance
+from brace_drake.devices.tolerances import LinearTolerances
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.decision import decide
+from brace_drake.selection.ranking import prior_cost, rank
+from tests.known_fits import COUNT, fit_of
+
+# Degrees of freedom that the docs of `TAIL` state.
+STUDENT = student(7)
+# What one deviation of the number changes: the noise tells next to nothing.
+FAR = 1e4
+
+
+def needing(fit, deviations):
+    """A fit that needs a number, known to a tolerance, to be so far off."""
+    mass = Nuisance("ring_mass_kg", "kg", "mechanism", 0.015, ())
+    basis = np.eye(COUNT, 1)
+    known = LinearTolerances((mass,), basis, np.array([[FAR]]))
+    rest = known.whiten(-FAR * deviations * basis[:, 0])
+    solution = replace(fit.solution, residual=rest)
+    return replace(fit, tolerances=known, solution=solution)
+
+
+class TestRanking(unittest.TestCase):
+    def setUp(self):
+        self.criterion = Criterion(fit_of("", 50.0), COUNT)
+
+    def scores(self, *fits):
+        return {r.fit.name: r.score for r in rank(self.criterion, fits)}
+
+    def test_a_tie_is_broken_by_the_density_of_the_numbers(self):
+        scale = needing(fit_of("force_scale", 0.0), 2.5)
+        gain = needing(fit_of("force_gain", 0.0), -0.5)
+        scores = self.scores(scale, gain)
+        odds = thresholds.ODDS * (scores["force_scale"] - scores["force_gain"])
+        expected = STUDENT.logpdf(0.5) - STUDENT.logpdf(2.5)
+        self.assertAlmostEqual(odds, expected, places=4)
+        verdict = decide(self.criterion, [scale, gain])
+        self.assertEqual(verdict.effects, ("force_gain",))
+        self.assertAlmostEqual(
+            verdict.supported[0].probability,
+            1.0 / (1.0 + math.exp(-expected)),
+            places=2,
+        )
+
+    def test_equal_numbers_leave_a_tie(self):
+        one = needing(fit_of("force_scale", 0.0), 1.0)
+        two = needing(fit_of("force_gain", 0.0), -1.0)
+        verdict = decide(self.criterion, [one, two])
+        self.assertEqual(len(verdict.ambiguous_with), 1)
+        self.assertLess(verdict.probability, 0.51)
+
+    def test_numbers_do_not_speak_for_what_leaves_more_or_needs_more(self):
+        one = needing(fit_of("force_scale", 0.0), 2.5)
+        for name, left in (("force_gain", 2.0), ("force_gain+weak_leg", 0.0)):
+            other = needing(fit_of(name, left), 0.0)
+            for fit in (one, other):
+                found = self.scores(one, other)[fit.name]
+                self.assertEqual(found, self.criterion.score(fit))
+
+    def test_what_is_left_may_lie_along_the_number(self):
+        # As large a change by an unknown law says nothing of the number.
+        fit = needing(fit_of("force_scale", FAR**2 / COUNT), 2.5)
+        expected = STUDENT.logpdf(0.0) - STUDENT.logpdf(1.25)
+        cost = thresholds.ODDS * prior_cost(self.criterion, fit)
+        self.assertAlmostEqual(cost, expected, places=4)
+
+    def test_parameters_with_a_prior_count_as_numbers(self):
+        fit = fit_of("force_scale", 0.0)
+        rest = np.append(fit.solution.residual, [1.5, -0.5])
+        solution = replace(fit.solution, residual=rest)
+        fit = replace(fit, solution=solution, num_prior=2)
+        expected = 2.0 * STUDENT.logpdf(0.0)
+        expected -= STUDENT.logpdf(1.5) + STUDENT.logpdf(0.5)
+        cost = thresholds.ODDS * prior_cost(self.criterion, fit)
+        self.assertAlmostEqual(cost, expected)
+
+
+if __name__ == "__main__":
+    unittest.main()
