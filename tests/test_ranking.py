@@ -9,10 +9,12 @@ from scipy.stats import t as student
 
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import LinearTolerances
+from brace_drake.effects.registry import find_effect
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import decide
 from brace_drake.selection.ranking import prior_cost, rank
+from brace_drake.selection.search.shortlist import rivals
 from tests.known_fits import COUNT, fit_of
 
 # Degrees of freedom that the docs of `TAIL` state.
@@ -84,6 +86,50 @@ class TestRanking(unittest.TestCase):
         expected -= STUDENT.logpdf(1.5) + STUDENT.logpdf(0.5)
         cost = thresholds.ODDS * prior_cost(self.criterion, fit)
         self.assertAlmostEqual(cost, expected)
+
+
+class TestRivals(unittest.TestCase):
+    """What is led on to its end, of the fits of one round of a search."""
+
+    def setUp(self):
+        self.base = fit_of("", 50.0)
+        self.criterion = Criterion(self.base, COUNT)
+
+    def rivals(self, *fits):
+        best = min([self.base, *fits], key=self.criterion.score)
+        return rivals(self.criterion, self.base, best, fits)
+
+    def test_those_near_the_best_are_led_on_best_first(self):
+        near, best, far = (
+            fit_of(name, left)
+            for name, left in (
+                ("force_gain", 3.0), ("force_scale", 1.0), ("reflex", 9.0),
+            )
+        )  # fmt: skip
+        self.assertEqual(self.rivals(near, best, far), [1, 0])
+        unfinished = replace(near, refined=False)
+        self.assertEqual(self.rivals(unfinished, best), [1])
+
+    def test_of_the_same_effects_in_two_forms_the_better_one_is(self):
+        one = fit_of("coulomb_friction (without creep)", 2.0)
+        other = fit_of("coulomb_friction", 1.5)
+        self.assertEqual(self.rivals(one, other), [1])
+
+    def test_what_stands_at_its_end_is_not_led_on_again(self):
+        best = replace(fit_of("force_scale", 1.0), is_settled=True)
+        near = fit_of("force_gain", 3.0)
+        self.assertEqual(self.rivals(best, near), [1])
+
+    def test_what_names_nothing_more_is_led_on_where_it_is_best(self):
+        card = find_effect("ring_mass")
+        use = ((card, np.array([0.015])),)
+        mass = Nuisance("ring_mass_kg", "kg", "mechanism", 0.015, use)
+        self.criterion = replace(self.criterion, nuisances=(mass,))
+        within = replace(fit_of("ring_mass", 2.0), values=(np.array([0.01]),))
+        self.assertEqual(self.criterion.findings(within), [])
+        better, worse = (fit_of("force_gain", left) for left in (0.2, 8.0))
+        self.assertEqual(self.rivals(within, better), [1])
+        self.assertEqual(self.rivals(within, worse), [0])
 
 
 if __name__ == "__main__":

@@ -100,6 +100,6 @@ OTHER_CHOICES, CHOICE_STEPS = 2, 4
 # A nested effect sets out at these shares of the special case's strength, its
 # shapes at so many times their starts; it begins better than that share of
 # what the special case leaves, which is at most so many times the best.
-NESTED_SHARES, NESTED_SHAPES = (0.1, 0.4), (0.5, 1.0, 2.0)
+NESTED_SHARES, NESTED_SHAPES = (0.1, 0.4, 1.2), (0.5, 1.0, 2.0)
 NESTED_BETTER, NESTED_NEAR = 0.9, 2.0
 NESTED_STEPS, NESTED_ROUNDS, NESTED_WORTH = 4, 3, 0.8

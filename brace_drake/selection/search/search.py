@@ -226,8 +226,8 @@ def _is_told(
     linearised where it stands and with the friction that they allow for.
     """
     evaluator, base = lines.evaluator, lines.base
-    least = criterion.score(_best(criterion, base, [*known, *found]))
-    for place in rivals(criterion, found, least):
+    best = _best(criterion, base, [*known, *found])
+    for place in rivals(criterion, base, best, found):
         set_out(evaluator, found[place])
         fit = refit_within(evaluator, found[place], criterion.nuisances)
         found[place] = fit

@@ -105,24 +105,32 @@ def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
 
 
 def rivals(
-    criterion: Criterion, fits: Sequence[CandidateFit], least: float
+    criterion: Criterion,
+    base: CandidateFit,
+    best: CandidateFit,
+    fits: Sequence[CandidateFit],
 ) -> list[int]:
-    """Places of the fits that are to be led on, best first: those that the cost
-    of one effect would set apart from the best.
+    """Places of the fits that are to be led on, best first: of each set of
+    effects that is named the best, where the cost of one effect would set it
+    apart from the best of all.
 
     Args:
         criterion: Of the search.
+        base: That the fits have one effect more than.
+        best: Of all so far.
         fits: Of one round.
-        least: Score of the best fit so far.
     """
-    near = [
-        (criterion.score(f), i)
-        for i, f in enumerate(fits)
-        if f.refined and not f.is_settled
-    ]
-    most = least + thresholds.COST_OF_EFFECT
-    near = sorted(pair for pair in near if pair[0] <= most)
-    return [i for _, i in near[: thresholds.NUM_SHORTLIST]]
+    least = criterion.score(best)
+    ended = [(criterion.score(f), i) for i, f in enumerate(fits) if f.refined]
+    found: dict[frozenset[str], int] = {}
+    for score, i in sorted(ended):
+        named = criterion.named(fits[i])
+        # What names nothing more than the base is no rival, but may be best.
+        is_other = named != criterion.named(base) or fits[i] is best
+        if is_other and score <= least + thresholds.COST_OF_EFFECT:
+            found.setdefault(named, i)
+    few = list(found.values())[: thresholds.NUM_SHORTLIST]
+    return [i for i in few if not fits[i].is_settled]
 
 
 def improve_choices(

@@ -109,7 +109,11 @@ def _refit_along(
         off = evaluator.tolerances.off
         if small:
             break
-    return best
+    if best.spread is None:
+        return best
+    # Many alike parameters have moved: so has the spread that they show.
+    again = try_refine(evaluator, best)
+    return again if again.excess <= best.excess else best
 
 
 def _linearise(
