@@ -203,6 +203,23 @@ class TestVerdict(unittest.TestCase):
             for support in found.supported:
                 self.assertGreaterEqual(support.probability, found.probability)
 
+    def test_what_chance_leaves_is_neither_outside_nor_against_an_effect(self):
+        # Drives that slip by chance: a right twin leaves as much as it does.
+        chance = 120.0
+        level = thresholds.LEVEL + chance
+        fits = [fit_of("stribeck_friction", 44.0), fit_of("breathing", 700.0)]
+        for gap, named in ((90.0, ()), (785.0, ("stribeck_friction",))):
+            criterion = Criterion(
+                fit_of("", gap), COUNT, level=level, chance=chance
+            )
+            found = decide(criterion, fits)
+            self.assertEqual(found.effects, named)
+            self.assertFalse(found.outside_library)
+            self.assertFalse(criterion.may_pay(fits[0]))
+        # Were it the error of a law, which all fits share, it would say less.
+        criterion = replace(criterion, chance=0.0)
+        self.assertEqual(decide(criterion, fits).effects, ())
+
     def test_what_is_contradicted_is_withdrawn_and_held_for_improbable(self):
         before = verdict(50.0, fit_of("force_bias", 0.01))
         after = contradict(before, "it is worse")

@@ -44,8 +44,9 @@ class Criterion:
         nominal: The fit of the subject alone; what it leaves is the gap.
         count: Number of independent values.
         recorded: Share of the informative channels that was recorded.
-        level: Misfit of a right twin: the noise is not known better, and its
-            laws are not.
+        level: Misfit of a right twin: the noise is not known better, its laws
+            are not, and it slips by chance.
+        chance: Of that the last.
         nuisances: Numbers known to a tolerance.
         is_last: Whether a verdict is decided by it, and no search goes on.
     """
@@ -54,6 +55,7 @@ class Criterion:
     count: int
     recorded: float = 1.0
     level: float = thresholds.LEVEL
+    chance: float = 0.0
     nuisances: tuple[Nuisance, ...] = ()
     is_last: bool = False
 
@@ -81,8 +83,14 @@ class Criterion:
     @property
     def trust(self) -> float:
         """Misfit to which fits are compared: the level without that of the
-        noise, which is the same for all of them.
+        noise, which is the same for all of them, and without what chance adds,
+        which is in what they leave.
         """
+        return self.findable - self.chance
+
+    @property
+    def findable(self) -> float:
+        """Misfit below which no effect more is found: `trust` with chance."""
         return self.level - thresholds.LEVEL + thresholds.TRUST
 
     def score(self, fit: CandidateFit) -> float:
@@ -111,7 +119,7 @@ class Criterion:
         """Of the numbers of a fit, where what a right twin leaves beyond the
         noise may all lie along them.
         """
-        known, more = fit.tolerances, self.trust - thresholds.TRUST
+        known, more = fit.tolerances, self.level - thresholds.LEVEL
         if known is None or more <= 0.0:
             return fit.stretch
         rows = len(fit.solution.residual) - fit.num_prior
@@ -154,7 +162,7 @@ class Criterion:
     def may_pay(self, fit: CandidateFit) -> bool:
         """Whether one effect more could better a fit's score at all."""
         number = len(self.findings(fit)) + 1
-        least = np.log(self.trust) + thresholds.COST_OF_EFFECT * number
+        least = np.log(self.findable) + thresholds.COST_OF_EFFECT * number
         return bool(self.score(fit) > least)
 
     def is_material(self, fit: CandidateFit) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.replays import uses_in_run
+from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
@@ -34,38 +35,41 @@ def with_level(
     evaluator: Evaluator, criterion: Criterion, fit: CandidateFit
 ) -> Criterion:
     """The criterion with the level that a fit adds to it."""
-    level = level_of(evaluator, fit)
-    return replace(criterion, level=level)
+    chance = chance_of(evaluator, fit)
+    level = level_of(evaluator, fit) + chance
+    return replace(criterion, level=level, chance=chance)
 
 
 def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
-    """Misfit that even a right twin leaves, if a fit is it.
+    """Misfit that even a right twin leaves, if a fit is it, beside chance.
 
     The noise's level, and where dry friction is in the fit or within its
-    tolerance a part of what that does, as it is as inexact as its law, and what
-    chance adds where drives slip.
+    tolerance a part of what that does, as it is as inexact as its law.
 
     Args:
         evaluator: Over the fit runs.
         fit: Whose friction is taken.
     """
-    power, more = tolerated_friction(evaluator, fit), 0.0
-    rough = [u for u in fit.uses if u[0].dithered]
+    power, bent = tolerated_friction(evaluator, fit), 0.0
+    rough = _rough(fit)
     if rough:
         (change,) = evaluator.changes(fit.subject, (), [rough])
         power += float(change @ change) / evaluator.count
-        more = thresholds.BENT + chance_of(evaluator, fit)
-    return thresholds.LEVEL + more + thresholds.FRICTION_ERROR**2 * power
+        bent = thresholds.BENT
+    return thresholds.LEVEL + bent + thresholds.FRICTION_ERROR**2 * power
 
 
 def chance_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     """Mean square that chance adds to the noise's: of two replays of a fit that
-    differ in their noise alone, half of the square of their difference.
+    differ in their noise alone, half of the square of their difference; none
+    where no drives stick.
 
     Args:
         evaluator: Over the fit runs.
-        fit: With drives that stick.
+        fit: Whose friction is taken.
     """
+    if not _rough(fit):
+        return 0.0
 
     def square(run: PreparedRun) -> float:
         # Noise that the fit was replayed with: its twin stands it.
@@ -81,6 +85,10 @@ def chance_of(evaluator: Evaluator, fit: CandidateFit) -> float:
     tasks = [(run,) for run in evaluator.prepared]
     squares = sum(evaluator.map(square, tasks))
     return max(0.0, 0.5 * squares / evaluator.count - 1.0)
+
+
+def _rough(fit: CandidateFit) -> list[Use]:
+    return [u for u in fit.uses if u[0].dithered]
 
 
 def tolerated_friction(

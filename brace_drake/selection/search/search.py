@@ -76,8 +76,9 @@ def search_causes(
             min([criterion.nominal, *fits], key=criterion.left)
             for fits in (earlier, refined(known))
         )
-        after = criterion.left(least, criterion.trust)
-        worth = thresholds.WORTH_A_SET * criterion.left(before, criterion.trust)
+        floor = criterion.findable
+        after = criterion.left(least, floor)
+        worth = thresholds.WORTH_A_SET * criterion.left(before, floor)
         is_shorter = number > 1 and len(criterion.findings(best)) < number
         # What numbers are stretched to may be another effect.
         is_whole = criterion.stretch(least) <= thresholds.WITHIN
