@@ -70,11 +70,21 @@ class TestRanking(unittest.TestCase):
                 found = self.scores(one, other)[fit.name]
                 self.assertEqual(found, self.criterion.score(fit))
 
+    def test_what_leaves_more_is_not_believed_more_for_it(self):
+        # Both need the number as far off, beside what the worse one leaves.
+        better = needing(fit_of("force_scale", 9.0), 2.5)
+        worse = needing(fit_of("force_gain", 10.0), 2.5)
+        scores = self.scores(better, worse)
+        apart = self.criterion.score(worse) - self.criterion.score(better)
+        self.assertAlmostEqual(
+            scores["force_gain"] - scores["force_scale"], apart
+        )
+
     def test_what_is_left_may_lie_along_the_number(self):
         # As large a change by an unknown law says nothing of the number.
-        fit = needing(fit_of("force_scale", FAR**2 / COUNT), 2.5)
+        fit = needing(fit_of("force_scale", 0.0), 2.5)
         expected = STUDENT.logpdf(0.0) - STUDENT.logpdf(1.25)
-        cost = thresholds.ODDS * prior_cost(self.criterion, fit)
+        cost = thresholds.ODDS * prior_cost(fit, FAR**2)
         self.assertAlmostEqual(cost, expected, places=4)
 
     def test_parameters_with_a_prior_count_as_numbers(self):
@@ -84,7 +94,7 @@ class TestRanking(unittest.TestCase):
         fit = replace(fit, solution=solution, num_prior=2)
         expected = 2.0 * STUDENT.logpdf(0.0)
         expected -= STUDENT.logpdf(1.5) + STUDENT.logpdf(0.5)
-        cost = thresholds.ODDS * prior_cost(self.criterion, fit)
+        cost = thresholds.ODDS * prior_cost(fit, 0.0)
         self.assertAlmostEqual(cost, expected)
 
 

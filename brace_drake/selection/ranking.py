@@ -65,7 +65,9 @@ def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
     ]
     if len(tied) == 1:
         return ranked
-    costs = [r.score + prior_cost(criterion, r.fit) for r in tied]
+    # What one leaves more is no reason to think less of its numbers.
+    left = max(r.fit.excess for r in tied)
+    costs = [r.score + prior_cost(r.fit, left) for r in tied]
     apart = [
         Ranked(r.fit, least + cost - min(costs))
         for r, cost in zip(tied, costs, strict=True)
@@ -74,18 +76,22 @@ def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
     return sorted([*apart, *others], key=lambda r: r.score)
 
 
-def prior_cost(criterion: Criterion, fit: CandidateFit) -> float:
+def prior_cost(fit: CandidateFit, left: float) -> float:
     """Minus the logarithm of the prior density of a fit's numbers, as of a
     score.
 
     Each has Student's distribution, (nu + 1) / 2 ln(1 + t^2 / nu) over `ODDS`
-    at t deviations. What the fit leaves may all lie along numbers known to a
-    tolerance.
+    at t deviations.
+
+    Args:
+        fit: One that was searched.
+        left: Sum of squares above noise, all of which may lie along numbers
+            known to a tolerance.
     """
     rows = len(fit.solution.residual) - fit.num_prior
     off, known = fit.solution.residual[rows:], fit.tolerances
     if known is not None:
-        left = max(0.0, fit.excess) / len(known.nuisances)
+        noise = 1.0 + max(0.0, left) / len(known.nuisances)
         along = known.along(fit.solution.residual[:rows])
-        off = np.append(off, known.estimate(along, 1.0 + left))
+        off = np.append(off, known.estimate(along, noise))
     return float(0.5 * thresholds.TAIL * np.sum(np.log1p(off**2 / _FREEDOM)))
