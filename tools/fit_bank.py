@@ -70,6 +70,7 @@ def collect(case: Path, folder: Path) -> str:
         "count": d.criterion.count,
         "recorded": d.criterion.recorded,
         "level": d.criterion.level,
+        "chance": d.criterion.chance,
         "replays": d.evaluator.replays,
         "fits": [_fit_row(d, fit) for fit in (d.criterion.nominal, *d.fits)],
         "verdict": {
@@ -128,6 +129,7 @@ def read_bank(path: Path) -> Iterator[tuple[dict, Criterion, list[StoredFit]]]:
             record["count"],
             record["recorded"],
             record.get("level", thresholds.LEVEL),
+            record.get("chance", 0.0),
         )
         yield record, criterion, fits
 
