@@ -72,12 +72,23 @@ class TestRanking(unittest.TestCase):
 
     def test_what_leaves_more_is_not_believed_more_for_it(self):
         # Both need the number as far off, beside what the worse one leaves.
-        better = needing(fit_of("force_scale", 9.0), 2.5)
-        worse = needing(fit_of("force_gain", 10.0), 2.5)
+        better = needing(fit_of("force_scale", 0.10), 2.5)
+        worse = needing(fit_of("force_gain", 0.11), 2.5)
         scores = self.scores(better, worse)
         apart = self.criterion.score(worse) - self.criterion.score(better)
         self.assertAlmostEqual(
             scores["force_gain"] - scores["force_scale"], apart
+        )
+
+    def test_beside_much_that_is_unknown_numbers_say_little(self):
+        one = needing(fit_of("force_scale", 9.0), 2.5)
+        other = needing(fit_of("force_gain", 9.0), 0.0)
+        cost = prior_cost(one, one.excess)
+        scores = self.scores(one, other)
+        share = self.criterion.known(one)
+        self.assertLess(share, 0.05)
+        self.assertAlmostEqual(
+            scores["force_scale"] - scores["force_gain"], share * cost
         )
 
     def test_what_is_left_may_lie_along_the_number(self):

@@ -109,11 +109,18 @@ class Criterion:
         right twin leaves is of an unknown law, which stretches numbers too. A
         search goes on from what stretches them less.
         """
-        tail, most = thresholds.TAIL, thresholds.BEYOND_LEVEL * self.level
+        tail = thresholds.TAIL
         if self.is_last:
-            tail *= min(1.0, most / self.left(fit))
+            tail *= self.known(fit)
         stretch = max(1.0, self.stretch(fit) / thresholds.WITHIN)
         return float(self.left(fit, self.trust) * stretch**tail)
+
+    def known(self, fit: CandidateFit) -> float:
+        """How far what a fit leaves is known, 0 to 1: of no more than a right
+        twin leaves, all is.
+        """
+        most = thresholds.BEYOND_LEVEL * self.level
+        return min(1.0, most / self.left(fit))
 
     def stretch(self, fit: CandidateFit) -> float:
         """Of the numbers of a fit, where what a right twin leaves beyond the

@@ -65,9 +65,11 @@ def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
     ]
     if len(tied) == 1:
         return ranked
-    # What one leaves more is no reason to think less of its numbers.
+    # What one leaves more is no reason to think less of its numbers; and what
+    # is left of an unknown law moves numbers too.
     left = max(r.fit.excess for r in tied)
-    costs = [r.score + prior_cost(r.fit, left) for r in tied]
+    known = min(criterion.known(r.fit) for r in tied)
+    costs = [r.score + known * prior_cost(r.fit, left) for r in tied]
     apart = [
         Ranked(r.fit, least + cost - min(costs))
         for r, cost in zip(tied, costs, strict=True)
