@@ -70,6 +70,27 @@ class TestRanking(unittest.TestCase):
                 found = self.scores(one, other)[fit.name]
                 self.assertEqual(found, self.criterion.score(fit))
 
+    def test_the_same_effects_may_be_two_explanations(self):
+        # A mass within its tolerance beside a gain, and one beyond it.
+        use = ((find_effect("ring_mass"), np.array([0.015])),)
+        mass = Nuisance("ring_mass_kg", "kg", "mechanism", 0.015, use)
+        self.criterion = replace(self.criterion, nuisances=(mass,))
+        one, other, third = (
+            replace(
+                fit_of("force_gain+ring_mass", left),
+                subject=np.ones(2),
+                values=(np.array([0.05]), np.array([kg])),
+            )
+            for left, kg in ((0.02, 0.01), (0.0, 0.2), (0.01, 0.01))
+        )
+        scale = fit_of("force_scale", 0.012)
+        found = rank(self.criterion, [one, other, third, scale])
+        named = [self.criterion.named(r.fit) for r in found]
+        self.assertEqual(len(named), 3)
+        self.assertEqual(named[0], frozenset({"force_gain"}))
+        self.assertIs(found[0].fit, third)
+        self.assertEqual(named[-1], frozenset({"force_gain", "ring_mass"}))
+
     def test_what_leaves_more_is_not_believed_more_for_it(self):
         # Both need the number as far off, beside what the worse one leaves.
         better = needing(fit_of("force_scale", 0.10), 2.5)

@@ -57,12 +57,11 @@ def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
         return []
     least = ranked[0].score
     number = len(criterion.findings(ranked[0].fit))
-    tied = [
-        r
-        for r in ranked
-        if r.score - least < thresholds.TIED
-        and len(criterion.findings(r.fit)) == number
-    ]
+    tied, others = [], []
+    for r in ranked:
+        is_near = r.score - least < thresholds.TIED
+        is_alike = len(criterion.findings(r.fit)) == number
+        (tied if is_near and is_alike else others).append(r)
     if len(tied) == 1:
         return ranked
     # What one leaves more is no reason to think less of its numbers; and what
@@ -74,7 +73,6 @@ def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
         Ranked(r.fit, least + cost - min(costs))
         for r, cost in zip(tied, costs, strict=True)
     ]
-    others = [r for r in ranked if r not in tied]
     return sorted([*apart, *others], key=lambda r: r.score)
 
 
