@@ -91,13 +91,11 @@ def _one_more(
     search_best(lines, candidates, say, PLACES)
     fits = refine(evaluator, best_fits(candidates), lines.remaining)
     best = _plainest(criterion, refined(fits))
-    if best is None or best.tolerances is None or not best.is_dithered:
-        return best
-    # Where drives stick its numbers go along, if they were put back.
-    put_back = best.tolerances.off is None
-    return (
-        refit_within(evaluator, best, criterion.nuisances) if put_back else best
-    )
+    before, after = base.tolerances, best and best.tolerances
+    if before and before.off is not None and after and after.off is None:
+        # Its numbers go along again, as the base's do: they were put back.
+        best = refit_within(evaluator, best, criterion.nuisances)
+    return best
 
 
 def _plainest(
