@@ -2,15 +2,20 @@
 
 import math
 import unittest
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
 from brace_drake.devices.bench.rollout import Motion, simulate_bench
-from brace_drake.devices.bench.rollout_copies import simulate_copies
+from brace_drake.devices.bench.rollout_copies import (
+    MachineRun,
+    simulate_copies,
+)
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.brace.twin import BraceTwin
 from brace_drake.devices.run_memory import RunMemory
+from brace_drake.devices.twin import Request
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.control.brace_control import K_P, LIMIT
 from brace_drake.laws.lanes import elementary
@@ -132,10 +137,31 @@ class TestCopies(unittest.TestCase):
         cls.usual = np.array([p.nominal for p in cls.twin.subject])
 
     def assert_alike(self, machines, motion, step, noise=None):
-        together = simulate_copies(machines, motion, step, noise)
-        for (numbers, plugs), log in zip(machines, together, strict=True):
+        runs = [MachineRun(*machine, motion, noise) for machine in machines]
+        self.assert_runs_alike(runs, step)
+
+    def assert_runs_alike(self, runs, step):
+        together = simulate_copies(runs, step)
+        for (numbers, plugs, motion, noise), log in zip(
+            runs, together, strict=True
+        ):
             alone = simulate_bench(numbers, motion, step, plugs, noise)
             np.testing.assert_array_equal(log, alone)
+
+    def test_runs_of_any_motion_length_and_noise_go_side_by_side(self):
+        numbers = self.twin.with_subject(self.usual)
+        none = stack_effects(())
+        motions = [
+            sway(0.7), sway(1.1), sway(0.9, with_torso=False), sway(1.3),
+            replace(sway(0.8), settled_ticks=300),
+            replace(sway(1.2), desired=0.5 * sway(1.2).desired),
+        ]  # fmt: skip
+        runs = [MachineRun(numbers, none, motion) for motion in motions]
+        for motion in motions[::-1]:
+            noise = self.random.normal(size=(len(motion.desired), 12))
+            noise *= numbers.noise_sigma
+            runs.append(MachineRun(numbers, none, motion, noise))
+        self.assert_runs_alike(runs, 5e-4)
 
     def test_copies_are_what_each_is_alone_to_the_last_bit(self):
         subjects = [
@@ -182,7 +208,8 @@ class TestCopies(unittest.TestCase):
         bad = good.with_changes(control=control)
         none = stack_effects(())
         motion = sway(2.0)
-        logs = simulate_copies([(good, none), (bad, none)], motion, 5e-4)
+        runs = [MachineRun(one, none, motion) for one in (good, bad)]
+        logs = simulate_copies(runs, 5e-4)
         alone = simulate_bench(good, motion, 5e-4)
         np.testing.assert_array_equal(logs[0], alone)
         self.assertIsNone(logs[1])
@@ -194,16 +221,17 @@ class TestCopies(unittest.TestCase):
             (effects[k], effects[k].starts()[0])
             for k in ("coulomb_friction", "relaxation", "ring_mass")
         ]
-        points = [(self.usual, ()), *((self.usual, (use,)) for use in uses)]
-        for seed in (None, [4, 2]):
-            found = self.twin.simulate_each(motion, points, seed)
-            for (subject, own), log in zip(points, found, strict=True):
-                generator = (
-                    None if seed is None else np.random.default_rng(seed)
-                )
-                fresh = BenchTwin(BenchScenario(), 5e-4)
-                alone = fresh.simulate(motion, subject, own, generator)
-                np.testing.assert_array_equal(log, alone)
+        requests = [
+            Request(motion, self.usual, own, seed)
+            for own in ((), *((use,) for use in uses))
+            for seed in (None, (4, 2), (4, 3))
+        ]
+        found = self.twin.simulate_each(requests)
+        for (_, subject, own, seed), log in zip(requests, found, strict=True):
+            generator = None if seed is None else np.random.default_rng(seed)
+            fresh = BenchTwin(BenchScenario(), 5e-4)
+            alone = fresh.simulate(motion, subject, own, generator)
+            np.testing.assert_array_equal(log, alone)
 
 
 class TestMemory(unittest.TestCase):
@@ -216,7 +244,9 @@ class TestMemory(unittest.TestCase):
 
         first = memory.recall_each(["a", "b", "a"], compute)
         again = memory.recall_each(["b", "c"], compute)
-        self.assertEqual(asked, [[0, 1], [1]])
+        memory.recall_each([None, "c", None], compute)
+        memory.recall_each([None], compute)
+        self.assertEqual(asked, [[0, 1], [1], [0, 2], [0]])
         self.assertEqual([x[0] for x in first], [0.0, 1.0, 0.0])
         self.assertEqual([x[0] for x in again], [1.0, 1.0])
         with self.assertRaises(ValueError):

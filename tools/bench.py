@@ -26,6 +26,7 @@ from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.reference import (
     MakeBraceReference,
 )
+from brace_drake.devices.twin import Request
 from brace_drake.diagnosis import diagnose
 from brace_drake.identification.subject.campaign_fit import fit_campaign
 from brace_drake.laws.lanes.kinds import COUNT
@@ -101,8 +102,13 @@ def copies(run, step, effect=None):
         # A twin remembers what it has simulated.
         twin = BenchTwin(scenario)
         usual = np.array([p.nominal for p in twin.subject])
-        points = [(usual * (1.0 + 0.01 * i), uses) for i in range(count)]
-        return twin.simulate_each(twin.motion(run), points)
+        motion = twin.motion(run)
+        return twin.simulate_each(
+            [
+                Request(motion, usual * (1.0 + 0.01 * i), uses)
+                for i in range(count)
+            ]
+        )
 
     simulate(2)
     return tuple(best_of(5, lambda n=n: simulate(n)) for n in (1, COUNT))

@@ -11,6 +11,7 @@ from brace_drake.devices.replays import (
     replay_each,
     uses_in_run,
 )
+from brace_drake.devices.twin import Request
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.noise_floor import NoiseFloor, estimate_floor
@@ -99,7 +100,8 @@ def predict(
     each = [(subject, uses_in_run(uses, 0)) for subject, uses in points]
 
     def of_run(p):
-        replays = replay_each(twin, p.motion, p.seed, each, noisy)
+        requests = [Request(p.motion, s, u, (p.seed,)) for s, u in each]
+        replays = replay_each(twin, requests, noisy)
         return [None if x is None else p.weigh(x) for x in replays]
 
     parts = evaluator.map(of_run, [(p,) for p in evaluator.prepared])

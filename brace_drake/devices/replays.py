@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from brace_drake.core.errors import BraceError
+from brace_drake.devices.twin import Request
 from brace_drake.effects.stack import Use
 
 
@@ -39,33 +41,55 @@ def replay(
         seed: Of the noise.
         subject, uses: As there.
         noisy: How many replays.
+
+    Raises:
+        BraceError: One broke down.
     """
     if noisy == 0:
         return twin.simulate(motion, subject, uses)
-    replays = [
-        twin.simulate(motion, subject, uses, np.random.default_rng([seed, i]))
-        for i in range(noisy)
-    ]
-    return np.mean(replays, axis=0)
+    request = Request(motion, subject, uses)
+    return simulate_noisy(
+        twin, request, [(seed, i) for i in range(noisy)]
+    ).mean(axis=0)
+
+
+def simulate_noisy(
+    twin, request: Request, seeds: Sequence[Sequence[int]]
+) -> np.ndarray:
+    """Replays of a run with noise of several seeds (n, N, C).
+
+    Raises:
+        BraceError: One broke down.
+    """
+    logs = twin.simulate_each(
+        [request._replace(seed=tuple(seed)) for seed in seeds]
+    )
+    if any(log is None for log in logs):
+        raise BraceError("a simulated run with noise broke down")
+    return np.array(logs)
 
 
 def replay_each(
-    twin,
-    motion,
-    seed: int,
-    points: Sequence[tuple[np.ndarray, Sequence[Use]]],
-    noisy: Sequence[int],
+    twin, requests: Sequence[Request], noisy: Sequence[int]
 ) -> list[np.ndarray | None]:
-    """`replay` at several points; None where the twin broke down."""
-    found: dict[int, np.ndarray | None] = {}
-    for number in sorted(set(noisy)):
-        places = [k for k, own in enumerate(noisy) if own == number]
-        some = [points[k] for k in places]
-        seeds = [[seed, i] for i in range(number)] or [None]
-        each = [twin.simulate_each(motion, some, s) for s in seeds]
-        for k, logs in zip(places, zip(*each, strict=True), strict=True):
-            if any(log is None for log in logs):
-                found[k] = None
-            else:
-                found[k] = np.mean(logs, axis=0) if number else logs[0]
-    return [found[k] for k in range(len(points))]
+    """Several runs by a twin, see `replay`; None where it broke down.
+
+    Args:
+        twin: See `ReplayTwin.simulate_each`.
+        requests: The runs; a seed is that of all noisy replays of a run.
+        noisy: How many of each, 0: an exact one.
+    """
+    asked, ends = [], []
+    for request, number in zip(requests, noisy, strict=True):
+        seeds = [(*request.seed, i) for i in range(number)] or [None]
+        asked += [request._replace(seed=seed) for seed in seeds]
+        ends.append(len(asked))
+    logs = twin.simulate_each(asked)
+    found: list[np.ndarray | None] = []
+    for start, end in zip([0, *ends], ends, strict=False):
+        own = logs[start:end]
+        if any(log is None for log in own):
+            found.append(None)
+        else:
+            found.append(own[0] if len(own) == 1 else np.mean(own, axis=0))
+    return found

@@ -45,32 +45,35 @@ class RunMemory:
 
     def recall_each(
         self,
-        keys: Sequence[Hashable],
+        keys: Sequence[Hashable | None],
         compute: Callable[[Sequence[int]], Sequence[np.ndarray | None]],
     ) -> list[np.ndarray | None]:
         """The logs of keys; those not known, each once, are computed at once
         from their places. None where there is none.
+
+        What has None for a key is computed and not kept.
         """
         with self._lock:
             known = {k: self._logs[k] for k in keys if k in self._logs}
+        named = [i if key is None else key for i, key in enumerate(keys)]
         places: dict[Hashable, int] = {}
-        for place, key in enumerate(keys):
-            if key not in known:
-                places.setdefault(key, place)
+        for place, name in enumerate(named):
+            if name not in known:
+                places.setdefault(name, place)
         logs = compute(list(places.values())) if places else []
         new = dict(zip(places, logs, strict=True))
         with self._lock:
             for key in known:
                 if key in self._logs:
                     self._logs.move_to_end(key)
-            for key, log in new.items():
-                if log is not None:
+            for name, log in new.items():
+                if log is not None and keys[places[name]] is not None:
                     log.flags.writeable = False
-                    self._logs[key] = log
+                    self._logs[name] = log
             while len(self._logs) > self._most:
                 self._logs.popitem(last=False)
         found = known | new
-        return [found[key] for key in keys]
+        return [found[name] for name in named]
 
 
 def key_of_run(

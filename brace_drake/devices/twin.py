@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -19,12 +19,29 @@ from brace_drake.scenario.effects import effects_of, scenario_uses
 HIGHEST_HZ = 50.0
 
 
+class Request(NamedTuple):
+    """A replay that is asked of a twin.
+
+    Attributes:
+        motion: From `ReplayTwin.motion`.
+        subject: Values of the subject's parameters.
+        uses: Effects with their parameters, beside the carried ones.
+        seed: Of the reading noise; None: exact readings.
+    """
+
+    motion: Any
+    subject: np.ndarray
+    uses: Sequence[Use] = ()
+    seed: tuple[int, ...] | None = None
+
+
 class ReplayTwin(ABC):
     """Replays recorded references on a compiled device.
 
     Attributes:
         channels: Names of the columns of what `simulate` returns.
         has_loop: Whether readings, with their noise, feed back to the motion.
+        num_lanes: How many replays go side by side in `simulate_each`.
         highest_hz: Up to which its replays are compared with recordings.
         device: That the twin is of.
         numbers: What the compiled laws take.
@@ -34,6 +51,7 @@ class ReplayTwin(ABC):
 
     channels: ClassVar[tuple[str, ...]]
     has_loop: ClassVar[bool]
+    num_lanes: ClassVar[int] = 1
     highest_hz: ClassVar[float] = HIGHEST_HZ
     device: str
     subject: tuple[SubjectParameter, ...]
@@ -113,21 +131,13 @@ class ReplayTwin(ABC):
         return modify_numbers(self.with_subject(subject), uses), uses
 
     def simulate_each(
-        self,
-        motion,
-        points: Sequence[tuple[np.ndarray, Sequence[Use]]],
-        seed: Sequence[int] | None = None,
+        self, requests: Sequence[Request]
     ) -> list[np.ndarray | None]:
-        """`simulate` at several points, each what it is alone; None where the
-        run broke down.
-
-        Args:
-            motion: From `motion`.
-            points: Subject and uses of each.
-            seed: Of the reading noise, the same at all; None: exact readings.
+        """`simulate` of several requests, each what it is alone; None where
+        the run broke down.
         """
         logs: list[np.ndarray | None] = []
-        for subject, uses in points:
+        for motion, subject, uses, seed in requests:
             generator = None if seed is None else np.random.default_rng(seed)
             try:
                 logs.append(self.simulate(motion, subject, uses, generator))

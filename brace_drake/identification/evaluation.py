@@ -11,6 +11,7 @@ import numpy as np
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.core.parallel.together import ask, together
+from brace_drake.devices.replay_tasks import group_runs, share_out
 from brace_drake.devices.replays import (
     is_dithered,
     replay,
@@ -18,19 +19,17 @@ from brace_drake.devices.replays import (
     uses_in_run,
 )
 from brace_drake.devices.tolerances import LinearTolerances
+from brace_drake.devices.twin import Request
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.noise_floor import NoiseFloor
 from brace_drake.laws.hooks import MAX_EFFECTS
-from brace_drake.laws.lanes.kinds import COUNT
 from brace_drake.recording.recording import Run
 
 # Noisy replays averaged for effects on which noise acts as a dither: in a
 # comparison that counts, and in one that only ranks.
 NUM_DITHERS = 3
 _FEW_DITHERS = 1
-# Points in a task: a few times as many as go side by side.
-_AT_ONCE = 2 * COUNT
 
 
 @dataclass(frozen=True)
@@ -85,14 +84,6 @@ class PreparedRun:
         )
 
 
-def _alike_runs(prepared: Sequence[PreparedRun]) -> list[list[int]]:
-    """Places of runs by their motion, where it can be told."""
-    found: dict[object, list[int]] = {}
-    for i, p in enumerate(prepared):
-        found.setdefault(getattr(p.motion, "digest", i), []).append(i)
-    return list(found.values())
-
-
 def _residual_of(prepared: PreparedRun, replay: np.ndarray) -> np.ndarray:
     return prepared.weigh(prepared.measured - replay)
 
@@ -138,7 +129,7 @@ class Evaluator:
         sizes = [p.num_weighted for p in self.prepared]
         self.ends = [int(n) for n in np.cumsum(sizes)]
         self.map = open_workers(jobs).map
-        self._alike = _alike_runs(self.prepared)
+        self._alike = group_runs(self.prepared)
 
     @property
     def effects(self) -> list[Effect]:
@@ -248,10 +239,7 @@ class Evaluator:
         other, as a twin may remember what they have in common.
         """
         order = sorted(range(len(points)), key=lambda k: noisy[k])
-        few = [
-            order[at : at + _AT_ONCE] for at in range(0, len(order), _AT_ONCE)
-        ]
-        places = [(runs, own) for runs in self._alike for own in few]
+        places = share_out(order, self._alike, self.twin.num_lanes)
         tasks = [
             (
                 weigh,
@@ -277,16 +265,20 @@ class Evaluator:
 
     def _replay_few(self, weigh, step, runs, points, noisy):
         """What `weigh` makes of a few points of some runs, run by run."""
-        out = []
-        for prepared in (self.prepared[i] for i in runs):
-            own = [(s, uses_in_run(u, prepared.index)) for s, u in points]
-            replays = replay_each(
-                self._twins[step], prepared.motion, prepared.seed, own, noisy
-            )
-            out.append(
-                [None if x is None else weigh(prepared, x) for x in replays]
-            )
-        return out
+        mine = [self.prepared[i] for i in runs]
+        requests = [
+            Request(p.motion, s, uses_in_run(u, p.index), (p.seed,))
+            for p in mine
+            for s, u in points
+        ]
+        twin = self._twins[step]
+        replays = replay_each(twin, requests, list(noisy) * len(mine))
+        weighed = [
+            None if x is None else weigh(mine[i // len(points)], x)
+            for i, x in enumerate(replays)
+        ]
+        size = len(points)
+        return [weighed[i : i + size] for i in range(0, len(weighed), size)]
 
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
         """Expected square of a weighted residual of noise alone.

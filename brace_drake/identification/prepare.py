@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.devices.replays import is_dithered
+from brace_drake.devices.replays import is_dithered, simulate_noisy
+from brace_drake.devices.twin import Request
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.identification.noise_floor import (
@@ -36,12 +37,7 @@ def noise_replicates(
     Where an effect makes noise act as a dither, an exact replay is not what
     noisy ones scatter about: then their mean is taken.
     """
-    noisy = np.array(
-        [
-            twin.simulate(motion, subject, uses, np.random.default_rng(seed))
-            for seed in seeds
-        ]
-    )
+    noisy = simulate_noisy(twin, Request(motion, subject, uses), seeds)
     if len(seeds) > 1 and is_dithered(twin, uses):
         free = len(seeds) / (len(seeds) - 1)
         return np.sqrt(free) * (noisy - noisy.mean(axis=0))

@@ -10,6 +10,7 @@ import numpy as np
 from brace_drake.core.block_bootstrap import pieces_of
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import SmallError
+from brace_drake.devices.twin import Request
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.whitening import in_time
@@ -78,8 +79,10 @@ def _responses(
     def respond(run):
         each = [error.uses(run) for error in errors]
         acting = [i for i, uses in enumerate(each) if uses]
-        points = [(subject, ()), *((subject, each[i]) for i in acting)]
-        base, *moved = twin.simulate_each(run.motion, points)
+        uses = [(), *(each[i] for i in acting)]
+        base, *moved = twin.simulate_each(
+            [Request(run.motion, subject, own) for own in uses]
+        )
         if base is None:
             raise BraceError("the nominal twin breaks down")
         logs = dict(zip(acting, moved, strict=True))

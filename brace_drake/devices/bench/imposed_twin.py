@@ -114,11 +114,11 @@ class GuidedBenchTwin(BenchTwin):
         head = [start, rate, *numbers.ring[0], _HOLD]
         return np.concatenate([head, rows.ravel()])
 
-    def simulate_each(self, motion, points, seed=None):
+    def simulate_each(self, requests):
         """Side by side only where readings are exact."""
-        if seed is not None:
-            return ReplayTwin.simulate_each(self, motion, points, seed)
-        return super().simulate_each(motion, points)
+        if any(request.seed is not None for request in requests):
+            return ReplayTwin.simulate_each(self, requests)
+        return super().simulate_each(requests)
 
     def _plug_ins(self, numbers, motion, uses):
         """The effects, and what guides the ring."""

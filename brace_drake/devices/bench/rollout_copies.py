@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,50 +21,75 @@ from brace_drake.laws.loop.rollout_copies import rollout_copies
 from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.laws.plug_in import PlugIn, make_effects_of
 
-Machine = tuple[BraceNumbers, Mapping[str, PlugIn]]
+
+class MachineRun(NamedTuple):
+    """A machine and what it is asked to do.
+
+    Attributes:
+        numbers, plug_ins: Of the machine, see `simulate_bench`.
+        motion, noise: Of the run, as there.
+    """
+
+    numbers: BraceNumbers
+    plug_ins: Mapping[str, PlugIn]
+    motion: Motion
+    noise: np.ndarray | None = None
 
 
 def simulate_copies(
-    machines: Sequence[Machine],
-    motion: Motion,
-    time_step: float,
-    noise: np.ndarray | None = None,
+    runs: Sequence[MachineRun], time_step: float
 ) -> list[np.ndarray | None]:
-    """`simulate_bench` of several machines, each what it is alone.
+    """`simulate_bench` of several machines of one kind, each what it is alone.
 
     They go side by side: four take little longer than one.
 
     Args:
-        machines: Numbers and effects of each.
-        motion, time_step: As there.
-        noise: Of all of them; None: exact readings.
+        runs: Machines, alike in the number of rings, period and resolution.
+        time_step: As there.
 
     Returns:
         The log of each; None where its run broke down.
     """
-    logs: list[np.ndarray | None] = []
-    for at in range(0, len(machines), COUNT):
-        few = machines[at : at + COUNT]
-        logs += _side_by_side(few, motion, time_step, noise)
+    alike: dict[Hashable, list[int]] = {}
+    for i, run in enumerate(runs):
+        alike.setdefault(_kind_of(run), []).append(i)
+    logs: list[np.ndarray | None] = [None] * len(runs)
+    for places in alike.values():
+        # A run waits for the longest beside it.
+        places.sort(key=lambda i: len(runs[i].motion.desired))
+        for at in range(0, len(places), COUNT):
+            few = places[at : at + COUNT]
+            found = _side_by_side([runs[i] for i in few], time_step)
+            for i, log in zip(few, found, strict=True):
+                logs[i] = log
     return logs
 
 
+def _kind_of(run: MachineRun) -> Hashable:
+    """What is the same in runs that go side by side."""
+    motion = run.motion
+    return (
+        motion.with_torso,
+        motion.ticks_per_sample,
+        motion.columns,
+        run.noise is None,
+    )
+
+
 def _side_by_side(
-    machines: Sequence[Machine],
-    motion: Motion,
-    time_step: float,
-    noise: np.ndarray | None,
+    runs: Sequence[MachineRun], time_step: float
 ) -> list[np.ndarray | None]:
-    """Up to COUNT machines."""
-    if len(machines) > 1:
-        logs = _run(machines, motion, time_step, noise)
+    """Up to COUNT runs of a kind."""
+    if len(runs) > 1:
+        logs = _run(runs, time_step)
         if logs is not None:
             return logs
     # Alone, or one broke down.
-    return [_alone(*m, motion, time_step, noise) for m in machines]
+    return [_alone(run, time_step) for run in runs]
 
 
-def _alone(numbers, plug_ins, motion, time_step, noise) -> np.ndarray | None:
+def _alone(run: MachineRun, time_step: float) -> np.ndarray | None:
+    numbers, plug_ins, motion, noise = run
     try:
         return simulate_bench(numbers, motion, time_step, plug_ins, noise)
     except BraceError:
@@ -71,19 +97,16 @@ def _alone(numbers, plug_ins, motion, time_step, noise) -> np.ndarray | None:
 
 
 def _run(
-    machines: Sequence[Machine],
-    motion: Motion,
-    time_step: float,
-    noise: np.ndarray | None,
+    runs: Sequence[MachineRun], time_step: float
 ) -> list[np.ndarray] | None:
-    """Logs of all machines, or None where one broke down."""
-    first = machines[0][0]
+    """Logs of all runs, or None where one broke down."""
+    first, motion = runs[0].numbers, runs[0].motion
     n, size = first.num_stages, len(first.noise_sigma)
-    steps = round(first.period / time_step)
-    samples = (len(motion.desired) - 1) // motion.ticks_per_sample + 1
+    steps, every = round(first.period / time_step), motion.ticks_per_sample
+    ticks = max(len(run.motion.desired) for run in runs)
+    samples = (ticks - 1) // every + 1
     log = np.zeros((samples, 6 * n + size + len(motion.columns), COUNT))
-    plan = motion.plan(np.zeros((0, size)) if noise is None else noise, log[0])
-    numbers = [m for m, _ in machines]
+    numbers = [run.numbers for run in runs]
     controllers = [
         make_controller(
             PIC, m.control, start_held(m.start, m.rest, np.zeros((1, 6 * n)))
@@ -94,13 +117,48 @@ def _run(
         first.period / steps,
         steps,
         stack_copies(numbers),
-        make_effects_of([plugs for _, plugs in machines], n, COUNT),
+        make_effects_of([run.plug_ins for run in runs], n, COUNT),
         stack_copies([make_brace(m, motion.with_torso) for m in numbers]),
         stack_copies(controllers),
-        (plan.desired, plan.columns, plan.noise, plan.ticks_per_sample),
+        (
+            _stack_ticks([_desired(run.motion) for run in runs], ticks),
+            np.array(motion.columns, dtype=np.int64),
+            _stack_noise(runs, ticks, size),
+            every,
+        ),
         log,
     )
     if not good:
         return None
-    log = log[motion.settled_ticks // motion.ticks_per_sample :]
-    return [log[:, :, i].copy() for i in range(len(machines))]
+    return [
+        log[_samples_of(run.motion), :, i].copy() for i, run in enumerate(runs)
+    ]
+
+
+def _desired(motion: Motion) -> np.ndarray:
+    return motion.desired.reshape((len(motion.desired), 3, -1))
+
+
+def _samples_of(motion: Motion) -> slice:
+    """The rows of a log that are a run's own."""
+    every = motion.ticks_per_sample
+    last = (len(motion.desired) - 1) // every
+    return slice(motion.settled_ticks // every, last + 1)
+
+
+def _stack_noise(runs, ticks: int, size: int) -> np.ndarray:
+    if runs[0].noise is None:
+        return np.zeros((0, size, COUNT))
+    return _stack_ticks([run.noise for run in runs], ticks)
+
+
+def _stack_ticks(series: Sequence[np.ndarray], ticks: int) -> np.ndarray:
+    """Series (own ticks, ...) as one (ticks, ..., COUNT), each held at its end;
+    the last is repeated where there are fewer.
+    """
+    out = np.empty((ticks, *series[0].shape[1:], COUNT))
+    for i in range(COUNT):
+        own = series[min(i, len(series) - 1)]
+        out[: len(own), ..., i] = own
+        out[len(own) :, ..., i] = own[-1]
+    return out

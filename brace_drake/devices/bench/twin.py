@@ -12,7 +12,10 @@ from brace_drake.devices.bench.rollout import (
     draw_noise,
     simulate_bench,
 )
-from brace_drake.devices.bench.rollout_copies import simulate_copies
+from brace_drake.devices.bench.rollout_copies import (
+    MachineRun,
+    simulate_copies,
+)
 from brace_drake.devices.motions.reference import (
     COLUMNS,
     reference_at_ticks,
@@ -25,6 +28,7 @@ from brace_drake.devices.subject import (
 )
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
+from brace_drake.laws.lanes.kinds import COUNT
 from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.recording.recording import Run
 from brace_drake.scenario.brace import BenchScenario
@@ -45,6 +49,7 @@ class BenchTwin(ReplayTwin):
 
     channels: tuple[str, ...] = CHANNELS
     has_loop = True
+    num_lanes = COUNT
 
     def __init__(self, scenario: BenchScenario, time_step: float | None = None):
         super().__init__(scenario, pack_bench(scenario), time_step)
@@ -76,22 +81,25 @@ class BenchTwin(ReplayTwin):
         names = np.array(self.channels)
         return run.contact | ~np.char.startswith(names, "torso")
 
-    def simulate_each(self, motion, points, seed=None):
-        """Copies of the machine side by side, where nothing is known yet."""
-        machines = []
-        for subject, uses in points:
+    def simulate_each(self, requests):
+        """Side by side, where nothing is known yet."""
+        runs, keys, noises = [], [], {}
+        for motion, subject, uses, seed in requests:
             numbers, every = self._machine(subject, uses)
-            machines.append((numbers, self._plug_ins(numbers, motion, every)))
-        if seed is not None:
-            generator = np.random.default_rng(seed)
-            first, _ = machines[0]
-            noise = draw_noise(first, len(motion.desired), generator)
-            return simulate_copies(machines, motion, self.time_step, noise)
-        keys = [key_of_run(n, motion, plug_ins) for n, plug_ins in machines]
+            plug_ins = self._plug_ins(numbers, motion, every)
+            if seed is None:
+                noise, key = None, key_of_run(numbers, motion, plug_ins)
+            else:
+                of_run = (len(motion.desired), seed)
+                if of_run not in noises:
+                    noises[of_run] = _noise_of(numbers, *of_run)
+                noise, key = noises[of_run], None
+            runs.append(MachineRun(numbers, plug_ins, motion, noise))
+            keys.append(key)
         return self._memory.recall_each(
             keys,
             lambda places: simulate_copies(
-                [machines[i] for i in places], motion, self.time_step
+                [runs[i] for i in places], self.time_step
             ),
         )
 
@@ -110,6 +118,10 @@ class BenchTwin(ReplayTwin):
         if generator is not None:
             return run(draw_noise(numbers, len(motion.desired), generator))
         return self._memory.recall(key_of_run(numbers, motion, plug_ins), run)
+
+
+def _noise_of(numbers, ticks: int, seed) -> np.ndarray:
+    return draw_noise(numbers, ticks, np.random.default_rng(seed))
 
 
 def settled_reference(

@@ -1,8 +1,8 @@
 """Runs of several copies of a brace at once, in compiled code.
 
 The same step and the same laws as in `laws.loop.rollout`, with lanes in place
-of floats, see `laws.lanes`. Copies differ in their numbers and in the values of
-their effects; motion, noise and effects are the same.
+of floats, see `laws.lanes`. Copies differ in their numbers, effects, motion and
+noise; whether there is a torso is the same.
 """
 
 from numba import float64, int64, types
@@ -30,14 +30,14 @@ from brace_drake.laws.control.brace_control import (
 )
 from brace_drake.laws.control.impedance import filter_force
 from brace_drake.laws.control.pose_estimate import estimate_rings
-from brace_drake.laws.hooks import EFFECTS, matrix
+from brace_drake.laws.hooks import EFFECTS
 from brace_drake.laws.lanes.arrays import lanes_of, stacked_kind
 from brace_drake.laws.loop.brace import BRACE, is_near
 from brace_drake.laws.loop.rollout import place_desired, write_row
 from brace_drake.laws.loop.ticks import go_to_tick
 from brace_drake.laws.numbers import NUMBERS
 
-_array3 = float64[:, :, ::1]
+_array3, _array4 = float64[:, :, ::1], float64[:, :, :, ::1]
 
 
 @compiled_law
@@ -74,7 +74,7 @@ def advance_copies(controller, readings, command):
     (
         float64, int64, stacked_kind(NUMBERS), EFFECTS,
         stacked_kind(BRACE), stacked_kind(CONTROLLER),
-        types.Tuple((_array3, int64[::1], matrix, int64)), _array3,
+        types.Tuple((_array4, int64[::1], _array3, int64)), _array3,
     ),
     nogil=True,
     **MAKER,
@@ -87,7 +87,8 @@ def rollout_copies(dt, steps, numbers, effects, brace, controller, plan, log):
         numbers, brace, controller: Of the copies, see `lanes.stack_copies`;
             brace and controller are updated.
         effects: Of the copies; states are updated.
-        plan: desired, columns, noise and ticks_per_sample of `RunPlan`.
+        plan: desired, columns, noise and ticks_per_sample of `RunPlan`, the
+            desired motions (ticks, 3, m, COUNT) and noise of the copies.
         log: Output (samples, 15n + 3 + m, COUNT), as there.
 
     Returns:
@@ -96,8 +97,9 @@ def rollout_copies(dt, steps, numbers, effects, brace, controller, plan, log):
     numbers, brace = lanes_of(numbers), lanes_of(brace)
     controller, log = lanes_of(controller), lanes_of(log)
     desired, columns, noise, every = plan
+    desired, noise = lanes_of(desired), lanes_of(noise)
     for tick in range(desired.shape[0]):
-        own = noise[tick] if noise.shape[0] > 0 else noise.reshape(-1)[0:0]
+        own = noise[tick] if noise.shape[0] > 0 else brace.u[0:0]
         go_to_tick(tick, dt, steps, numbers, effects, brace, own)
         place_desired(desired[tick], columns, controller.desired)
         if not advance_copies(controller, brace.readings, brace.u):

@@ -47,7 +47,7 @@ def round_readings(resolution, noise, out):
             first place: exact readings, neither noisy nor rounded.
         out: Of n stages lengths (6n), m, forces (3n), N, marker (3), m.
     """
-    if noise.shape[0] == 0 or math.isnan(noise[0]):
+    if noise.shape[0] == 0 or math.isnan(lead(noise[0])):
         return
     end = out.shape[0] - 3
     for k in range(end):
