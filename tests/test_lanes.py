@@ -16,13 +16,20 @@ from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.brace.twin import BraceTwin
 from brace_drake.devices.run_memory import RunMemory
 from brace_drake.devices.twin import Request
+from brace_drake.effects.actuation import (
+    command_delay,
+    coulomb_friction,
+    stribeck_friction,
+)
 from brace_drake.effects.stack import stack_effects
+from brace_drake.effects.within_tolerances import WITHIN_TOLERANCES
 from brace_drake.laws.control.brace_control import K_P, LIMIT
 from brace_drake.laws.lanes import elementary
 from brace_drake.laws.lanes.arrays import floats_of, lanes_of, stack_copies
 from brace_drake.laws.lanes.functions import every, lead, some, where
 from brace_drake.laws.lanes.kinds import COUNT
 from brace_drake.laws.linear_solve import solve_in_place
+from brace_drake.laws.plug_in import make_effects_of
 from brace_drake.scenario.brace import BenchScenario, BraceScenario
 
 
@@ -189,6 +196,34 @@ class TestCopies(unittest.TestCase):
             machines.append((own, stack_effects(uses, own)))
         noise = self.random.normal(size=(800, 12)) * numbers.noise_sigma
         self.assert_alike(machines, sway(0.8), 5e-4, noise)
+
+    def test_laws_made_for_lanes_act_on_all_copies_at_once_as_on_each(self):
+        numbers = self.twin.with_subject(self.usual)
+        size = len(WITHIN_TOLERANCES.parameters)
+        off = np.zeros((3, size))
+        # No friction or delay, both, and one of them.
+        off[0, 1:6] = [1.0, 0.0, 0.01, 0.1, 0.0]
+        off[1, 1:6] = [2.0, 0.4, 0.02, 0.2, 0.0017]
+        off[2, 1:6] = [3.0, 0.0, 0.03, 0.3, 0.004]
+        stribeck = [[0.2, 0.8, 0.002], [0.0, 0.3, 0.01], [0.0, 0.0, 0.001]]
+        of_effects = [
+            (WITHIN_TOLERANCES, off),
+            (stribeck_friction.CARD, stribeck),
+            (stribeck_friction.WITHOUT_CREEP, stribeck),
+            (coulomb_friction.WITHOUT_CREEP, [[0.2], [0.0], [1.5], [3.0]]),
+            (command_delay.CARD, [[0.0], [0.002], [0.0123]]),
+        ]
+        noise = self.random.normal(size=(700, 12)) * numbers.noise_sigma
+        for effect, values in of_effects:
+            machines = []
+            for own in values:
+                uses = [(effect, np.array(own))]
+                machines.append((numbers, stack_effects(uses, numbers)))
+            plugs = [plug for _, plug in machines]
+            at_once = make_effects_of(plugs, 1, COUNT).together
+            with self.subTest(effect=effect.name, form=effect.form):
+                self.assertTrue(at_once[0])
+                self.assert_alike(machines, sway(0.7), 5e-4, noise)
 
     def test_rings_of_a_whole_brace_go_side_by_side_too(self):
         twin = BraceTwin(BraceScenario(), 5e-4)

@@ -14,6 +14,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.mechanism import anchor_error, ring_mass
 from brace_drake.effects.sensing import force_bias, force_scale
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.functions import some
 
 # Numbers in the order of p, with the card that puts each off; then anchors.
 NUMBERS = {
@@ -32,16 +33,16 @@ _scale, _bias = (c.CARD.laws["sensing"] for c in (force_scale, force_bias))
 _LATE = _DELAY.num_states["drive"]
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     # Commands first; x: those kept of the past, then deflections of bristles.
-    if p[5] > 0.0:
+    if some(p[5] > 0.0):
         _delay(t, dt, u, l, l_dot, law, f, p[5:6], x[:_LATE])
     _viscous(t, dt, u, l, l_dot, law, f, p[1:2], x[:_LATE])
     _dry(t, dt, u, l, l_dot, law, f, p[2:3], x[_LATE:])
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     _scale(t, h, u, l, F, p[3:4], x)
     _bias(t, h, u, l, F, p[4:5], x)

@@ -42,6 +42,7 @@ from numba.extending import intrinsic
 
 from brace_drake.laws.compiled import LAW, compiled_law
 from brace_drake.laws.kept import keep_by_sources
+from brace_drake.laws.lanes.arrays import lane_vector
 
 vector = float64[::1]
 
@@ -66,9 +67,37 @@ MAX_EFFECTS = 4
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 
-def plug(point: str):
-    """Decorator: compiles a law for a plug point."""
-    return keep_by_sources(njit(SIGNATURES[point], **LAW))
+# Where a law may be compiled for several copies at once as well.
+LANE_POINTS = ("drive", "sensing")
+
+
+def _of_lanes(signature):
+    """A law's signature with lanes in place of floats, see `laws.lanes`."""
+    kinds = [lane_vector() if k == vector else k for k in signature.args]
+    return signature.return_type(*kinds)
+
+
+LANE_SIGNATURES = {p: _of_lanes(SIGNATURES[p]) for p in LANE_POINTS}
+
+
+def plug(point: str, lanes: bool = False):
+    """Decorator: compiles a law for a plug point.
+
+    Args:
+        point: Its name.
+        lanes: Whether the law serves lanes as well as floats: what copies may
+            answer differently it asks by `where`, see `laws.lanes`.
+    """
+    signatures = [SIGNATURES[point]]
+    if lanes:
+        signatures.append(LANE_SIGNATURES[point])
+    return keep_by_sources(njit(signatures, **LAW))
+
+
+def serves_lanes(law: Callable, point: str) -> bool:
+    """Whether a law of a plug point was compiled for lanes."""
+    of_lanes = LANE_SIGNATURES.get(point)
+    return of_lanes is not None and of_lanes.args in law.overloads
 
 
 def stack_type(point: str):
@@ -149,6 +178,9 @@ class Effects(NamedTuple):
             each plug point (1 + points, MAX_EFFECTS, copies, n, 2).
         active: Whether any copy has an effect at a plug point
             (points, MAX_EFFECTS).
+        together: Whether an effect's laws serve all copies at once: `laws` has
+            those of lanes, and the copies of each parameter and state lie
+            behind each other, as the first copy's (MAX_EFFECTS,).
         work: Places for what one copy's law takes and changes (5, 12).
     """
 
@@ -157,6 +189,7 @@ class Effects(NamedTuple):
     memory: np.ndarray
     places: np.ndarray
     active: np.ndarray
+    together: np.ndarray
     work: np.ndarray
 
     def parameters_of(self, e: int) -> np.ndarray:
@@ -179,6 +212,7 @@ EFFECTS = types.NamedTuple(
         vector,
         int64[:, :, :, :, ::1],
         boolean[:, ::1],
+        boolean[::1],
         matrix,
     ),
     Effects,
@@ -186,19 +220,22 @@ EFFECTS = types.NamedTuple(
 
 
 @cache
-def address_of(law: Callable, point: str) -> int:
-    """Where the code of a law lies that was compiled for a plug point; the law
-    is kept from then on.
+def address_of(law: Callable, point: str, lanes: bool = False) -> int:
+    """Where the code of a law lies that was compiled for a plug point, for
+    floats or for lanes; the law is kept from then on.
     """
-    compiled = law.overloads[SIGNATURES[point].args]
+    signature = LANE_SIGNATURES[point] if lanes else SIGNATURES[point]
+    compiled = law.overloads[signature.args]
     return compiled.library.get_pointer_to_function(
         compiled.fndesc.llvm_func_name
     )
 
 
-def caller_of(point: str) -> Callable:
-    """`call(address, arguments)` in compiled code, for laws of a plug point."""
-    kinds = SIGNATURES[point].args
+def caller_of(point: str, lanes: bool = False) -> Callable:
+    """`call(address, arguments)` in compiled code, for laws of a plug point, of
+    floats or of lanes.
+    """
+    kinds = (LANE_SIGNATURES[point] if lanes else SIGNATURES[point]).args
 
     @intrinsic
     def call(typingctx, address, arguments):

@@ -13,6 +13,7 @@ from brace_drake.laws.hooks import (
     STAGE_POINTS,
     Effects,
     address_of,
+    serves_lanes,
 )
 
 
@@ -74,38 +75,73 @@ def make_effects_of(
     size = (len(STAGE_POINTS), MAX_EFFECTS, count)
     laws = np.zeros(size, dtype=np.int64)
     places = np.zeros((1 + size[0], *size[1:], num_stages, 2), dtype=np.int64)
-    parameters, memory = _Behind(), _Behind()
-    for c, plug_ins in enumerate(copies):
-        plugs = [plug_ins.get(point) or idle(point) for point in STAGE_POINTS]
-        of_effects = next((p for p in plugs if not p.is_idle), plugs[0])
-        for e in range(MAX_EFFECTS):
-            own = of_effects.parameters[e]
-            places[0, e, c] = parameters.add(own, num_stages)
-            for at, plug in enumerate(plugs):
-                places[1 + at, e, c] = memory.add(plug.initial[e], num_stages)
+    parameters, memory = _Behind(num_stages), _Behind(num_stages)
+    plugs = [
+        [plug_ins.get(point) or idle(point) for point in STAGE_POINTS]
+        for plug_ins in copies
+    ]
+    together = np.array(
+        [count > 1 and _is_together(plugs, e) for e in range(MAX_EFFECTS)]
+    )
+    for e, at_once in enumerate(together):
+        # Each copy, or all of them as the first.
+        for c, own in enumerate([plugs] if at_once else [[p] for p in plugs]):
+            filled = [*own, *[own[-1]] * (count - len(own))]
+            some = filled if at_once else own
+            places[0, e, c] = parameters.add(
+                [_parameters_of(of_copy, e) for of_copy in some]
+            )
+            for at, plug in enumerate(own[0]):
+                places[1 + at, e, c] = memory.add(
+                    [of_copy[at].initial[e] for of_copy in some]
+                )
                 if plug.active[e]:
-                    laws[at, e, c] = address_of(plug.laws[e], plug.point)
+                    laws[at, e, c] = address_of(
+                        plug.laws[e], plug.point, bool(at_once)
+                    )
     return Effects(
         laws,
         parameters.whole(),
         memory.whole(),
         places,
         (laws != 0).any(axis=-1),
+        together,
         np.zeros((5, 12)),
     )
+
+
+def _is_together(copies: Sequence[Sequence[PlugIn]], e: int) -> bool:
+    """Whether all copies have the same laws of an effect, made for lanes."""
+    own = [plug.laws[e] for plug in copies[0]]
+    return all(
+        [plug.laws[e] for plug in plugs] == own for plugs in copies
+    ) and all(
+        not plug.active[e] or serves_lanes(plug.laws[e], plug.point)
+        for plug in copies[0]
+    )
+
+
+def _parameters_of(plugs: Sequence[PlugIn], e: int) -> np.ndarray:
+    of_effects = next((p for p in plugs if not p.is_idle), plugs[0])
+    return of_effects.parameters[e]
 
 
 class _Behind:
     """Vectors of stages, one behind the other."""
 
-    def __init__(self):
+    def __init__(self, num_stages: int):
+        self._num_stages = num_stages
         self._rows, self._size = [], 0
 
-    def add(self, values: np.ndarray, num_stages: int) -> np.ndarray:
-        """Where a row for each stage begins and ends (n, 2)."""
-        rows = np.broadcast_to(values, (num_stages, values.shape[-1]))
-        self._rows.append(rows.ravel())
-        at = self._size + values.shape[-1] * np.arange(num_stages + 1)
+    def add(self, copies: Sequence[np.ndarray]) -> np.ndarray:
+        """Where a row for each stage begins and ends (n, 2); in a row the
+        copies of each number lie behind each other.
+        """
+        n = self._num_stages
+        rows = [np.broadcast_to(v, (n, v.shape[-1])).ravel() for v in copies]
+        row = rows[0] if len(rows) == 1 else np.stack(rows, axis=-1).ravel()
+        self._rows.append(row)
+        at = self._size + len(row) // n * np.arange(n + 1)
         self._size = int(at[-1])
         return np.stack([at[:-1], at[1:]], axis=-1)
 

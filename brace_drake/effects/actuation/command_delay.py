@@ -3,7 +3,11 @@
 import math
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import delivered, plug
+from brace_drake.laws.lanes.arrays import pick
+from brace_drake.laws.lanes.elementary import floor
+from brace_drake.laws.lanes.functions import where
 
 # Past commands kept, in control periods; the longest delay must fit.
 _DEPTH = 64
@@ -11,7 +15,13 @@ _PERIOD = 1e-3
 _LEGS = 6
 
 
-@plug("drive")
+@compiled_law
+def _kept(tick):
+    """Where a tick's commands are kept."""
+    return tick - _DEPTH * floor(tick / _DEPTH)
+
+
+@plug("drive", lanes=True)
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     # x: what arrived in the last _DEPTH ticks, by tick modulo _DEPTH.
     n = f.shape[0]
@@ -21,14 +31,12 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     # The held command as it was p[0] ago, averaged over this plant step.
     begin = (t - p[0]) / _PERIOD
     end = begin + dt / _PERIOD
-    first = math.floor(begin + 1e-6)
-    last = math.floor(end - 1e-6)
-    weight = 1.0
-    if last > first:
-        weight = (last - begin) / (end - begin)
+    first, last = floor(begin + 1e-6), floor(end - 1e-6)
+    weight = where(last > first, (last - begin) / (end - begin), 1.0)
+    row, next_row = _LEGS * _kept(first), _LEGS * _kept(last)
     for k in range(n):
-        before = x[(first % _DEPTH) * _LEGS + k] if first >= 0 else 0.0
-        after = x[(last % _DEPTH) * _LEGS + k] if last >= 0 else 0.0
+        before = where(first >= 0.0, pick(x, row + k), 0.0)
+        after = where(last >= 0.0, pick(x, next_row + k), 0.0)
         late = weight * before + (1.0 - weight) * after
         f[k] += late - delivered(f, law, l_dot, k)
 

@@ -6,6 +6,8 @@ from dataclasses import replace
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import sin
+from brace_drake.laws.lanes.functions import some, where
 
 # Before sliding: bristles give way by a few micrometres, those without creep by
 # what the bench's friction within its tolerance does, and are well damped; the
@@ -16,6 +18,8 @@ _MAX_STIFFNESS = 1e6  # N/m
 _MAX_DAMPING = 600.0  # N s/m
 # Part of the deflection of sliding up to which nothing slips, without creep.
 STUCK = 0.7
+_QUARTER_TURN = 0.5 * math.pi
+_LEAST = 1e-300  # N
 
 
 @compiled_law
@@ -35,14 +39,15 @@ def slip_share(speed, z, sliding, stuck):
         stuck: The part that does not slip, below 1.
     """
     if stuck <= 0.0:
-        return 1.0
-    part = abs(z) / sliding
-    if z * speed <= 0.0 or part <= stuck:
-        return 0.0
-    if part >= 1.0:
-        return 1.0
-    middle = 0.5 * (1.0 + stuck)
-    return 0.5 + 0.5 * math.sin(math.pi * (part - middle) / (1.0 - stuck))
+        return where(sliding > 0.0, 1.0, 1.0)
+    # 0 at the part that is stuck, a quarter turn where all slips; the share is
+    # the square of its sine.
+    turn = (abs(z) / sliding - stuck) * (_QUARTER_TURN / (1.0 - stuck))
+    turn = min(max(turn, 0.0), _QUARTER_TURN)
+    is_most = turn > 0.5 * _QUARTER_TURN
+    sine = sin(where(is_most, _QUARTER_TURN - turn, turn))
+    share = where(is_most, 1.0 - sine * sine, sine * sine)
+    return where(z * speed <= 0.0, 0.0, share)
 
 
 @compiled_law
@@ -56,7 +61,8 @@ def bristle_force(dt, speed, level, top, k, x, stuck=0.0):
     Args:
         dt: s.
         speed: v, m/s.
-        level: g, the force when sliding at that speed, N, above 0.
+        level: g, the force when sliding at that speed, N, above 0; of copies
+            without friction see `or_least`.
         top: Largest g, at rest, N.
         k: Index of the leg.
         x: Deflections, m.
@@ -74,19 +80,31 @@ def bristle_force(dt, speed, level, top, k, x, stuck=0.0):
     return force
 
 
-@plug("drive")
-def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
+@compiled_law
+def or_least(level):
+    """A friction force; where there is none one that can be divided by."""
+    return max(level, _LEAST)
+
+
+@compiled_law
+def _resist(dt, l_dot, p, stuck, f, x):
     # x[k]: deflection of the bristles of leg k.
-    if p[0] > 0.0:
+    acts = p[0] > 0.0
+    if some(acts):
+        level = or_least(p[0])
         for k in range(f.shape[0]):
-            f[k] -= bristle_force(dt, l_dot[k], p[0], p[0], k, x)
+            force = bristle_force(dt, l_dot[k], level, level, k, x, stuck)
+            f[k] = where(acts, f[k] - force, f[k])
 
 
-@plug("drive")
+@plug("drive", lanes=True)
+def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
+    _resist(dt, l_dot, p, 0.0, f, x)
+
+
+@plug("drive", lanes=True)
 def _law_without_creep(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    if p[0] > 0.0:
-        for k in range(f.shape[0]):
-            f[k] -= bristle_force(dt, l_dot[k], p[0], p[0], k, x, STUCK)
+    _resist(dt, l_dot, p, STUCK, f, x)
 
 
 CARD = Effect(

@@ -6,30 +6,33 @@ from dataclasses import replace
 from brace_drake.effects.actuation.coulomb_friction import (
     STUCK,
     bristle_force,
+    or_least,
     sign_of,
 )
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import exp
+from brace_drake.laws.lanes.functions import where
 
 
 @compiled_law
 def _resist(dt, l_dot, p, stuck, f, x):
     # x[k]: deflection of the bristles of leg k.
-    top = p[0] + p[1]
+    top = or_least(p[0] + p[1])
     for k in range(f.shape[0]):
-        slow = math.exp(-((l_dot[k] / p[2]) ** 2))
-        level = p[0] + p[1] * slow
-        if level > 0.0:
-            f[k] -= bristle_force(dt, l_dot[k], level, top, k, x, stuck)
+        part = l_dot[k] / p[2]
+        level = p[0] + p[1] * exp(-part * part)
+        force = bristle_force(dt, l_dot[k], or_least(level), top, k, x, stuck)
+        f[k] = where(level > 0.0, f[k] - force, f[k])
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     _resist(dt, l_dot, p, 0.0, f, x)
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law_without_creep(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
     _resist(dt, l_dot, p, STUCK, f, x)
 

@@ -1,12 +1,13 @@
 """Arrays of lanes: arrays of floats with the copies along the last axis."""
 
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np import arrayobj
 
-from brace_drake.laws.lanes.kinds import COUNT, LANES
+from brace_drake.laws.lanes.kinds import COUNT, LANES, index, join_lanes
 
 
 def stack_copies(copies):
@@ -101,6 +102,64 @@ def lanes_of(typingctx, stacked):
         return _convert(context, builder, sig.args[0], args[0])
 
     return _mapped(stacked, _lane_kind)(stacked), convert
+
+
+def lane_vector():
+    """Kind of a vector of lanes, as laws of effects take it."""
+    return types.Array(LANES, 1, "C", aligned=False)
+
+
+@intrinsic
+def lanes_in(typingctx, floats):
+    """A vector of floats (m COUNT,), the copies of each number behind each
+    other, looked at as lanes (m,).
+    """
+    kind = lane_vector()
+
+    def look(context, builder, sig, args):
+        source = arrayobj.make_array(sig.args[0])(context, builder, args[0])
+        (size,) = cgutils.unpack_tuple(builder, source.shape)
+        count = context.get_constant(types.intp, COUNT)
+        width = context.get_constant(types.intp, 8 * COUNT)
+        item = context.get_data_type(kind.dtype)
+        array = arrayobj.make_array(kind)(context, builder)
+        arrayobj.populate_array(
+            array,
+            data=builder.bitcast(source.data, item.as_pointer()),
+            shape=cgutils.pack_array(builder, [builder.sdiv(size, count)]),
+            strides=cgutils.pack_array(builder, [width]),
+            itemsize=width,
+            meminfo=None,
+            parent=None,
+        )
+        return array._getvalue()
+
+    return kind(floats), look
+
+
+@intrinsic
+def pick(typingctx, values, place):
+    """values[place] of a whole number that copies may differ in, given as a
+    float; it must be a place of theirs.
+    """
+
+    def load(context, builder, sig, args):
+        array = arrayobj.make_array(sig.args[0])(context, builder, args[0])
+        floats = builder.bitcast(array.data, ir.DoubleType().as_pointer())
+        if sig.return_type != LANES:
+            at = builder.fptosi(args[1], ir.IntType(64))
+            return builder.load(builder.gep(floats, [at]))
+        whole = ir.VectorType(ir.IntType(64), COUNT)
+        places = builder.fptosi(args[1], whole)
+        found = []
+        for copy in range(COUNT):
+            at = builder.extract_element(places, index(copy))
+            at = builder.mul(at, ir.Constant(at.type, COUNT))
+            at = builder.add(at, ir.Constant(at.type, copy))
+            found.append(builder.load(builder.gep(floats, [at])))
+        return join_lanes(builder, found)
+
+    return values.dtype(values, values.dtype), load
 
 
 @intrinsic

@@ -23,7 +23,7 @@ _LARGEST = 700.0
 
 
 @intrinsic
-def _floor(typingctx, x):
+def floor(typingctx, x):
     """The whole number at or below x."""
     return x(x), lambda c, builder, s, a: call_llvm(builder, "floor", a[0])
 
@@ -72,7 +72,7 @@ def _library_atan2(typingctx, y, x):
 def exp(x):
     """e^x, of -700 to 700."""
     x = max(min(x, _LARGEST), -_LARGEST)
-    n = _floor(x * 1.4426950408889634074 + 0.5)
+    n = floor(x * 1.4426950408889634074 + 0.5)
     x = x - n * _LN2_HIGH - n * _LN2_LOW
     z = x * x
     p = x * (

@@ -1,8 +1,9 @@
 """Calls of the effects' laws at the plug points of a brace.
 
 An effect's law is that of one machine. Where a loop carries several copies,
-see `laws.lanes`, it is called for each of them in turn: what it takes is copied
-out, and what it changes is copied back. `effects` are as `laws.hooks` has them,
+see `laws.lanes`, it is called once where it serves lanes and all copies have
+it, otherwise for each of them in turn: what it takes is copied out, and what it
+changes is copied back. `effects` are as `laws.hooks` has them,
 `e` is the effect, `i` the stage; the rest is what the plug point hands over.
 """
 
@@ -18,7 +19,7 @@ from brace_drake.laws.hooks import (
     TORSO,
     caller_of,
 )
-from brace_drake.laws.lanes.arrays import floats_of
+from brace_drake.laws.lanes.arrays import floats_of, lanes_in
 from brace_drake.laws.lanes.kinds import COUNT, LANES
 
 _drive_law = caller_of("drive")
@@ -27,6 +28,8 @@ _contact_law = caller_of("contact")
 _torso_law = caller_of("torso")
 _ring_law = caller_of("ring")
 _sensing_law = caller_of("sensing")
+_drive_laws = caller_of("drive", lanes=True)
+_sensing_laws = caller_of("sensing", lanes=True)
 _OPTIONS = {k: v for k, v in LAW.items() if k != "cache"}
 
 
@@ -66,6 +69,14 @@ def _drive(effects, e, i, t, dt, u, l, l_dot, law, f):  # noqa: E741
         return call_drive
 
     def each(effects, e, i, t, dt, u, l, l_dot, law, f):  # noqa: E741
+        if effects.together[e]:
+            a, b, c, to = _places(effects, DRIVE, e, 0, i)
+            p = lanes_in(effects.parameters[a:b])
+            x = lanes_in(effects.memory[c:to])
+            _drive_laws(
+                effects.laws[DRIVE, e, 0], (t, dt, u, l, l_dot, law, f, p, x)
+            )
+            return
         work = effects.work
         for copy in range(COUNT):
             address = effects.laws[DRIVE, e, copy]
@@ -255,6 +266,12 @@ def _sensing(effects, e, i, t, h, u, l, F):  # noqa: E741
         return call_sensing
 
     def each(effects, e, i, t, h, u, l, F):  # noqa: E741
+        if effects.together[e]:
+            a, b, c, to = _places(effects, SENSING, e, 0, i)
+            p = lanes_in(effects.parameters[a:b])
+            x = lanes_in(effects.memory[c:to])
+            _sensing_laws(effects.laws[SENSING, e, 0], (t, h, u, l, F, p, x))
+            return
         work = effects.work
         for copy in range(COUNT):
             address = effects.laws[SENSING, e, copy]
