@@ -20,6 +20,8 @@ extensions = [
 ]
 exclude_patterns = ["_build", "README.md"]
 html_theme = "furo"
+# Names of functions would be copied into the navigation of every page.
+toc_object_entries = False
 html_title = "brace_drake"
 html_theme_options = {"navigation_with_keys": True}
 

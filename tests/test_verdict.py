@@ -260,9 +260,10 @@ class TestLevel(unittest.TestCase):
             twin = SimpleNamespace(
                 carried=(),
                 has_loop=True,
-                simulate=lambda motion, subject, uses, noise, s=scatter: (
-                    s * noise.standard_normal(COUNT)
-                ),
+                simulate_each=lambda requests, s=scatter: [
+                    s * np.random.default_rng(r.seed).standard_normal(COUNT)
+                    for r in requests
+                ],
             )
             evaluator = SimpleNamespace(
                 twin=twin,

@@ -24,7 +24,7 @@ def group_runs(prepared: Sequence) -> list[Groups]:
     be told.
 
     Args:
-        prepared: `PreparedRun`s.
+        prepared: Runs, see `PreparedRun`.
     """
     found: dict[tuple, list[int]] = {}
     for i, p in enumerate(prepared):
