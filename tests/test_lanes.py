@@ -163,7 +163,14 @@ class TestCopies(unittest.TestCase):
             replace(sway(0.8), settled_ticks=300),
             replace(sway(1.2), desired=0.5 * sway(1.2).desired),
         ]  # fmt: skip
-        runs = [MachineRun(numbers, none, motion) for motion in motions]
+        breath = self.twin.effects()["breathing"]
+        values = breath.in_run(breath.starts()[0], 0)
+        moved = stack_effects([(breath, values)], numbers)
+        runs = [
+            MachineRun(numbers, own, motion)
+            for motion in motions
+            for own in (none, moved)
+        ]
         for motion in motions[::-1]:
             noise = self.random.normal(size=(len(motion.desired), 12))
             noise *= numbers.noise_sigma
