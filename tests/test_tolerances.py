@@ -1,9 +1,12 @@
 """Tolerances of a scenario's numbers: how they are stated, what they do."""
 
 import copy
+import gc
+import pickle
 import tempfile
 import unittest
-from dataclasses import asdict, fields
+import weakref
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +17,8 @@ from brace_drake.core.resources import scenario_path
 from brace_drake.devices.bench.tolerances import bench_tolerances
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.library import MakeMotion
+from brace_drake.devices.tolerances import LinearTolerances
+from brace_drake.effects.mechanism import ring_mass
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.load import LoadScenario, SaveScenario
 from brace_drake.scenario.tolerances import Tolerances
@@ -179,6 +184,33 @@ class TestNuisances(unittest.TestCase):
         off = nominal.simulate(motion, subject, found["force_bias_N"])
         bias = (off - reading)[:, nominal.channels.index("ring2_force_y_N")]
         np.testing.assert_allclose(bias, 0.02)
+
+    def linearised(self):
+        """Numbers of a bench that change residuals at random."""
+        numbers = tuple(bench_tolerances(BenchScenario()))
+        changes = np.random.default_rng(0).normal(size=(300, len(numbers)))
+        return LinearTolerances(numbers, *np.linalg.qr(changes))
+
+    def test_what_was_linearised_is_freed_with_the_last_that_uses_it(self):
+        known = self.linearised()
+        part = known.beside([ring_mass.CARD])
+        self.assertIs(known.beside([ring_mass.CARD]), part)
+        self.assertIs(known.beside([]), known)
+        off = part.at([0.5] * len(part.nuisances))
+        every = [known, known.at_zero, part, off, off.whole, off.at_zero]
+        refs = [weakref.ref(one) for one in every]
+        gc.disable()
+        self.addCleanup(gc.enable)
+        del known, part, off, every
+        self.assertEqual([ref() for ref in refs], [None] * len(refs))
+
+    def test_it_comes_whole_through_a_pipe(self):
+        known = self.linearised()
+        known.beside([ring_mass.CARD])
+        basis = known.basis
+        again = pickle.loads(pickle.dumps(replace(known, nuisances=())))
+        np.testing.assert_array_equal(again.basis, basis)
+        self.assertIs(again.beside([]), again)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -67,7 +68,7 @@ class LinearTolerances:
     root: np.ndarray = field(init=False)
     uses: tuple[Use, ...] = field(init=False, repr=False, compare=False)
     _coloured: np.ndarray = field(init=False)
-    _parts: dict[tuple[int, ...], LinearTolerances] = field(
+    _parts: WeakValueDictionary[tuple[int, ...], LinearTolerances] = field(
         init=False, repr=False, compare=False
     )
 
@@ -77,7 +78,18 @@ class LinearTolerances:
         vars(self)["root"] = (ways / size) @ ways.T
         vars(self)["_coloured"] = (ways * size) @ ways.T
         vars(self)["uses"] = _uses_of(self.nuisances, self.off, self.uses_off)
-        vars(self)["_parts"] = {tuple(range(len(self.nuisances))): self}
+        self._forget_parts()
+
+    def _forget_parts(self) -> None:
+        # A part knows the whole: cycles of matrices would fill the memory.
+        vars(self)["_parts"] = WeakValueDictionary()
+
+    def __getstate__(self):
+        return {k: v for k, v in vars(self).items() if k != "_parts"}
+
+    def __setstate__(self, state):
+        vars(self).update(state)
+        self._forget_parts()
 
     def around_zero(self, residual: np.ndarray) -> np.ndarray:
         """A weighted residual (rows,) of a twin with `uses`, as it were with
@@ -135,8 +147,11 @@ class LinearTolerances:
             for i, n in enumerate(self.nuisances)
             if not any(n.is_of(e) for e in effects)
         )
-        if kept not in self._parts:
-            self._parts[kept] = LinearTolerances(
+        if len(kept) == len(self.nuisances):
+            return self
+        part = self._parts.get(kept)
+        if part is None:
+            part = self._parts[kept] = LinearTolerances(
                 tuple(self.nuisances[i] for i in kept),
                 self.basis,
                 self.columns[:, list(kept)],
@@ -145,7 +160,7 @@ class LinearTolerances:
                 self.whole or self,
                 self.noise,
             )
-        return self._parts[kept]
+        return part
 
     def at(self, off: Sequence[float]) -> LinearTolerances:
         """The same with numbers put off by deviations t0 (n,), the columns
@@ -169,10 +184,14 @@ class LinearTolerances:
         """
         return np.linalg.svd(self.columns, full_matrices=False)
 
-    @cached_property
+    @property
     def at_zero(self) -> LinearTolerances:
         """The same without effects of the numbers, on their straight line."""
-        return self if self.off is None else replace(self, off=None)
+        return self if self.off is None else self._straight
+
+    @cached_property
+    def _straight(self) -> LinearTolerances:
+        return replace(self, off=None)
 
 
 def linearise_tolerances(

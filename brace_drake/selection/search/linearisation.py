@@ -115,6 +115,8 @@ class Linearisation:
             return self
         if id(tolerances) not in self._beside:
             other = copy(self)
+            # One that held itself would stay in memory.
+            other._beside = {}
             other.tolerances = tolerances
             other.residual = other._seen(self.residual, self.tolerances)
             if self._smooth is not None:
