@@ -42,7 +42,7 @@ from numba.extending import intrinsic
 
 from brace_drake.laws.compiled import LAW, compiled_law
 from brace_drake.laws.kept import keep_by_sources
-from brace_drake.laws.lanes.arrays import lane_vector
+from brace_drake.laws.lanes.arrays import LANE_VECTOR
 
 vector = float64[::1]
 
@@ -73,7 +73,7 @@ LANE_POINTS = ("drive", "sensing")
 
 def _of_lanes(signature):
     """A law's signature with lanes in place of floats, see `laws.lanes`."""
-    kinds = [lane_vector() if k == vector else k for k in signature.args]
+    kinds = [LANE_VECTOR if k == vector else k for k in signature.args]
     return signature.return_type(*kinds)
 
 

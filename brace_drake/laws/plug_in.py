@@ -70,7 +70,7 @@ def make_effects_of(
     copies: Sequence[Mapping[str, PlugIn]], num_stages: int, count: int
 ) -> Effects:
     """Effects of several copies; where there are fewer than `count`, the
-    others have none.
+    others have none, or those of the last, see `Effects.together`.
     """
     size = (len(STAGE_POINTS), MAX_EFFECTS, count)
     laws = np.zeros(size, dtype=np.int64)
@@ -85,13 +85,12 @@ def make_effects_of(
     )
     for e, at_once in enumerate(together):
         # Each copy, or all of them as the first.
-        for c, own in enumerate([plugs] if at_once else [[p] for p in plugs]):
-            filled = [*own, *[own[-1]] * (count - len(own))]
-            some = filled if at_once else own
+        filled = [*plugs, *[plugs[-1]] * (count - len(plugs))]
+        for c, some in enumerate([filled] if at_once else [[p] for p in plugs]):
             places[0, e, c] = parameters.add(
                 [_parameters_of(of_copy, e) for of_copy in some]
             )
-            for at, plug in enumerate(own[0]):
+            for at, plug in enumerate(some[0]):
                 places[1 + at, e, c] = memory.add(
                     [of_copy[at].initial[e] for of_copy in some]
                 )

@@ -53,12 +53,23 @@ class Motion:
         """Of the reference."""
         return hashlib.sha256(self.desired.tobytes()).digest()
 
+    @property
+    def ways(self) -> np.ndarray:
+        """The reference of each coordinate that moves (ticks, 3, m)."""
+        return self.desired.reshape((len(self.desired), 3, -1))
+
+    @property
+    def rows(self) -> slice:
+        """Those of a log that are handed on: not while it settles."""
+        every = self.ticks_per_sample
+        last = (len(self.desired) - 1) // every
+        return slice(self.settled_ticks // every, last + 1)
+
     def plan(self, noise: np.ndarray, log: np.ndarray) -> RunPlan:
         """What the compiled rollout takes; noise and log as there."""
-        desired = self.desired.reshape((len(self.desired), 3, -1))
         columns = np.array(self.columns, dtype=np.int64)
         return RunPlan(
-            np.ascontiguousarray(desired),
+            np.ascontiguousarray(self.ways),
             columns,
             noise,
             self.ticks_per_sample,
@@ -98,9 +109,7 @@ def simulate_bench(
     """
     n, size = numbers.num_stages, len(numbers.noise_sigma)
     steps = round(numbers.period / time_step)
-    ticks = len(motion.desired)
-    samples = (ticks - 1) // motion.ticks_per_sample + 1
-    log = np.zeros((samples, 6 * n + size + len(motion.columns)))
+    log = np.zeros((motion.rows.stop, 6 * n + size + len(motion.columns)))
     held = start_held(numbers.start, numbers.rest, np.zeros((1, 6 * n)))
     broke_at = rollout_brace(
         numbers.period / steps,
@@ -115,4 +124,4 @@ def simulate_bench(
         raise BraceError(
             f"the simulated run broke down at {broke_at * numbers.period:.3f} s"
         )
-    return log[motion.settled_ticks // motion.ticks_per_sample :]
+    return log[motion.rows]

@@ -104,7 +104,7 @@ def _run(
     n, size = first.num_stages, len(first.noise_sigma)
     steps, every = round(first.period / time_step), motion.ticks_per_sample
     ticks = max(len(run.motion.desired) for run in runs)
-    samples = (ticks - 1) // every + 1
+    samples = max(run.motion.rows.stop for run in runs)
     log = np.zeros((samples, 6 * n + size + len(motion.columns), COUNT))
     numbers = [run.numbers for run in runs]
     controllers = [
@@ -121,7 +121,7 @@ def _run(
         stack_copies([make_brace(m, motion.with_torso) for m in numbers]),
         stack_copies(controllers),
         (
-            _stack_ticks([_desired(run.motion) for run in runs], ticks),
+            _stack_ticks([run.motion.ways for run in runs], ticks),
             np.array(motion.columns, dtype=np.int64),
             _stack_noise(runs, ticks, size),
             every,
@@ -130,20 +130,7 @@ def _run(
     )
     if not good:
         return None
-    return [
-        log[_samples_of(run.motion), :, i].copy() for i, run in enumerate(runs)
-    ]
-
-
-def _desired(motion: Motion) -> np.ndarray:
-    return motion.desired.reshape((len(motion.desired), 3, -1))
-
-
-def _samples_of(motion: Motion) -> slice:
-    """The rows of a log that are a run's own."""
-    every = motion.ticks_per_sample
-    last = (len(motion.desired) - 1) // every
-    return slice(motion.settled_ticks // every, last + 1)
+    return [log[run.motion.rows, :, i].copy() for i, run in enumerate(runs)]
 
 
 def _stack_noise(runs, ticks: int, size: int) -> np.ndarray:

@@ -92,7 +92,10 @@ class BenchTwin(ReplayTwin):
             else:
                 of_run = (len(motion.desired), seed)
                 if of_run not in noises:
-                    noises[of_run] = _noise_of(numbers, *of_run)
+                    generator = np.random.default_rng(seed)
+                    noises[of_run] = draw_noise(
+                        numbers, len(motion.desired), generator
+                    )
                 noise, key = noises[of_run], None
             runs.append(MachineRun(numbers, plug_ins, motion, noise))
             keys.append(key)
@@ -118,10 +121,6 @@ class BenchTwin(ReplayTwin):
         if generator is not None:
             return run(draw_noise(numbers, len(motion.desired), generator))
         return self._memory.recall(key_of_run(numbers, motion, plug_ins), run)
-
-
-def _noise_of(numbers, ticks: int, seed) -> np.ndarray:
-    return draw_noise(numbers, ticks, np.random.default_rng(seed))
 
 
 def settled_reference(

@@ -19,7 +19,6 @@ _MAX_DAMPING = 600.0  # N s/m
 # Part of the deflection of sliding up to which nothing slips, without creep.
 STUCK = 0.7
 _QUARTER_TURN = 0.5 * math.pi
-_LEAST = 1e-300  # N
 
 
 @compiled_law
@@ -39,7 +38,7 @@ def slip_share(speed, z, sliding, stuck):
         stuck: The part that does not slip, below 1.
     """
     if stuck <= 0.0:
-        return where(sliding > 0.0, 1.0, 1.0)
+        return 1.0
     # 0 at the part that is stuck, a quarter turn where all slips; the share is
     # the square of its sine.
     turn = (abs(z) / sliding - stuck) * (_QUARTER_TURN / (1.0 - stuck))
@@ -62,7 +61,7 @@ def bristle_force(dt, speed, level, top, k, x, stuck=0.0):
         dt: s.
         speed: v, m/s.
         level: g, the force when sliding at that speed, N, above 0; of copies
-            without friction see `or_least`.
+            without friction see `or_one`.
         top: Largest g, at rest, N.
         k: Index of the leg.
         x: Deflections, m.
@@ -81,9 +80,9 @@ def bristle_force(dt, speed, level, top, k, x, stuck=0.0):
 
 
 @compiled_law
-def or_least(level):
-    """A friction force; where there is none one that can be divided by."""
-    return max(level, _LEAST)
+def or_one(level):
+    """A friction force, 1 N where there is none: it can be divided by."""
+    return where(level > 0.0, level, 1.0)
 
 
 @compiled_law
@@ -91,7 +90,7 @@ def _resist(dt, l_dot, p, stuck, f, x):
     # x[k]: deflection of the bristles of leg k.
     acts = p[0] > 0.0
     if some(acts):
-        level = or_least(p[0])
+        level = or_one(p[0])
         for k in range(f.shape[0]):
             force = bristle_force(dt, l_dot[k], level, level, k, x, stuck)
             f[k] = where(acts, f[k] - force, f[k])

@@ -6,7 +6,7 @@ from dataclasses import replace
 from brace_drake.effects.actuation.coulomb_friction import (
     STUCK,
     bristle_force,
-    or_least,
+    or_one,
     sign_of,
 )
 from brace_drake.effects.card import Effect, EffectParameter
@@ -19,11 +19,11 @@ from brace_drake.laws.lanes.functions import where
 @compiled_law
 def _resist(dt, l_dot, p, stuck, f, x):
     # x[k]: deflection of the bristles of leg k.
-    top = or_least(p[0] + p[1])
+    top = or_one(p[0] + p[1])
     for k in range(f.shape[0]):
         part = l_dot[k] / p[2]
         level = p[0] + p[1] * exp(-part * part)
-        force = bristle_force(dt, l_dot[k], or_least(level), top, k, x, stuck)
+        force = bristle_force(dt, l_dot[k], or_one(level), top, k, x, stuck)
         f[k] = where(level > 0.0, f[k] - force, f[k])
 
 

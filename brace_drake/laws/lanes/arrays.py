@@ -47,16 +47,24 @@ def _lane_kind(kind):
     return types.Array(LANES, kind.ndim - 1, "C", aligned=False)
 
 
+# Kind of a vector of lanes.
+LANE_VECTOR = _lane_kind(types.Array(types.float64, 2, "C"))
+
+
 def _look_at(context, builder, kind, value, out):
-    """An array's data looked at as another kind, with a dimension less, or
-    one more.
+    """An array's data looked at as another kind: with a dimension less, or one
+    more, or a vector of floats as one of lanes.
     """
     source = arrayobj.make_array(kind)(context, builder, value)
     shape = cgutils.unpack_tuple(builder, source.shape)
     strides = cgutils.unpack_tuple(builder, source.strides)
-    size = 8 * COUNT if out.ndim < kind.ndim else 8
+    size = 8 * COUNT if out.dtype == LANES else 8
     if out.ndim < kind.ndim:
         shape, strides = shape[:-1], strides[:-1]
+    elif out.ndim == kind.ndim:
+        count = context.get_constant(types.intp, COUNT)
+        shape = [builder.sdiv(shape[0], count)]
+        strides = [context.get_constant(types.intp, size)]
     else:
         shape = [*shape, context.get_constant(types.intp, COUNT)]
         strides = [*strides, context.get_constant(types.intp, size)]
@@ -104,37 +112,16 @@ def lanes_of(typingctx, stacked):
     return _mapped(stacked, _lane_kind)(stacked), convert
 
 
-def lane_vector():
-    """Kind of a vector of lanes, as laws of effects take it."""
-    return types.Array(LANES, 1, "C", aligned=False)
-
-
 @intrinsic
 def lanes_in(typingctx, floats):
     """A vector of floats (m COUNT,), the copies of each number behind each
     other, looked at as lanes (m,).
     """
-    kind = lane_vector()
 
     def look(context, builder, sig, args):
-        source = arrayobj.make_array(sig.args[0])(context, builder, args[0])
-        (size,) = cgutils.unpack_tuple(builder, source.shape)
-        count = context.get_constant(types.intp, COUNT)
-        width = context.get_constant(types.intp, 8 * COUNT)
-        item = context.get_data_type(kind.dtype)
-        array = arrayobj.make_array(kind)(context, builder)
-        arrayobj.populate_array(
-            array,
-            data=builder.bitcast(source.data, item.as_pointer()),
-            shape=cgutils.pack_array(builder, [builder.sdiv(size, count)]),
-            strides=cgutils.pack_array(builder, [width]),
-            itemsize=width,
-            meminfo=None,
-            parent=None,
-        )
-        return array._getvalue()
+        return _look_at(context, builder, sig.args[0], args[0], LANE_VECTOR)
 
-    return kind(floats), look
+    return LANE_VECTOR(floats), look
 
 
 @intrinsic
