@@ -67,17 +67,14 @@ MAX_EFFECTS = 4
 warnings.filterwarnings("ignore", category=NumbaExperimentalFeatureWarning)
 
 
-# Where a law may be compiled for several copies at once as well.
-LANE_POINTS = ("drive", "sensing")
-
-
 def _of_lanes(signature):
     """A law's signature with lanes in place of floats, see `laws.lanes`."""
     kinds = [LANE_VECTOR if k == vector else k for k in signature.args]
     return signature.return_type(*kinds)
 
 
-LANE_SIGNATURES = {p: _of_lanes(SIGNATURES[p]) for p in LANE_POINTS}
+# Of laws that are compiled for several copies at once as well.
+LANE_SIGNATURES = {p: _of_lanes(SIGNATURES[p]) for p in STAGE_POINTS}
 
 
 def plug(point: str, lanes: bool = False):

@@ -1,6 +1,5 @@
 """Play between the drive of a leg and the ring."""
 
-import math
 from dataclasses import replace
 
 from brace_drake.effects.actuation import loose_drive
@@ -13,6 +12,7 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.kinematics import hold_at_rest
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.functions import lead, where
 
 _EQUATION = (
     "g = l_drive - l in [-w/2, w/2]; between the ends no force is passed and"
@@ -21,79 +21,77 @@ _EQUATION = (
 )
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _play(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     # x[k]: what the encoder read last; x[n]: whether it has read anything.
     n = l.shape[0]
     for k in range(n):
-        if x[n] == 0.0:
-            x[k] = l[k]
+        x[k] = where(x[n] == 0.0, l[k], x[k])
         x[k] = min(max(x[k], l[k] - 0.5 * p[0]), l[k] + 0.5 * p[0])
         l[k] = x[k]
     x[n] = 1.0
 
 
 @compiled_law
-def _drive(dt, u, l_dot, law, f, half, level, at_rest, x):
-    # x[k]: place g of the drive in the gap of leg k; x[n]: whether it is known;
-    # x[n + 1 + k]: deflection of its bristles, where there are any. A run
-    # begins with the ring held at rest, each leg at an end of its gap.
-    n = f.shape[0]
-    if half <= 0.0:
-        return
-    if x[n] == 0.0:
-        x[n] = 1.0
-        for k in range(min(n, at_rest.shape[0])):
-            x[k] = math.copysign(half, at_rest[k])
-    for k in range(n):
-        if law[k] <= 0.0:
-            continue
-        z = x[n + 1 + k] if level > 0.0 else 0.0
-        x[k], passed, z = run_in_gap(
-            dt, u[k], l_dot[k], law[k], half, level, x[k], z
-        )
-        if level > 0.0:
-            x[n + 1 + k] = z
-        f[k] += passed - (u[k] - law[k] * l_dot[k])
+def _begin(half, at_rest, known, x):
+    # A run begins with the ring held at rest, each leg at an end of its gap.
+    if lead(known) == 0.0:
+        for k in range(min(x.shape[0], at_rest.shape[0])):
+            x[k] = where(at_rest[k] < 0.0, -half, half)
 
 
 @compiled_law
-def _sense(h, u, l, p, level, at_rest, x):  # noqa: E741 (l: leg length)
-    # x: places in the gap (n), lengths before (n), whether there are any,
-    # deflections of the bristles (n) where there are any.
-    n, half = l.shape[0], 0.5 * p[0]
+def _drive(dt, u, l_dot, law, f, half, level, at_rest, x, z):
+    # x[k]: place g of the drive in the gap of leg k; x[n]: whether it is known;
+    # z: deflections of its bristles, idle where there are none.
+    n = f.shape[0]
+    _begin(half, at_rest, x[n], x)
+    x[n] = 1.0
     for k in range(n):
-        if x[2 * n] != 0.0:
-            z = x[2 * n + 1 + k] if level > 0.0 else 0.0
+        is_loose = where(law[k] > 0.0, half, 0.0) > 0.0
+        b = where(is_loose, law[k], 1.0)
+        x[k], passed, z[k] = run_in_gap(
+            dt, u[k], l_dot[k], b, half, level, x[k], z[k]
+        )
+        more = passed - (u[k] - law[k] * l_dot[k])
+        f[k] = where(is_loose, f[k] + more, f[k])
+
+
+@compiled_law
+def _sense(h, u, l, p, level, at_rest, x, z):  # noqa: E741 (l: leg length)
+    # x: places in the gap (n), lengths before (n), whether there are any; z as
+    # above.
+    n, half = l.shape[0], 0.5 * p[0]
+    _begin(half, at_rest, x[2 * n], x)
+    for k in range(n):
+        if lead(x[2 * n]) != 0.0:
             rate = (l[k] - x[n + k]) / h
-            x[k], _, z = run_in_gap(h, u[k], rate, p[1], half, level, x[k], z)
-            if level > 0.0:
-                x[2 * n + 1 + k] = z
-        elif k < at_rest.shape[0]:
-            x[k] = math.copysign(half, at_rest[k])
+            x[k], _, z[k] = run_in_gap(
+                h, u[k], rate, p[1], half, level, x[k], z[k]
+            )
         x[n + k] = l[k]
         l[k] += x[k]
     x[2 * n] = 1.0
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _gap_drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    _drive(dt, u, l_dot, law, f, 0.5 * p[0], 0.0, p[2:], x)
+    _drive(dt, u, l_dot, law, f, 0.5 * p[0], 0.0, p[2:], x, x[7:])
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _gap_sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
-    _sense(h, u, l, p, 0.0, p[2:], x)
+    _sense(h, u, l, p, 0.0, p[2:], x, x[13:])
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _sticking_drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    _drive(dt, u, l_dot, law, f, 0.5 * p[0], p[2], p[3:], x)
+    _drive(dt, u, l_dot, law, f, 0.5 * p[0], p[2], p[3:], x, x[7:])
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _sticking_sensing(t, h, u, l, F, p, x):  # noqa: E741
-    _sense(h, u, l, p, p[2], p[3:], x)
+    _sense(h, u, l, p, p[2], p[3:], x, x[13:])
 
 
 _WIDTH = EffectParameter(
@@ -134,7 +132,7 @@ GAP = Effect(
     ),
     laws={"drive": _gap_drive, "sensing": _gap_sensing},
     constants=hold_at_rest,
-    num_states={"drive": 7, "sensing": 13},
+    num_states={"drive": 13, "sensing": 19},
     **_COMMON,
 )
 STICKING = replace(
@@ -145,7 +143,6 @@ STICKING = replace(
     source=f"{GAP.source}; {loose_drive.SOURCE}",
     parameters=(*GAP.parameters, DRIVE_DRY_FRICTION),
     laws={"drive": _sticking_drive, "sensing": _sticking_sensing},
-    num_states={"drive": 13, "sensing": 19},
     contains=("coulomb_friction", "stribeck_friction"),
 )
 

@@ -4,7 +4,7 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import delivered, plug
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(f.shape[0]):
         f[k] += p[0] * delivered(f, law, l_dot, k)

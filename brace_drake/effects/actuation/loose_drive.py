@@ -8,11 +8,11 @@ Armstrong, Altpeter, IEEE Trans. Autom. Control 47, 2002, with nothing slipping
 below the full deflection).
 """
 
-import math
-
 from brace_drake.effects.actuation.coulomb_friction import WITHOUT_CREEP_TRAVEL
 from brace_drake.effects.card import EffectParameter
 from brace_drake.laws.compiled import compiled_law
+from brace_drake.laws.lanes.elementary import exp
+from brace_drake.laws.lanes.functions import where
 
 DRIVE_VISCOUS = EffectParameter(
     "drive_viscous_N_s_m",
@@ -83,12 +83,10 @@ def yield_elastic(dt, u, l_dot, b, c, level, stretch, z):
     """
     # While the drive stands the spring follows the ring.
     push = u - (stretch - dt * l_dot) / c
-    force = 0.0
-    if level > 0.0:
-        force = friction_held(dt, push, b + dt / c, level, z)
+    force = friction_held(dt, push, b + dt / c, level, z)
     balanced = c * (u - force - b * l_dot)
     rate = dt / max(c * b, 1e-12)
-    decay = math.exp(-rate)
+    decay = exp(-rate)
     # The exact mean over the step keeps a stiff spring stable.
     mean = balanced + (stretch - balanced) * (1.0 - decay) / rate
     end = balanced + (stretch - balanced) * decay
@@ -105,12 +103,11 @@ def run_in_gap(dt, u, l_dot, b, half, level, place, z):
         half: Of the gap's width, m.
         place: g = l_drive - l, m.
     """
-    force = friction_held(dt, u, b, level, z) if level > 0.0 else 0.0
+    force = friction_held(dt, u, b, level, z)
     free = place + dt * ((u - force) / b - l_dot)
     end = min(max(free, -half), half)
     after = deflect(z, dt * l_dot + end - place)
     passed = b * (free - end) / dt
-    if level > 0.0 and free != end:
-        # The bristles move with the end of the gap, not as if it were free.
-        passed += force - level / WITHOUT_CREEP_TRAVEL * after
-    return end, passed, after
+    # The bristles move with the end of the gap, not as if it were free.
+    held = force - level / WITHOUT_CREEP_TRAVEL * after
+    return end, where(free != end, passed + held, passed), after

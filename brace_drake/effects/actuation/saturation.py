@@ -9,7 +9,7 @@ from brace_drake.laws.hooks import delivered, plug
 _UNLIMITED = 120.0
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     for k in range(f.shape[0]):
         arrives = delivered(f, law, l_dot, k)

@@ -3,12 +3,14 @@
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.one_leg import ONE_LEG
 from brace_drake.laws.hooks import delivered, plug
+from brace_drake.laws.lanes.functions import where
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    k = int(p[0]) - 1
-    f[k] -= p[1] * delivered(f, law, l_dot, k)
+    for k in range(f.shape[0]):
+        lost = p[1] * delivered(f, law, l_dot, k)
+        f[k] = where(p[0] == k + 1.0, f[k] - lost, f[k])
 
 
 CARD = Effect(

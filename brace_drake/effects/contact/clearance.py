@@ -2,12 +2,13 @@
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.functions import where
 
 
-@plug("compression")
+@plug("compression", lanes=True)
 def _law(t, dt, pad, d, p, x):
-    if p[0] == 0.0 or pad == int(p[0]) - 1:
-        d[0] -= p[1]
+    own = where(p[0] == 0.0, pad + 1.0, p[0])
+    d[0] -= where(own == pad + 1.0, p[1], 0.0)
 
 
 CARD = Effect(

@@ -4,10 +4,10 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
 
 
-@plug("contact")
+@plug("contact", lanes=True)
 def _law(t, dt, pad, d, law, N, p, x):
-    if d[0] > 0.0:
-        N[0] += p[0] * d[0] * d[0] * d[0]
+    depth = max(d[0], 0.0)
+    N[0] += p[0] * depth * depth * depth
 
 
 CARD = Effect(

@@ -1,20 +1,21 @@
 """Damping of the tissue that grows with depth."""
 
-import math
-
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import power
+from brace_drake.laws.lanes.functions import where
 
 # Depth at which the stiffness is that of the linear law, whatever n is.
 _DEPTH = 0.003
 
 
-@plug("contact")
+@plug("contact", lanes=True)
 def _law(t, dt, pad, d, law, N, p, x):
-    if d[0] <= 0.0:
-        return
-    shape = law[0] * d[0] * math.pow(d[0] / _DEPTH, p[1] - 1.0)
-    N[0] = shape * (1.0 + p[0] * d[1]) + p[2] * law[1] * d[1]
+    touches = d[0] > 0.0
+    depth = where(touches, d[0], _DEPTH)
+    shape = law[0] * depth * power(depth / _DEPTH, p[1] - 1.0)
+    force = shape * (1.0 + p[0] * d[1]) + p[2] * law[1] * d[1]
+    N[0] = where(touches, force, N[0])
 
 
 CARD = Effect(

@@ -1,26 +1,23 @@
 """Tissue that takes another way back."""
 
-import math
-
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import exp, power
+from brace_drake.laws.lanes.functions import where
 
 # A loop that is lost once the pad is off is lost within this time.
 _FORGET = 0.05  # s
 
 
-@plug("contact")
+@plug("contact", lanes=True)
 def _law(t, dt, pad, d, law, N, p, x):
     # x[pad]: hysteretic variable z, advanced while the pad touches.
-    if d[0] <= 0.0:
-        x[pad] *= math.exp(-p[3] * dt / _FORGET)
-        return
-    z = x[pad]
-    N[0] += p[0] * z
+    touches, z = d[0] > 0.0, x[pad]
+    N[0] = where(touches, N[0] + p[0] * z, N[0])
     step = dt * d[1] / p[1]
-    against = 1.0 if step * z > 0.0 else 0.0
-    z += step * (1.0 - against * math.pow(abs(z), p[2]))
-    x[pad] = min(max(z, -1.0), 1.0)
+    against = where(step * z > 0.0, power(abs(z), p[2]), 0.0)
+    loaded = min(max(z + step * (1.0 - against), -1.0), 1.0)
+    x[pad] = where(touches, loaded, z * exp(-p[3] * dt / _FORGET))
 
 
 CARD = Effect(

@@ -1,18 +1,17 @@
 """Soft tissue that relaxes under a pad."""
 
-import math
-
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import exp
 
 
-@plug("contact")
+@plug("contact", lanes=True)
 def _law(t, dt, pad, d, law, N, p, x):
     # x[pad]: creep of the tissue, 0 where the run starts: the brace has just
     # been put on, and the arm carries its part of the preload.
     depth = max(d[0], 0.0)
     N[0] += p[0] * (depth - x[pad])
-    x[pad] += (1.0 - math.exp(-dt / p[1])) * (depth - x[pad])
+    x[pad] += (1.0 - exp(-dt / p[1])) * (depth - x[pad])
 
 
 CARD = Effect(

@@ -12,71 +12,72 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.kinematics import hold_at_rest
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.functions import lead, some, where
 
 
 @compiled_law
-def _drive(dt, u, l_dot, law, f, p, level, at_rest, x):
+def _begin(compliance, at_rest, known, x):
+    # A run begins with the ring held at rest.
+    if lead(known) == 0.0:
+        for k in range(min(x.shape[0], at_rest.shape[0])):
+            x[k] = compliance * at_rest[k]
+
+
+@compiled_law
+def _drive(dt, u, l_dot, law, f, p, level, at_rest, x, z):
     # x[k]: stretch e = l_drive - l of the leg's spring; x[n]: whether it is
-    # known; x[n + 1 + k]: deflection of the drive's bristles, where there are
-    # any. A run begins with the ring held at rest.
-    n = f.shape[0]
-    if p[0] <= 0.0:
+    # known; z: deflections of the drive's bristles, idle where there are none.
+    n, yields = f.shape[0], p[0] > 0.0
+    if not some(yields):
         return
-    if x[n] == 0.0:
-        x[n] = 1.0
-        for k in range(min(n, at_rest.shape[0])):
-            x[k] = p[0] * at_rest[k]
+    compliance = where(yields, p[0], 1.0)
+    _begin(compliance, at_rest, x[n], x)
+    x[n] = 1.0
     for k in range(n):
-        z = x[n + 1 + k] if level > 0.0 else 0.0
-        x[k], mean, z = yield_elastic(
-            dt, u[k], l_dot[k], law[k], p[0], level, x[k], z
+        x[k], mean, z[k] = yield_elastic(
+            dt, u[k], l_dot[k], law[k], compliance, level, x[k], z[k]
         )
-        if level > 0.0:
-            x[n + 1 + k] = z
-        f[k] += mean / p[0] - (u[k] - law[k] * l_dot[k])
+        more = mean / compliance - (u[k] - law[k] * l_dot[k])
+        f[k] = where(yields, f[k] + more, f[k])
 
 
 @compiled_law
-def _sense(h, u, l, p, level, at_rest, x):  # noqa: E741 (l: leg length)
-    # x: stretch (n), lengths before (n), whether there are any, deflections
-    # of the bristles (n) where there are any.
-    n = l.shape[0]
-    if p[0] <= 0.0:
+def _sense(h, u, l, p, level, at_rest, x, z):  # noqa: E741 (l: leg length)
+    # x: stretch (n), lengths before (n), whether there are any; z as above.
+    n, yields = l.shape[0], p[0] > 0.0
+    if not some(yields):
         return
+    compliance = where(yields, p[0], 1.0)
+    _begin(compliance, at_rest, x[2 * n], x)
     for k in range(n):
-        if x[2 * n] != 0.0:
-            z = x[2 * n + 1 + k] if level > 0.0 else 0.0
+        if lead(x[2 * n]) != 0.0:
             rate = (l[k] - x[n + k]) / h
-            x[k], _, z = yield_elastic(
-                h, u[k], rate, p[1], p[0], level, x[k], z
+            x[k], _, z[k] = yield_elastic(
+                h, u[k], rate, p[1], compliance, level, x[k], z[k]
             )
-            if level > 0.0:
-                x[2 * n + 1 + k] = z
-        elif k < at_rest.shape[0]:
-            x[k] = p[0] * at_rest[k]
         x[n + k] = l[k]
-        l[k] += x[k]
+        l[k] = where(yields, l[k] + x[k], l[k])
     x[2 * n] = 1.0
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    _drive(dt, u, l_dot, law, f, p, 0.0, p[2:], x)
+    _drive(dt, u, l_dot, law, f, p, 0.0, p[2:], x, x[7:])
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
-    _sense(h, u, l, p, 0.0, p[2:], x)
+    _sense(h, u, l, p, 0.0, p[2:], x, x[13:])
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law_sticking(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    _drive(dt, u, l_dot, law, f, p, p[2], p[3:], x)
+    _drive(dt, u, l_dot, law, f, p, p[2], p[3:], x, x[7:])
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _sensing_sticking(t, h, u, l, F, p, x):  # noqa: E741
-    _sense(h, u, l, p, p[2], p[3:], x)
+    _sense(h, u, l, p, p[2], p[3:], x, x[13:])
 
 
 CARD = Effect(
@@ -95,7 +96,7 @@ CARD = Effect(
     ),
     laws={"drive": _law, "sensing": _sensing},
     constants=hold_at_rest,
-    num_states={"drive": 7, "sensing": 13},
+    num_states={"drive": 13, "sensing": 19},
     signature="the torso moves less than the encoders say, in proportion to"
     " the force",
     impostors={
@@ -116,7 +117,6 @@ STICKING = replace(
     source=f"{CARD.source}; {loose_drive.SOURCE}",
     parameters=(*CARD.parameters, DRIVE_DRY_FRICTION),
     laws={"drive": _law_sticking, "sensing": _sensing_sticking},
-    num_states={"drive": 13, "sensing": 19},
     dithered=True,
     contains=("coulomb_friction", "stribeck_friction"),
 )

@@ -5,17 +5,19 @@ from dataclasses import replace
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.one_leg import ONE_LEG
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.functions import where
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _law(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     for k in range(l.shape[0]):
         l[k] += p[k]
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _law_of_one(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
-    l[int(p[0]) - 1] += p[1]
+    for k in range(l.shape[0]):
+        l[k] = where(p[0] == k + 1.0, l[k] + p[1], l[k])
 
 
 CARD = Effect(

@@ -4,7 +4,7 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _law(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     F[1] += p[0] * t
 

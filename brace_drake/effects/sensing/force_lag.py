@@ -1,17 +1,17 @@
 """A force sensor that answers late."""
 
-import math
-
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import exp
+from brace_drake.laws.lanes.functions import where
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _law(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
     # x: filtered force (3), then whether it has been started.
-    gain = 1.0
-    if p[0] > 1e-6 and x[3] != 0.0:
-        gain = 1.0 - math.exp(-h / p[0])
+    slow = p[0] > 1e-6
+    gain = where(slow, 1.0 - exp(-h / where(slow, p[0], 1.0)), 1.0)
+    gain = where(x[3] == 0.0, 1.0, gain)
     x[3] = 1.0
     for i in range(3):
         x[i] += gain * (F[i] - x[i])

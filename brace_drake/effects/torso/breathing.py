@@ -4,6 +4,7 @@ import math
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import cos, sin
 
 # A breath's rate and depth change from knot to knot, this far apart.
 _SEGMENT = 3.0  # s
@@ -11,7 +12,7 @@ _SEGMENTS = 5
 _TURN = 2.0 * math.pi
 
 
-@plug("compression")
+@plug("compression", lanes=True)
 def _law(t, dt, pad, d, p, x):
     # p: A (2), rate, h; then phase, rate changes, depth changes of the run.
     phase, speed = p[4] + _TURN * p[2] * t, 1.0
@@ -25,13 +26,10 @@ def _law(t, dt, pad, d, p, x):
     first = p[10 + k]
     depth = 1.0 + first + (at - k) * (p[11 + k] - first)
     w = _TURN * p[2] * speed
-    d[0] += p[pad] * depth * (math.sin(phase) + p[3] * math.sin(2.0 * phase))
-    d[1] += (
-        p[pad]
-        * depth
-        * w
-        * (math.cos(phase) + 2.0 * p[3] * math.cos(2.0 * phase))
-    )
+    sine, cosine = sin(phase), cos(phase)
+    twice = 2.0 * (cosine * cosine - sine * sine)
+    d[0] += p[pad] * depth * sine * (1.0 + 2.0 * p[3] * cosine)
+    d[1] += p[pad] * depth * w * (cosine + p[3] * twice)
 
 
 def _side(name: str, start: float) -> EffectParameter:

@@ -1,15 +1,14 @@
 """A patient who gives way slowly."""
 
-import math
-
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.elementary import exp
 
 
-@plug("torso")
+@plug("torso", lanes=True)
 def _law(t, dt, p_T, r_T, V, law, F, p, x):
     # The posture pulls to y_0 in place of 0.
-    F[4] += law[1] * p[0] * p[1] * (1.0 - math.exp(-t / p[1]))
+    F[4] += law[1] * p[0] * p[1] * (1.0 - exp(-t / p[1]))
 
 
 CARD = Effect(

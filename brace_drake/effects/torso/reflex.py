@@ -3,27 +3,36 @@
 import math
 
 from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.arrays import pick
+from brace_drake.laws.lanes.elementary import floor
+from brace_drake.laws.lanes.functions import where
 
 # Past motion is kept in steps of 1 ms, over 0.4 s.
 _STEP, _DEPTH = 1e-3, 400
 
 
-@plug("torso")
+@compiled_law
+def _place(step):
+    return step - _DEPTH * floor(step / _DEPTH)
+
+
+@plug("torso", lanes=True)
 def _law(t, dt, p_T, r_T, V, law, F, p, x):
     # x: y (_DEPTH), y' (_DEPTH) of the torso, each step at its own place.
     now = math.floor(t / _STEP + 1e-6)
     x[now % _DEPTH] = p_T[1]
     x[_DEPTH + now % _DEPTH] = V[4]
     at = t / _STEP - p[2] / _STEP
-    if at < 0.0:
-        return
-    first = math.floor(at)
+    acts = at >= 0.0
+    at = max(at, 0.0)
+    first = floor(at)
     share = at - first
-    i, j = first % _DEPTH, (first + 1) % _DEPTH
-    y = (1.0 - share) * x[i] + share * x[j]
-    v = (1.0 - share) * x[_DEPTH + i] + share * x[_DEPTH + j]
-    F[4] -= p[0] * y + p[1] * v
+    i, j = _place(first), _place(first + 1.0)
+    y = (1.0 - share) * pick(x, i) + share * pick(x, j)
+    v = (1.0 - share) * pick(x, _DEPTH + i) + share * pick(x, _DEPTH + j)
+    F[4] = where(acts, F[4] - (p[0] * y + p[1] * v), F[4])
 
 
 CARD = Effect(

@@ -16,6 +16,14 @@ from brace_drake.laws.lanes.functions import every, where
 from brace_drake.laws.lanes.kinds import COUNT, LANES, call_each, call_llvm
 
 _EIGHTH_TURN = 0.78539816339744830962
+# A quarter turn in three parts, so that multiples of the first two are exact.
+_QUARTER_TURN = (
+    1.57079625129699707031,
+    7.54978941586159635335e-8,
+    5.39030285815811905290e-15,
+)
+# Beyond so many quarter turns they are not.
+_MOST_TURNS = 1e6
 _TAN_22_5 = 0.41421356237309504880
 # ln 2 in two parts, so that multiples of it are exact.
 _LN2_HIGH, _LN2_LOW = 6.93145751953125e-1, 1.42860682030941723212e-6
@@ -63,6 +71,13 @@ def _library_cos(typingctx, x):
 
 
 @intrinsic
+def power(typingctx, x, y):
+    """x^y, of the C library, copy by copy."""
+    kind = LANES if LANES in (x, y) else types.float64
+    return kind(kind, kind), _lower_each(math.pow)
+
+
+@intrinsic
 def _library_atan2(typingctx, y, x):
     kind = LANES if LANES in (y, x) else types.float64
     return kind(kind, kind), _lower_each(math.atan2)
@@ -105,35 +120,70 @@ def tanh(x):
 
 
 @compiled_law
-def sin(x):
-    """The sine."""
+def _sin_near(x):
     z = x * x
     p = 1.58962301576546568060e-10 * z - 2.50507477628578072866e-8
     p = p * z + 2.75573136213857245213e-6
     p = p * z - 1.98412698295895385996e-4
     p = p * z + 8.33333333332211858878e-3
     p = p * z - 1.66666666666666307295e-1
-    near = x + x * z * p
-    is_near = abs(x) <= _EIGHTH_TURN
-    if every(is_near):
-        return near
-    return where(is_near, near, _library_sin(x))
+    return x + x * z * p
 
 
 @compiled_law
-def cos(x):
-    """The cosine."""
+def _cos_near(x):
     z = x * x
     p = -1.13585365213876817300e-11 * z + 2.08757008419747316778e-9
     p = p * z - 2.75573141792967388112e-7
     p = p * z + 2.48015872888517045348e-5
     p = p * z - 1.38888888888730564116e-3
     p = p * z + 4.16666666666665929218e-2
-    near = 1.0 - 0.5 * z + z * z * p
-    is_near = abs(x) <= _EIGHTH_TURN
-    if every(is_near):
-        return near
-    return where(is_near, near, _library_cos(x))
+    return 1.0 - 0.5 * z + z * z * p
+
+
+@compiled_law
+def _quarters(x):
+    # Whole quarter turns (0 to 3) in x, and the rest of it.
+    n = floor(x * (0.5 / _EIGHTH_TURN) + 0.5)
+    rest = x - n * _QUARTER_TURN[0] - n * _QUARTER_TURN[1]
+    return n - 4.0 * floor(0.25 * n), rest - n * _QUARTER_TURN[2]
+
+
+@compiled_law
+def _turned(quarters, sine, cosine):
+    # The sine, so many quarter turns on.
+    value = where(quarters - 2.0 * floor(0.5 * quarters) == 0.0, sine, cosine)
+    return where(quarters >= 2.0, -value, value)
+
+
+@compiled_law
+def sin(x):
+    """The sine."""
+    if every(abs(x) <= _EIGHTH_TURN):
+        return _sin_near(x)
+    quarters, rest = _quarters(x)
+    found = _turned(quarters, _sin_near(rest), _cos_near(rest))
+    is_small = abs(x) <= _MOST_TURNS
+    if every(is_small):
+        return found
+    return where(is_small, found, _library_sin(x))
+
+
+@compiled_law
+def cos(x):
+    """The cosine."""
+    if every(abs(x) <= _EIGHTH_TURN):
+        return _cos_near(x)
+    quarters, rest = _quarters(x)
+    found = _turned(
+        where(quarters == 3.0, 0.0, quarters + 1.0),
+        _sin_near(rest),
+        _cos_near(rest),
+    )
+    is_small = abs(x) <= _MOST_TURNS
+    if every(is_small):
+        return found
+    return where(is_small, found, _library_cos(x))
 
 
 @compiled_law

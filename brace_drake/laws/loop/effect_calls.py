@@ -29,6 +29,10 @@ _torso_law = caller_of("torso")
 _ring_law = caller_of("ring")
 _sensing_law = caller_of("sensing")
 _drive_laws = caller_of("drive", lanes=True)
+_compression_laws = caller_of("compression", lanes=True)
+_contact_laws = caller_of("contact", lanes=True)
+_torso_laws = caller_of("torso", lanes=True)
+_ring_laws = caller_of("ring", lanes=True)
 _sensing_laws = caller_of("sensing", lanes=True)
 _OPTIONS = {k: v for k, v in LAW.items() if k != "cache"}
 
@@ -50,17 +54,27 @@ def _put(row, copy, lanes):
 
 
 @compiled_law
-def _places(effects, point, e, copy, i):
-    """Where parameters and states of a law begin and end."""
+def _law_of(effects, point, e, copy, i):
+    """Address, parameters and states of a law."""
     p, x = effects.places[0, e, copy, i], effects.places[1 + point, e, copy, i]
-    return p[0], p[1], x[0], x[1]
+    return (
+        effects.laws[point, e, copy],
+        effects.parameters[p[0] : p[1]],
+        effects.memory[x[0] : x[1]],
+    )
+
+
+@compiled_law
+def _law_of_all(effects, point, e, i):
+    """The same of a law that serves all copies at once."""
+    address, p, x = _law_of(effects, point, e, 0, i)
+    return address, lanes_in(p), lanes_in(x)
 
 
 def call_drive(effects, e, i, t, dt, u, l, l_dot, law, f):  # noqa: E741
     """At a stage's drive."""
-    a, b, c, to = _places(effects, DRIVE, e, 0, i)
-    p, x = effects.parameters[a:b], effects.memory[c:to]
-    _drive_law(effects.laws[DRIVE, e, 0], (t, dt, u, l, l_dot, law, f, p, x))
+    address, p, x = _law_of(effects, DRIVE, e, 0, i)
+    _drive_law(address, (t, dt, u, l, l_dot, law, f, p, x))
 
 
 @overload(call_drive, jit_options=_OPTIONS)
@@ -70,20 +84,14 @@ def _drive(effects, e, i, t, dt, u, l, l_dot, law, f):  # noqa: E741
 
     def each(effects, e, i, t, dt, u, l, l_dot, law, f):  # noqa: E741
         if effects.together[e]:
-            a, b, c, to = _places(effects, DRIVE, e, 0, i)
-            p = lanes_in(effects.parameters[a:b])
-            x = lanes_in(effects.memory[c:to])
-            _drive_laws(
-                effects.laws[DRIVE, e, 0], (t, dt, u, l, l_dot, law, f, p, x)
-            )
+            address, p, x = _law_of_all(effects, DRIVE, e, i)
+            _drive_laws(address, (t, dt, u, l, l_dot, law, f, p, x))
             return
         work = effects.work
         for copy in range(COUNT):
-            address = effects.laws[DRIVE, e, copy]
+            address, p, x = _law_of(effects, DRIVE, e, copy, i)
             if address == 0:
                 continue
-            a, b, c, to = _places(effects, DRIVE, e, copy, i)
-            p, x = effects.parameters[a:b], effects.memory[c:to]
             _take(u, copy, work[0])
             _take(l, copy, work[1])
             _take(l_dot, copy, work[2])
@@ -110,9 +118,8 @@ def _drive(effects, e, i, t, dt, u, l, l_dot, law, f):  # noqa: E741
 
 def call_compression(effects, e, i, t, dt, pad, d):
     """At the compression of one of a ring's pads."""
-    a, b, c, to = _places(effects, COMPRESSION, e, 0, i)
-    p, x = effects.parameters[a:b], effects.memory[c:to]
-    _compression_law(effects.laws[COMPRESSION, e, 0], (t, dt, pad, d, p, x))
+    address, p, x = _law_of(effects, COMPRESSION, e, 0, i)
+    _compression_law(address, (t, dt, pad, d, p, x))
 
 
 @overload(call_compression, jit_options=_OPTIONS)
@@ -121,13 +128,15 @@ def _compression(effects, e, i, t, dt, pad, d):
         return call_compression
 
     def each(effects, e, i, t, dt, pad, d):
+        if effects.together[e]:
+            address, p, x = _law_of_all(effects, COMPRESSION, e, i)
+            _compression_laws(address, (t, dt, pad, d, p, x))
+            return
         work = effects.work
         for copy in range(COUNT):
-            address = effects.laws[COMPRESSION, e, copy]
+            address, p, x = _law_of(effects, COMPRESSION, e, copy, i)
             if address == 0:
                 continue
-            a, b, c, to = _places(effects, COMPRESSION, e, copy, i)
-            p, x = effects.parameters[a:b], effects.memory[c:to]
             _take(d, copy, work[0])
             _compression_law(address, (t, dt, pad, work[0, 0:2], p, x))
             _put(work[0], copy, d)
@@ -137,9 +146,8 @@ def _compression(effects, e, i, t, dt, pad, d):
 
 def call_contact(effects, e, i, t, dt, pad, d, law, N):
     """At the normal force of one of a ring's pads."""
-    a, b, c, to = _places(effects, CONTACT, e, 0, i)
-    p, x = effects.parameters[a:b], effects.memory[c:to]
-    _contact_law(effects.laws[CONTACT, e, 0], (t, dt, pad, d, law, N, p, x))
+    address, p, x = _law_of(effects, CONTACT, e, 0, i)
+    _contact_law(address, (t, dt, pad, d, law, N, p, x))
 
 
 @overload(call_contact, jit_options=_OPTIONS)
@@ -148,13 +156,15 @@ def _contact(effects, e, i, t, dt, pad, d, law, N):
         return call_contact
 
     def each(effects, e, i, t, dt, pad, d, law, N):
+        if effects.together[e]:
+            address, p, x = _law_of_all(effects, CONTACT, e, i)
+            _contact_laws(address, (t, dt, pad, d, law, N, p, x))
+            return
         work = effects.work
         for copy in range(COUNT):
-            address = effects.laws[CONTACT, e, copy]
+            address, p, x = _law_of(effects, CONTACT, e, copy, i)
             if address == 0:
                 continue
-            a, b, c, to = _places(effects, CONTACT, e, copy, i)
-            p, x = effects.parameters[a:b], effects.memory[c:to]
             _take(d, copy, work[0])
             _take(law, copy, work[1])
             _take(N, copy, work[2])
@@ -169,9 +179,8 @@ def _contact(effects, e, i, t, dt, pad, d, law, N):
 
 def call_ring(effects, e, i, t, dt, p_R, r_R, V, F):
     """At a ring."""
-    a, b, c, to = _places(effects, RING, e, 0, i)
-    p, x = effects.parameters[a:b], effects.memory[c:to]
-    _ring_law(effects.laws[RING, e, 0], (t, dt, p_R, r_R, V, F, p, x))
+    address, p, x = _law_of(effects, RING, e, 0, i)
+    _ring_law(address, (t, dt, p_R, r_R, V, F, p, x))
 
 
 @overload(call_ring, jit_options=_OPTIONS)
@@ -180,13 +189,15 @@ def _ring(effects, e, i, t, dt, p_R, r_R, V, F):
         return call_ring
 
     def each(effects, e, i, t, dt, p_R, r_R, V, F):
+        if effects.together[e]:
+            address, p, x = _law_of_all(effects, RING, e, i)
+            _ring_laws(address, (t, dt, p_R, r_R, V, F, p, x))
+            return
         work = effects.work
         for copy in range(COUNT):
-            address = effects.laws[RING, e, copy]
+            address, p, x = _law_of(effects, RING, e, copy, i)
             if address == 0:
                 continue
-            a, b, c, to = _places(effects, RING, e, copy, i)
-            p, x = effects.parameters[a:b], effects.memory[c:to]
             _take(p_R, copy, work[0])
             _take(r_R, copy, work[1])
             _take(V, copy, work[2])
@@ -211,9 +222,8 @@ def _ring(effects, e, i, t, dt, p_R, r_R, V, F):
 
 def call_torso(effects, e, t, dt, p_T, r_T, V, law, F):
     """At the torso."""
-    a, b, c, to = _places(effects, TORSO, e, 0, 0)
-    p, x = effects.parameters[a:b], effects.memory[c:to]
-    _torso_law(effects.laws[TORSO, e, 0], (t, dt, p_T, r_T, V, law, F, p, x))
+    address, p, x = _law_of(effects, TORSO, e, 0, 0)
+    _torso_law(address, (t, dt, p_T, r_T, V, law, F, p, x))
 
 
 @overload(call_torso, jit_options=_OPTIONS)
@@ -222,13 +232,15 @@ def _torso(effects, e, t, dt, p_T, r_T, V, law, F):
         return call_torso
 
     def each(effects, e, t, dt, p_T, r_T, V, law, F):
+        if effects.together[e]:
+            address, p, x = _law_of_all(effects, TORSO, e, 0)
+            _torso_laws(address, (t, dt, p_T, r_T, V, law, F, p, x))
+            return
         work = effects.work
         for copy in range(COUNT):
-            address = effects.laws[TORSO, e, copy]
+            address, p, x = _law_of(effects, TORSO, e, copy, 0)
             if address == 0:
                 continue
-            a, b, c, to = _places(effects, TORSO, e, copy, 0)
-            p, x = effects.parameters[a:b], effects.memory[c:to]
             _take(p_T, copy, work[0])
             _take(r_T, copy, work[1])
             _take(V, copy, work[2])
@@ -255,9 +267,8 @@ def _torso(effects, e, t, dt, p_T, r_T, V, law, F):
 
 def call_sensing(effects, e, i, t, h, u, l, F):  # noqa: E741
     """At a stage's readings."""
-    a, b, c, to = _places(effects, SENSING, e, 0, i)
-    p, x = effects.parameters[a:b], effects.memory[c:to]
-    _sensing_law(effects.laws[SENSING, e, 0], (t, h, u, l, F, p, x))
+    address, p, x = _law_of(effects, SENSING, e, 0, i)
+    _sensing_law(address, (t, h, u, l, F, p, x))
 
 
 @overload(call_sensing, jit_options=_OPTIONS)
@@ -267,18 +278,14 @@ def _sensing(effects, e, i, t, h, u, l, F):  # noqa: E741
 
     def each(effects, e, i, t, h, u, l, F):  # noqa: E741
         if effects.together[e]:
-            a, b, c, to = _places(effects, SENSING, e, 0, i)
-            p = lanes_in(effects.parameters[a:b])
-            x = lanes_in(effects.memory[c:to])
-            _sensing_laws(effects.laws[SENSING, e, 0], (t, h, u, l, F, p, x))
+            address, p, x = _law_of_all(effects, SENSING, e, i)
+            _sensing_laws(address, (t, h, u, l, F, p, x))
             return
         work = effects.work
         for copy in range(COUNT):
-            address = effects.laws[SENSING, e, copy]
+            address, p, x = _law_of(effects, SENSING, e, copy, i)
             if address == 0:
                 continue
-            a, b, c, to = _places(effects, SENSING, e, copy, i)
-            p, x = effects.parameters[a:b], effects.memory[c:to]
             _take(u, copy, work[0])
             _take(l, copy, work[1])
             _take(F, copy, work[2])
