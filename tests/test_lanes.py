@@ -24,6 +24,7 @@ from brace_drake.effects.actuation import (
 )
 from brace_drake.effects.mechanism import leg_compliance
 from brace_drake.effects.stack import stack_effects
+from brace_drake.effects.unknown import parts_of_term, terms_for
 from brace_drake.effects.within_tolerances import WITHIN_TOLERANCES
 from brace_drake.laws.control.brace_control import K_P, LIMIT
 from brace_drake.laws.lanes import elementary
@@ -230,6 +231,23 @@ class TestCopies(unittest.TestCase):
             starts = [np.array(values) for values in effect.starts()]
             more = [np.where(v == np.rint(v), v, 1.3 * v) for v in starts]
             self.assert_at_once(effect, [*starts, *more, effect.off()][:5])
+
+    def test_terms_of_one_place_act_at_once_whatever_their_forms(self):
+        numbers = self.twin.with_subject(self.usual)
+        of_place = {}
+        for term in terms_for("bench stage 2").values():
+            place, _ = parts_of_term(term)
+            of_place.setdefault(place.key, []).append(term)
+        noise = self.random.normal(size=(700, 12)) * numbers.noise_sigma
+        for place, alike in of_place.items():
+            machines = []
+            for term in alike:
+                uses = [(term, np.array(term.starts()[0]))]
+                machines.append((numbers, stack_effects(uses, numbers)))
+            plugs = [plug for _, plug in machines[:2]]
+            with self.subTest(place=place):
+                self.assertTrue(make_effects_of(plugs, 1, COUNT).together[0])
+                self.assert_alike(machines, sway(0.7), 5e-4, noise)
 
     def assert_at_once(self, effect, values):
         """Copies with an effect of any strength take one call of its laws."""

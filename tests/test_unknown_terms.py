@@ -22,7 +22,8 @@ DEVICE = "bench stage 2"
 
 def value(code, a=1.0, b=0.0, q=0.0, v=0.0, u=0.0, t=0.0, dt=1e-3, x=None):
     x = np.zeros(1) if x is None else x
-    return terms.term_value(code, a, b, q, v, u, t, t / 10.0, dt, x)
+    term, x[0] = terms.term_value(code, a, b, q, v, u, t, t / 10.0, dt, x[0])
+    return term
 
 
 class TestTerms(unittest.TestCase):

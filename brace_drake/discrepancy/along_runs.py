@@ -153,14 +153,15 @@ def _along(
     count, width = signals.place.shape
     value, step = np.empty((count, width)), 1.0 / rate
     for k in range(width):
-        state = np.zeros(1)
+        state = 0.0
         for n in range(count):
             time = n * step
-            value[n, k] = values[0] * terms.term_value(
+            term, state = terms.term_value(
                 form.code, values[1], values[2],
                 scaled[0][n, k], scaled[1][n, k], scaled[2][n, k],
                 time, time / place.scales[3], step, state,
             )  # fmt: skip
+            value[n, k] = values[0] * term
     if place.key == "pads":
         return _of_both_pads(signals, value)
     return signals, value

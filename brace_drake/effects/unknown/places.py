@@ -12,6 +12,7 @@ from brace_drake.effects.unknown import forms
 from brace_drake.effects.unknown.forms import Form
 from brace_drake.effects.unknown.terms import term_value
 from brace_drake.laws.hooks import plug
+from brace_drake.laws.lanes.functions import lead, where
 
 # What is usual: of a way, a depth, m; a speed, m/s; a load, N; a time, s.
 WAY, DEPTH, SPEED, LOAD, FORCE, TIME = 5e-3, 2e-3, 0.02, 10.0, 10.0, 10.0
@@ -53,79 +54,85 @@ class Place:
     needs: tuple[str, ...] = ()
 
 
-@plug("drive")
+@plug("drive", lanes=True)
 def _law_of_legs(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
     # x: state of each leg, its first length, whether that is known.
     n = f.shape[0]
-    if x[2 * n] == 0.0:
+    if lead(x[2 * n]) == 0.0:
         for k in range(n):
             x[n + k] = l[k]
         x[2 * n] = 1.0
     for k in range(n):
-        f[k] += p[0] * term_value(
+        term, x[k] = term_value(
             p[3], p[1], p[2], (l[k] - x[n + k]) / WAY, l_dot[k] / SPEED,
-            u[k] / LOAD, t, t / TIME, dt, x[k : k + 1],
+            u[k] / LOAD, t, t / TIME, dt, x[k],
         )  # fmt: skip
+        f[k] += p[0] * term
 
 
 def _law_of_ring(axis: int):
-    @plug("ring")
+    @plug("ring", lanes=True)
     def law(t, dt, p_R, r_R, V, F, p, x):
-        F[3 + axis] += p[0] * term_value(
+        term, x[0] = term_value(
             p[3], p[1], p[2], p_R[1] / WAY, V[4] / SPEED, 0.0, t, t / TIME,
-            dt, x,
+            dt, x[0],
         )  # fmt: skip
+        F[3 + axis] += p[0] * term
 
     return law
 
 
 def _law_of_torso(axis: int):
-    @plug("torso")
+    @plug("torso", lanes=True)
     def law_of_torso(t, dt, p_T, r_T, V, law, F, p, x):
-        F[3 + axis] += p[0] * term_value(
+        term, x[0] = term_value(
             p[3], p[1], p[2], p_T[1] / WAY, V[4] / SPEED, 0.0, t, t / TIME,
-            dt, x,
+            dt, x[0],
         )  # fmt: skip
+        F[3 + axis] += p[0] * term
 
     return law_of_torso
 
 
-@plug("contact")
+@plug("contact", lanes=True)
 def _law_of_pads(t, dt, pad, d, law, N, p, x):
-    if d[0] <= 0.0:
-        return
-    N[0] += p[0] * term_value(
+    touches = d[0] > 0.0
+    term, after = term_value(
         p[3], p[1], p[2], d[0] / DEPTH, d[1] / SPEED, N[0] / FORCE, t,
-        t / TIME, dt, x[pad : pad + 1],
+        t / TIME, dt, x[pad],
     )  # fmt: skip
+    N[0] = where(touches, N[0] + p[0] * term, N[0])
+    x[pad] = where(touches, after, x[pad])
 
 
 def _law_of_force_reading(axis: int):
-    @plug("sensing")
+    @plug("sensing", lanes=True)
     def law_of_reading(t, h, u, l, F, p, x):  # noqa: E741
         # x: state, the force before, whether that is known.
-        rate = (F[1] - x[1]) / h if x[2] != 0.0 else 0.0
+        rate = where(x[2] != 0.0, (F[1] - x[1]) / h, 0.0)
         x[1], x[2] = F[1], 1.0
-        F[axis] += p[0] * term_value(
+        term, x[0] = term_value(
             p[3], p[1], p[2], F[1] / FORCE, rate / FORCE, F[1] / FORCE, t,
-            t / TIME, h, x[0:1],
+            t / TIME, h, x[0],
         )  # fmt: skip
+        F[axis] += p[0] * term
 
     return law_of_reading
 
 
-@plug("sensing")
+@plug("sensing", lanes=True)
 def _law_of_length_reading(t, h, u, l, F, p, x):  # noqa: E741
     n = l.shape[0]
-    if x[n] == 0.0:
+    if lead(x[n]) == 0.0:
         for k in range(n):
             x[k] = l[k]
         x[n] = 1.0
     for k in range(n):
-        l[k] += p[0] * term_value(
+        term, x[n + 1] = term_value(
             p[3], p[1], p[2], (l[k] - x[k]) / WAY, 0.0, 0.0, t, t / TIME, h,
-            x[n + 1 : n + 2],
+            x[n + 1],
         )  # fmt: skip
+        l[k] += p[0] * term
 
 
 _MOTION = (WAY, SPEED, LOAD, TIME)

@@ -8,6 +8,9 @@ is usual at their place, so that a strength is what the term gives there.
 import math
 
 from brace_drake.laws.compiled import compiled_law
+from brace_drake.laws.lanes.elementary import exp, sin, tanh
+from brace_drake.laws.lanes.functions import every, lead, of_copy, where
+from brace_drake.laws.lanes.kinds import COUNT
 
 SPRING, EVEN, CUBIC, ABOVE, BELOW, RIPPLE = range(6)
 VISCOUS, DRAG, EVEN_SPEED, DIRECTION, WEAKENING = range(6, 11)
@@ -26,8 +29,8 @@ _EDGE = 0.1
 def _box(t, start, length):
     """0, 1 from start on, 0 after its end, with smooth edges."""
     edge = max(_EDGE * length, 1e-3)
-    rise = 0.5 + 0.5 * math.tanh((t - start) / edge)
-    fall = 0.5 + 0.5 * math.tanh((t - start - length) / edge)
+    rise = 0.5 + 0.5 * tanh((t - start) / edge)
+    fall = 0.5 + 0.5 * tanh((t - start - length) / edge)
     return rise - fall
 
 
@@ -45,7 +48,7 @@ def term_of_place(code, a, b, q, v):
     if code == BELOW:
         return max(0.0, a - q)
     if code == RIPPLE:
-        return math.sin(2.0 * math.pi * q / a + b)
+        return sin(2.0 * math.pi * q / a + b)
     if code == VISCOUS:
         return v
     if code == DRAG:
@@ -53,11 +56,11 @@ def term_of_place(code, a, b, q, v):
     if code == EVEN_SPEED:
         return abs(v)
     if code == DIRECTION:
-        return math.tanh(v / a)
+        return tanh(v / a)
     if code == WEAKENING:
-        return math.tanh(v / _SLOW) * math.exp(-abs(v) / a)
+        return tanh(v / _SLOW) * exp(-abs(v) / a)
     if code == PLACE_DIRECTION:
-        return q * math.tanh(v / _SLOW)
+        return q * tanh(v / _SLOW)
     if code == PLACE_SPEED:
         return q * v
     return 0.0
@@ -71,11 +74,11 @@ def term_of_time(code, a, b, t, s):
     if code == DRIFT:
         return s
     if code == DECAY:
-        return math.exp(-t / a)
+        return exp(-t / a)
     if code == PULSE:
         return _box(t, a, b)
     if code == OSCILLATION:
-        return math.sin(2.0 * math.pi * a * t + b)
+        return sin(2.0 * math.pi * a * t + b)
     return 0.0
 
 
@@ -87,25 +90,36 @@ def term_of_load(code, u, v):
     if code == LOAD_EVEN:
         return abs(u)
     if code == LOAD_DIRECTION:
-        return abs(u) * math.tanh(v / _SLOW)
+        return abs(u) * tanh(v / _SLOW)
     return 0.0
 
 
 @compiled_law
 def term_with_memory(code, a, dt, q, v, x):
-    """Terms with a state x (1,): what lags behind, or turns round, in place.
+    """Terms with a state x: what lags behind, or turns round, in place.
 
-    It is advanced by dt.
+    Returns:
+        The term, and its state dt later.
     """
     if code == MEMORY:
         # An arm of spring and damper in series: (q - x), x' = (q - x) / a.
-        x[0] += (q - x[0]) * (1.0 - math.exp(-dt / a))
-        return q - x[0]
-    if code == LOOP:
-        # Dahl: z' = v (1 - z sign(v)) / a, integrated implicitly.
-        x[0] = (x[0] + dt * v / a) / (1.0 + dt * abs(v) / a)
-        return x[0]
-    return 0.0
+        after = x + (q - x) * (1.0 - exp(-dt / a))
+        return q - after, after
+    # Dahl: z' = v (1 - z sign(v)) / a, integrated implicitly.
+    after = (x + dt * v / a) / (1.0 + dt * abs(v) / a)
+    return after, after
+
+
+@compiled_law
+def _term(code, a, b, q, v, u, t, s, dt, x):
+    """A term, and its state afterwards."""
+    if code <= WEAKENING or code == PLACE_DIRECTION or code == PLACE_SPEED:
+        return term_of_place(code, a, b, q, v), x
+    if code <= LOOP:
+        return term_with_memory(code, a, dt, q, v, x)
+    if code <= OSCILLATION:
+        return term_of_time(code, a, b, t, s), x
+    return term_of_load(code, u, v), x
 
 
 @compiled_law
@@ -113,16 +127,21 @@ def term_value(code, a, b, q, v, u, t, s, dt, x):
     """A term without its strength.
 
     Args:
-        code: Which, see the constants of this module.
+        code: Which, see the constants of this module; copies may differ in it.
         a, b: Of its shape.
         q, v, u, s: Place, speed, load and time in units of what is usual.
         t, dt: s.
-        x: State (1,), advanced.
+        x: State.
+
+    Returns:
+        The term, and its state dt later.
     """
-    if code <= WEAKENING or code == PLACE_DIRECTION or code == PLACE_SPEED:
-        return term_of_place(code, a, b, q, v)
-    if code <= LOOP:
-        return term_with_memory(code, a, dt, q, v, x)
-    if code <= OSCILLATION:
-        return term_of_time(code, a, b, t, s)
-    return term_of_load(code, u, v)
+    value, state = _term(lead(code), a, b, q, v, u, t, s, dt, x)
+    if every(code == lead(code)):
+        return value, state
+    for copy in range(1, COUNT):
+        own = of_copy(code, copy)
+        term, after = _term(own, a, b, q, v, u, t, s, dt, x)
+        value = where(code == own, term, value)
+        state = where(code == own, after, state)
+    return value, state

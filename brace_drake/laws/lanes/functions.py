@@ -25,6 +25,18 @@ def lead(typingctx, value):
 
 
 @intrinsic
+def of_copy(typingctx, value, copy):
+    """One copy's value."""
+    if value == LANES:
+
+        def take(context, builder, sig, args):
+            return builder.extract_element(*args)
+
+        return types.float64(value, types.int64), take
+    return value(value, copy), lambda context, builder, sig, args: args[0]
+
+
+@intrinsic
 def where(typingctx, condition, a, b):
     """Copy by copy: a where the condition holds, else b."""
     if condition == MASK:
