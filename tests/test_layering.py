@@ -24,6 +24,7 @@ LAYERS = (
     ("validation",),
     ("discrepancy",),
     ("design",),
+    ("monitoring",),
     ("diagnosis",),
     ("report",),
     ("document",),

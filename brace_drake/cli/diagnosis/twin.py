@@ -16,14 +16,17 @@ from brace_drake.cli.options import (
     AddCommand,
     AddMotion,
     not_negative,
+    positive,
     positive_real,
 )
-from brace_drake.core.errors import StoppedError
+from brace_drake.core.errors import BraceError, StoppedError
 
 _EPILOG = """\
 example:
   brace-drake twin --port /dev/ttyACM0 --motion reversal --scenario \\
       results/monday/repaired.scenario.yaml
+
+  brace-drake twin --port /dev/ttyACM0 --cycles 40 --out recordings/tuesday
 
 The device follows the motion, and the twin does the same beside it. A page
 shows both in 3D, the twin as a ghost. It also shows their curves, the distance
@@ -31,8 +34,18 @@ between them in noise floors, and the stiffness and damping of the contact at
 the moving ring. A channel that leaves its band raises an alarm; with
 --stop-at-alarm it ends the motion. Only this machine can open the page, unless
 --host says otherwise.
+
+With --out the motion is repeated, with the way home and 2 s of rest after
+each cycle. Each cycle is kept as a run of a campaign. Of several cycles the
+first is usual: what device and twin differ by then, the subject above all, is
+expected from then on. Page and terminal say since when the device is not as
+expected. They name the three effects of the library that explain it best. A
+process of its own looks for them, by the search of a diagnosis. Cycles after
+the change are in DIR/since. `brace-drake diagnose` takes both folders.
 """
 _SHOW = 0.2
+# A recording begins at rest, s.
+_SETTLE = 4.0
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -87,12 +100,47 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         help="port of the page (default: a free one)",
     )
     AddCountdown(parser)
+    _AddWatching(parser)
+
+
+def _AddWatching(parser: argparse.ArgumentParser) -> None:
+    """Adds --out, --cycles, --usual and --false-alarms."""
+    add = parser.add_argument
+    add(
+        "--out",
+        metavar="DIR",
+        help="folder of a campaign to keep the recording in; then changes are"
+        " watched for, and their causes named",
+    )
+    add(
+        "--cycles",
+        type=positive,
+        default=1,
+        metavar="N",
+        help="times that the motion is driven; needs --out (default: 1)",
+    )
+    add(
+        "--usual",
+        type=not_negative,
+        metavar="N",
+        help="cycles at the beginning that are taken as usual; 0: the twin is"
+        " expected (default: 1 of several, 0 of one)",
+    )
+    add(
+        "--false-alarms",
+        type=positive_real,
+        default=0.1,
+        metavar="X",
+        help="changes told in an hour by mistake, at most, on average (default:"
+        " 0.1)",
+    )
 
 
 def Run(args: argparse.Namespace) -> int:
     """Follows the motion once with the twin beside it."""
     from brace_drake.link.operation.beside import TwinBeside
     from brace_drake.link.operation.console import CountDown, ReadKeys
+    from brace_drake.link.operation.live.observer import OpenObserver
     from brace_drake.link.operation.motion import RING, desired_at_ticks
     from brace_drake.link.operation.page import Page
     from brace_drake.link.operation.session import Session
@@ -105,6 +153,8 @@ def Run(args: argparse.Namespace) -> int:
     scenario, limits = load_device_options(args)
     motion = load_device_motion(args.motion, scenario.stages, args.ring)
     scenario.torso.present = motion.contact
+    motion, expected = _plan(args, scenario, motion)
+    settle = {"settle": _SETTLE} if expected else {}
     with (
         Page(args.host, args.web_port) as page,
         OverlayProcess(scenario, args.host) as overlay,
@@ -118,13 +168,20 @@ def Run(args: argparse.Namespace) -> int:
                 args.port, scenario, limits, args.baud, args.clear
             ) as link,
             ReadKeys() as keys,
+            OpenObserver(
+                expected, args.out, link.hello, args.scenario
+            ) as observer,
         ):
             print(f"page: {page.url}", flush=True)
             desired = desired_at_ticks(motion, link.hello.rate_hz)
             session = Session(link, MakeControl(scenario, limits), limits)
-            show = _Show(beside, page, session, overlay, args.stop_at_alarm)
+            show = _Show(
+                beside, page, session, overlay, args.stop_at_alarm, observer
+            )
             CountDown(args.countdown, motion.name, keys)
-            session.Follow(desired, show.Take, keys.pressed)
+            session.Follow(desired, show.Take, keys.pressed, **settle)
+            if observer:
+                observer.is_whole = session.done
     if session.trip is not None:
         alarm = ", ".join(show.told) if args.stop_at_alarm else ""
         cause = f"alarm in {alarm}" if alarm else session.stopped_by
@@ -136,6 +193,29 @@ def Run(args: argparse.Namespace) -> int:
     return 0
 
 
+def _plan(args: argparse.Namespace, scenario, motion):
+    """The motion to drive, and what is expected of it; None without --out.
+
+    Raises:
+        BraceError: Options that need each other.
+    """
+    from brace_drake.monitoring.cycles import close_cycle, repeat_cycle
+    from brace_drake.monitoring.prepare import make_expected
+
+    if args.out is None:
+        if args.cycles > 1 or args.usual is not None:
+            raise BraceError("--cycles and --usual need --out DIR")
+        return motion, None
+    cycle = close_cycle(motion)
+    usual = int(args.cycles > 1) if args.usual is None else args.usual
+    if 0 < args.cycles <= usual:
+        raise BraceError(
+            f"--usual {usual}: of {args.cycles} cycles none is left to watch"
+        )
+    expected = make_expected(scenario, cycle, usual, args.false_alarms)
+    return repeat_cycle(cycle, args.cycles), expected
+
+
 class _Show:
     """Tells alarms, and the page what there is.
 
@@ -144,10 +224,10 @@ class _Show:
         largest: Channel of the largest gap so far, and that, noise floors.
     """
 
-    def __init__(self, beside, page, session, overlay, stops: bool):
+    def __init__(self, beside, page, session, overlay, stops, observer):
         self._beside, self._page, self._session = beside, page, session
         self._overlay, self._scene = overlay, overlay.port
-        self._stops, self._shown = stops, 0.0
+        self._stops, self._shown, self._observer = stops, 0.0, observer
         self.told: list[str] = []
         self._present: list[str] = []
         self.largest = ("none", 0.0)
@@ -156,8 +236,13 @@ class _Show:
         """Takes the device's ticks, in order."""
         from brace_drake.link.protocol.words import Cause
 
+        observer = self._observer
         for row in rows:
             self._beside.Take(row)
+            if observer:
+                observer.Take(row.tick, self._beside.difference)
+        if observer:
+            observer.Look(rows)
         said = self._beside.describe()
         for name in said["alarms"]:
             if name not in self._present:
@@ -171,5 +256,6 @@ class _Show:
             self._session.Stop(Cause.HOST_STOP)
         if time.monotonic() - self._shown > _SHOW:
             self._shown = time.monotonic()
-            self._page.Show(said | {"scene": self._scene})
+            more = {"watched": observer.describe()} if observer else {}
+            self._page.Show(said | {"scene": self._scene} | more)
             self._overlay.Show(*self._beside.readings)

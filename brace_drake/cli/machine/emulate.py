@@ -30,6 +30,7 @@ Lines on standard input change it while it runs:
   to-device delay 0.005      of frames; delay: s
   noise 500                  bytes of noise before each hello
   unplug | plug              the line
+  effect NAME[:P=V,...]      an effect of the library begins, while all moves
   stop                       end
 """
 _LONGEST_LINE, _MOST_NOISE = 1000, 100_000
@@ -111,6 +112,10 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Serves until it is stopped; prints the terminal's path."""
+    from brace_drake.effects.registry import all_effects
+
+    # One that begins later must not keep its host waiting for the library.
+    all_effects()
     device = _make_device(args)
     for line in args.fault:
         carry_out(device, line)
@@ -262,6 +267,8 @@ def carry_out(device, line: str) -> None:
                 line_faults.set(name, float(value))
             case ["noise", number]:
                 faults.noise_before_hello = _noise(number)
+            case ["effect", text]:
+                device.plan_effect(parse_effect(text))
             case ["unplug" | "plug" as word]:
                 device.plug(word == "plug")
             case ["stop"]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,15 +12,33 @@ from brace_drake.core.errors import BraceError
 from brace_drake.devices.bench.rollout import Motion, simulate_bench
 from brace_drake.laws.control.brace_control import (
     PIC,
+    Controller,
     make_controller,
     start_held,
 )
 from brace_drake.laws.lanes.arrays import stack_copies
 from brace_drake.laws.lanes.kinds import COUNT
-from brace_drake.laws.loop.brace import make_brace
+from brace_drake.laws.loop.brace import Brace, make_brace
 from brace_drake.laws.loop.rollout_copies import rollout_copies
 from brace_drake.laws.numbers import BraceNumbers
 from brace_drake.laws.plug_in import PlugIn, make_effects_of
+
+# Fields of a controller that go on from tick to tick.
+_REMEMBERED = (
+    "rings", "memory", "virtual", "impedance", "poses", "state", "desired", "F",
+)  # fmt: skip
+
+
+class Begun(NamedTuple):
+    """Where a run has come to: of COUNT copies that are alike.
+
+    Attributes:
+        brace: At a tick, see `laws.loop.brace.Brace`.
+        controller: Before that tick.
+    """
+
+    brace: Brace
+    controller: Controller
 
 
 class MachineRun(NamedTuple):
@@ -36,8 +55,34 @@ class MachineRun(NamedTuple):
     noise: np.ndarray | None = None
 
 
+def begin_run(run: MachineRun, time_step: float) -> Begun:
+    """Where a machine stands at the last tick of a motion.
+
+    Its brace at that tick and its controller before it: what goes on from
+    there reads at that tick once more and answers it, as if nothing had been
+    between.
+
+    Args:
+        run: Two ticks or more.
+        time_step: As `simulate_bench` takes it.
+
+    Raises:
+        BraceError: The run broke down.
+    """
+    before = run._replace(
+        motion=replace(run.motion, desired=run.motion.desired[:-1])
+    )
+    found = [_run([r], time_step) for r in (before, run)]
+    if any(one is None for one in found):
+        raise BraceError("the simulated run broke down")
+    (_, earlier), (_, there) = found
+    return Begun(there.brace, earlier.controller)
+
+
 def simulate_copies(
-    runs: Sequence[MachineRun], time_step: float
+    runs: Sequence[MachineRun],
+    time_step: float,
+    begun: Begun | None = None,
 ) -> list[np.ndarray | None]:
     """`simulate_bench` of several machines of one kind, each what it is alone.
 
@@ -46,6 +91,8 @@ def simulate_copies(
     Args:
         runs: Machines, alike in the number of rings, period and resolution.
         time_step: As there.
+        begun: Where all of them go on from; None: from rest. What they do there
+            is at their time 0, and their effects begin there.
 
     Returns:
         The log of each; None where its run broke down.
@@ -59,7 +106,7 @@ def simulate_copies(
         places.sort(key=lambda i: len(runs[i].motion.desired))
         for at in range(0, len(places), COUNT):
             few = places[at : at + COUNT]
-            found = _side_by_side([runs[i] for i in few], time_step)
+            found = _side_by_side([runs[i] for i in few], time_step, begun)
             for i, log in zip(few, found, strict=True):
                 logs[i] = log
     return logs
@@ -77,18 +124,23 @@ def _kind_of(run: MachineRun) -> Hashable:
 
 
 def _side_by_side(
-    runs: Sequence[MachineRun], time_step: float
+    runs: Sequence[MachineRun], time_step: float, begun: Begun | None
 ) -> list[np.ndarray | None]:
     """Up to COUNT runs of a kind."""
     if len(runs) > 1:
-        logs = _run(runs, time_step)
-        if logs is not None:
-            return logs
+        found = _run(runs, time_step, begun)
+        if found is not None:
+            return list(found[0])
     # Alone, or one broke down.
-    return [_alone(run, time_step) for run in runs]
+    return [_alone(run, time_step, begun) for run in runs]
 
 
-def _alone(run: MachineRun, time_step: float) -> np.ndarray | None:
+def _alone(
+    run: MachineRun, time_step: float, begun: Begun | None
+) -> np.ndarray | None:
+    if begun is not None:
+        found = _run([run], time_step, begun)
+        return None if found is None else found[0][0]
     numbers, plug_ins, motion, noise = run
     try:
         return simulate_bench(numbers, motion, time_step, plug_ins, noise)
@@ -97,29 +149,23 @@ def _alone(run: MachineRun, time_step: float) -> np.ndarray | None:
 
 
 def _run(
-    runs: Sequence[MachineRun], time_step: float
-) -> list[np.ndarray] | None:
-    """Logs of all runs, or None where one broke down."""
+    runs: Sequence[MachineRun], time_step: float, begun: Begun | None = None
+) -> tuple[list[np.ndarray], Begun] | None:
+    """Logs of all runs and where they end, or None where one broke down."""
     first, motion = runs[0].numbers, runs[0].motion
     n, size = first.num_stages, len(first.noise_sigma)
     steps, every = round(first.period / time_step), motion.ticks_per_sample
     ticks = max(len(run.motion.desired) for run in runs)
     samples = max(run.motion.rows.stop for run in runs)
     log = np.zeros((samples, 6 * n + size + len(motion.columns), COUNT))
-    numbers = [run.numbers for run in runs]
-    controllers = [
-        make_controller(
-            PIC, m.control, start_held(m.start, m.rest, np.zeros((1, 6 * n)))
-        )
-        for m in numbers
-    ]
+    brace, controller = _start(runs, begun)
     good = rollout_copies(
         first.period / steps,
         steps,
-        stack_copies(numbers),
+        stack_copies([run.numbers for run in runs]),
         make_effects_of([run.plug_ins for run in runs], n, COUNT),
-        stack_copies([make_brace(m, motion.with_torso) for m in numbers]),
-        stack_copies(controllers),
+        brace,
+        controller,
         (
             _stack_ticks([run.motion.ways for run in runs], ticks),
             np.array(motion.columns, dtype=np.int64),
@@ -130,7 +176,35 @@ def _run(
     )
     if not good:
         return None
-    return [log[run.motion.rows, :, i].copy() for i, run in enumerate(runs)]
+    logs = [log[run.motion.rows, :, i].copy() for i, run in enumerate(runs)]
+    return logs, Begun(brace, controller)
+
+
+def _start(
+    runs: Sequence[MachineRun], begun: Begun | None
+) -> tuple[Brace, Controller]:
+    """Stacked copies at rest, or where they have come to."""
+    numbers = [run.numbers for run in runs]
+    n, with_torso = numbers[0].num_stages, runs[0].motion.with_torso
+    controller = stack_copies(
+        [
+            make_controller(
+                PIC,
+                m.control,
+                start_held(m.start, m.rest, np.zeros((1, 6 * n))),
+            )
+            for m in numbers
+        ]
+    )
+    if begun is None:
+        return stack_copies(
+            [make_brace(m, with_torso) for m in numbers]
+        ), controller
+    brace = Brace(*(part.copy() for part in begun.brace))
+    # What it remembers goes on; its law is that of the machine's numbers.
+    for name in _REMEMBERED:
+        getattr(controller, name)[:] = getattr(begun.controller, name)
+    return brace, controller
 
 
 def _stack_noise(runs, ticks: int, size: int) -> np.ndarray:

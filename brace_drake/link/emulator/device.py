@@ -7,6 +7,7 @@ import threading
 import time
 from dataclasses import dataclass
 
+from brace_drake.effects.stack import Use
 from brace_drake.link.device.firmware import Firmware
 from brace_drake.link.device.ticks import Identity, Measured
 from brace_drake.link.emulator.line import Line, LineFaults
@@ -102,6 +103,7 @@ class EmulatedDevice:
         self._origin = self._lag = 0.0
         self._stop = threading.Event()
         self._torso: bool | None = None
+        self._begins: tuple[Use, ...] = ()
         self._armed_at = 0.0
         self._plugged, self._puts_back = True, False
         self._rest, self._is_patient, self._tick_time = b"", True, 0.0
@@ -121,6 +123,15 @@ class EmulatedDevice:
     def plan_torso(self, present: bool) -> None:
         """Lets the torso come or go, with the next tick that is not armed."""
         self._torso = present
+
+    def plan_effect(self, use: Use) -> None:
+        """Lets an effect of the library begin with the next tick.
+
+        Raises:
+            EffectError: The plant carries no more.
+        """
+        self.plant.check_room(1)
+        self._begins = (*self._begins, use)
 
     def run(self, duration: float | None = None) -> None:
         """Serves until `stop`, or for so long, s."""
@@ -159,6 +170,9 @@ class EmulatedDevice:
         plant, faults, self._tick_time = self.plant, self.faults, now
         if self._torso is not None and self._is_idle:
             plant.with_torso, self._torso = self._torso, None
+        if self._begins:
+            uses, self._begins = self._begins, ()
+            plant.begin_effects(uses)
         if not self._is_idle:
             self._armed_at = now
         elif self._puts_back:

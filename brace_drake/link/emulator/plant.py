@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from brace_drake.core.errors import BraceError
+from brace_drake.core.errors import BraceError, EffectError
 from brace_drake.effects.stack import Use, modify_numbers, stack_effects
 from brace_drake.kinematics import holding_leg_forces
+from brace_drake.laws.hooks import MAX_EFFECTS
 from brace_drake.laws.loop.brace import make_brace
 from brace_drake.laws.loop.ticks import run_ticks
 from brace_drake.laws.numbers import BraceNumbers
@@ -61,6 +62,7 @@ class EmulatedPlant:
         self.hold, self.period = tuple(held.tolist()), numbers.period
         self.jammed: set[int] = set()
         self.frozen: set[int] = set()
+        self._known, self._uses = numbers, tuple(uses)
         self.numbers = modify_numbers(numbers, uses)
         self._plug_ins = stack_effects(uses, self.numbers)
         self._steps = round(self.period / time_step)
@@ -116,15 +118,49 @@ class EmulatedPlant:
         self._first_lengths: np.ndarray | None = None
         self._jams: dict[int, float] = {}
         self._draw_noise = np.full(9 * n + 3, np.nan)
+        self._Go()
+
+    def _Go(self) -> None:
+        """Lets time begin, wherever the bodies are."""
         self._viscous = self.numbers.viscous.copy()
         self._ticks = run_ticks(
             self.period / self._steps,
             self._steps,
             self.numbers.with_changes(viscous=self._viscous),
-            make_effects(self._plug_ins, n),
-            brace,
+            make_effects(self._plug_ins, self.num_stages),
+            self._brace,
             self._draw_noise,
         )
+
+    def check_room(self, more: int) -> None:
+        """Refuses more effects than a plant carries.
+
+        Raises:
+            EffectError: There would be more.
+        """
+        if len(self._uses) + more > MAX_EFFECTS:
+            raise EffectError(
+                f"the plant carries at most {MAX_EFFECTS} effects"
+            )
+
+    def begin_effects(self, uses: Sequence[Use]) -> None:
+        """Further effects from now on, while all moves; those that were there
+        begin anew.
+
+        Raises:
+            EffectError: More effects than a plant carries.
+        """
+        together = (*self._uses, *uses)
+        numbers = modify_numbers(self._known, together)
+        self._plug_ins = stack_effects(together, numbers)
+        self._uses, self.numbers = together, numbers
+        if self._first_lengths is None:
+            self.reset()
+            return
+        self._Go()
+        # The first tick only reads, where all is: this one was read before.
+        self._draw_noise[:] = np.nan
+        next(self._ticks)
 
     def WarmUp(self) -> None:
         """Loads laws, which the first host could not wait for; all at rest."""

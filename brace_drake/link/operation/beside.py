@@ -31,6 +31,8 @@ class TwinBeside:
         contact: Running estimate of stiffness and damping of a ring's pads.
         readings: Those of device and twin that were compared last.
         signals: Of the last tick, by name, device's and twin's.
+        difference: Device less twin at the last tick: commands, readings,
+            virtual places of the rings (16 S + 3,).
         time: Of it, from the motion's beginning, s.
     """
 
@@ -79,6 +81,7 @@ class TwinBeside:
         self._readings = self._plant.advance(self._plant.hold).copy()
         self.readings = self._readings, self._readings
         self.signals: dict[str, tuple[float, float]] = {}
+        self.difference = np.zeros(16 * len(rings) + 3)
         self.time = 0.0
 
     def Take(self, row: Row) -> None:
@@ -91,6 +94,8 @@ class TwinBeside:
         command = self._control.Tick(twin, row.desired)
         self._Learn(row, twin)
         self._Keep(row, twin)
+        virtual = row.y_virtual - self._control.y_virtual
+        self.difference = np.concatenate([row.command - command, gap, virtual])
         self._readings = self._plant.advance(command).copy()
 
     def _Keep(self, row: Row, twin: np.ndarray) -> None:

@@ -37,6 +37,31 @@ from brace_drake.scenario.brace import BraceScenario
 SETTLE = 4.0
 
 
+def campaign_head(
+    scenario: BraceScenario, hello, subject: str = "", settled: float = SETTLE
+) -> dict:
+    """Keys of campaign.yaml beside its runs.
+
+    Args:
+        scenario: Of the device.
+        hello: What the device has told of itself.
+        subject: Who or what is in the brace.
+        settled: s at rest before each run.
+    """
+    device, stages = campaign_device(tuple(scenario.stages))
+    who = ("model", "identity", "firmware", "rate_hz")
+    head = {
+        "device": device,
+        "rate_hz": 1.0 / scenario.sensors.log_period,
+        "subject": subject,
+        "recorded": {name: getattr(hello, name) for name in who},
+        "settled_s": settled,
+    }
+    if stages:
+        head["stages"] = list(stages)
+    return head
+
+
 class Recorder:
     """Records motions of one device into one campaign.
 
@@ -75,19 +100,9 @@ class Recorder:
         self._rings = tuple(scenario.stages)
         self.link = OpenDevice(port, scenario, limits, baud, clear)
         try:
-            hello, rate = self.link.hello, 1.0 / scenario.sensors.log_period
-            self._every = round(hello.rate_hz / rate)
-            device, stages = campaign_device(self._rings)
-            who = ("model", "identity", "firmware", "rate_hz")
-            head = {
-                "device": device,
-                "rate_hz": rate,
-                "subject": subject,
-                "recorded": {name: getattr(hello, name) for name in who},
-                "settled_s": SETTLE,
-            }
-            if stages:
-                head["stages"] = list(stages)
+            hello = self.link.hello
+            self._every = round(hello.rate_hz * scenario.sensors.log_period)
+            head = campaign_head(scenario, hello, subject)
             self.journal = Journal(out, head)
         except BaseException:
             self.link.Close()
