@@ -9,9 +9,9 @@ from unittest import mock
 import numpy as np
 from scipy.stats import chi2, poisson
 
-from brace_drake.devices.bench.since import MakeTwinSince, OnsetMotion
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.motions.library import MakeMotion
+from brace_drake.devices.since import MakeTwinSince, OnsetMotion
 from brace_drake.effects.registry import find_effect
 from brace_drake.link.emulator.bench_plant import BenchPlant
 from brace_drake.link.operation.beside import TwinBeside

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.devices.bench.since import OnsetMotion
+from brace_drake.devices.since import OnsetMotion
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator, PreparedRun

@@ -9,10 +9,10 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError, ScenarioError
 from brace_drake.devices.bench.rollout import Motion
-from brace_drake.devices.bench.since import MakeTwinSince, OnsetMotion
 from brace_drake.devices.bench.twin import BenchTwin
 from brace_drake.devices.brace.twin import BraceTwin
 from brace_drake.devices.motions.library import SafeMotion
+from brace_drake.devices.since import MakeTwinSince, OnsetMotion
 from brace_drake.identification.noise_floor import NoiseFloor, estimate_floor
 from brace_drake.identification.prepare import noise_replicates
 from brace_drake.monitoring.causes import NamedCause, name_causes

@@ -48,21 +48,15 @@ class Observer:
         self._naming, self._kept, self._say = naming, kept, say
         self._command, self._rate = command, expected.rate
         self._every = expected.motion.ticks_per_sample
-        self._begun: float | None = None
         self._onset: int | None = None
+        self._since = ""
         self._asked, self._first = 0, ""
         self._learnt = self.is_whole = False
 
     def Take(self, tick: int, difference) -> None:
         """Takes the difference of a tick (C,), in order."""
-        if self._begun is None:
-            self._begun = time.time() - tick * self._period
         if tick % self._every == 0:
             self.watch.Take(difference)
-
-    @property
-    def _period(self) -> float:
-        return 1.0 / (self._rate * self._every)
 
     def Look(self, rows: list[Row]) -> None:
         """Keeps the last ticks, tells what is new, and asks for causes where it
@@ -87,13 +81,12 @@ class Observer:
             self._onset, self._asked, self._first = None, 0, ""
             return
         if self._onset is None:
-            self._onset = watch.onset
+            self._onset, self._since = watch.onset, self._Clock(watch.onset)
             naming.Forget()
             self._kept.Change()
             told = (watch.alarm - watch.onset) / self._rate
             self._say(
-                f"{self._Clock(watch.onset)} not as expected (told {told:.1f} s"
-                " later)"
+                f"{self._since} not as expected (told {told:.1f} s later)"
             )
         self._Ask()
         if naming.causes and naming.causes[0].name != self._first:
@@ -116,8 +109,9 @@ class Observer:
             naming.Ask(since)
 
     def _Clock(self, sample: int) -> str:
-        at = (self._begun or 0.0) + sample / self._rate
-        return time.strftime("%H:%M:%S", time.localtime(at))
+        """The time of day of a sample, as long ago as it is."""
+        ago = (self.watch.count - sample) / self._rate
+        return time.strftime("%H:%M:%S", time.localtime(time.time() - ago))
 
     def describe(self) -> dict:
         """What a page shows."""
@@ -126,7 +120,7 @@ class Observer:
         folder = kept.since or kept.folder
         return {
             "state": "learning" if watch.is_learning else state,
-            "since": self._Clock(watch.onset) if watch.onset else "",
+            "since": "" if watch.onset is None else self._since,
             "causes": [
                 {
                     "name": c.name,
@@ -134,7 +128,9 @@ class Observer:
                     "share": c.share,
                     "probability": c.probability,
                 }
-                for c in (self._naming.causes[:SHOWN] if watch.onset else ())
+                for c in (
+                    self._naming.causes[:SHOWN] if state == "changed" else ()
+                )
             ],
             "seen_s": self._naming.seen / self._rate,
             "folder": str(folder),
