@@ -172,7 +172,7 @@ class TestEpisodes(unittest.TestCase):
     def tear_apart(self, env):
         """Puts the ring where no leg reaches."""
         if env.task.backend == "compiled":
-            env.loop._brace.bodies[4:7] = np.nan
+            env.loop.brace.bodies[4:7] = np.nan
             return
         plant = env.loop.diagram.GetSubsystemByName(
             "station"

@@ -1,6 +1,7 @@
 """The paper's desired motion: a cubic polynomial from rest to rest."""
 
 from brace_drake.laws.compiled import compiled_law
+from brace_drake.laws.lanes.functions import where
 
 
 @compiled_law
@@ -17,7 +18,7 @@ def calc_cubic(t, duration, start, way, desired):
     """
     m = start.shape[0]
     s = min(1.0, max(0.0, t / duration))
-    moving = 1.0 if 0.0 <= t <= duration else 0.0
+    moving = where((t >= 0.0) & (t <= duration), 1.0, 0.0)
     place = s * s * (3.0 - 2.0 * s)
     rate = 6.0 * s * (1.0 - s) / duration
     bend = moving * (6.0 - 12.0 * s) / (duration * duration)

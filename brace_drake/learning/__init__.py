@@ -12,6 +12,9 @@ Importing this package registers `BraceDrake/RLPIC-v0` (the paper's: one stage,
 
     import gymnasium, brace_drake.learning
     env = gymnasium.make("BraceDrake/RLPIC-v0")
+    envs = gymnasium.make_vec("BraceDrake/RLPIC-v0", num_envs=8)
+
+`vector_env` steps many episodes at once, each what it is alone.
 """
 
 import importlib
@@ -21,10 +24,15 @@ import gymnasium
 ENV_ID = "BraceDrake/RLPIC-v0"
 FULL_ENV_ID = "BraceDrake/RLPIC-Full-v0"
 
-for _id, _maker in ((ENV_ID, "RlpicEnv"), (FULL_ENV_ID, "make_full_env")):
+for _id, _maker, _vector in (
+    (ENV_ID, "RlpicEnv", "make_vector_env"),
+    (FULL_ENV_ID, "make_full_env", "make_full_vector_env"),
+):
     if _id not in gymnasium.registry:
         gymnasium.register(
-            _id, entry_point=f"brace_drake.learning.env:{_maker}"
+            _id,
+            entry_point=f"brace_drake.learning.env:{_maker}",
+            vector_entry_point=f"brace_drake.learning.vector_env:{_vector}",
         )
 
 # Where the public names are; Drake and Numba are slow to import.
@@ -34,6 +42,7 @@ _MODULES = {
     "Policy": "policy",
     "PolicySystem": "deployment",
     "RlpicEnv": "env",
+    "RlpicVectorEnv": "vector_env",
     "SavePolicy": "policy",
     "predict_impedance": "predict",
     "run_episode": "episode",

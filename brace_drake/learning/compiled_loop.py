@@ -21,17 +21,25 @@ from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.brace_numbers import pack_rings
 from brace_drake.scenario.control_numbers import pack_control
 
-_PROBLEMS = {**PROBLEMS, LOST: "the rings or the torso are out of bounds"}
+# What a decision can come back with, in words.
+BROKEN = {**PROBLEMS, LOST: "the rings or the torso are out of bounds"}
 
 
 class CompiledLoop:
-    """The closed loop of a scenario, equal to its diagram within 1e-8."""
+    """The closed loop of a scenario, equal to its diagram within 1e-8.
+
+    Attributes:
+        control: Kind, law and start of the controller.
+        numbers, plug_ins, brace, held, reference, noise: Of the episode, see
+            `laws.loop.rollout`; `brace` and `held` as they are by now.
+        effects: Of the episode, their states as they are by now.
+    """
 
     def __init__(
         self, scenario: BraceScenario, sample_time: float, motion_time: float
     ):
-        self._control = pack_control(scenario.control, pack_rings(scenario))
-        period = self._control.period
+        self.control = pack_control(scenario.control, pack_rings(scenario))
+        period = self.control.period
         self._n = len(scenario.stages)
         self._ticks = round(sample_time / period)
         self._steps = max(1, round(period / scenario.time_step))
@@ -40,13 +48,15 @@ class CompiledLoop:
 
     def start(self, episode: Episode, stiffness: np.ndarray) -> None:
         """Sets everything to time 0 and performs the first tick."""
-        n, control, period = self._n, self._control, self._times[0]
+        n, control, period = self._n, self.control, self._times[0]
         numbers = episode.numbers.with_changes(control=control.law)
-        self._numbers = numbers = modify_numbers(numbers, episode.uses)
-        plug_ins = stack_effects(episode.uses, numbers)
-        self._brace = make_brace(numbers, with_torso=True)
-        self._reference = np.vstack([numbers.start, episode.way])
-        self._held = (
+        self.numbers = numbers = modify_numbers(numbers, episode.uses)
+        self.plug_ins = stack_effects(episode.uses, numbers)
+        self.effects = make_effects(self.plug_ins, n)
+        self.brace = make_brace(numbers, with_torso=True)
+        self.reference = np.vstack([numbers.start, episode.way])
+        self.noise = episode.draws * numbers.noise_sigma
+        self.held = (
             control.pose.copy(),
             control.memory.copy(),
             control.virtual.copy(),
@@ -56,18 +66,18 @@ class CompiledLoop:
         plan = DecisionPlan(
             ticks=self._ticks,
             duration=self._times[1],
-            reference=self._reference,
+            reference=self.reference,
             stiffness=self._stiffness,
-            noise=episode.draws * numbers.noise_sigma,
+            noise=self.noise,
         )
         # Effects are handed to compiled code once, which takes its time.
         self._decisions = run_decisions(
             period / self._steps,
             self._steps,
             numbers,
-            make_effects(plug_ins, n),
-            self._brace,
-            (control.kind, self._held),
+            self.effects,
+            self.brace,
+            (control.kind, self.held),
             plan,
         )
         self._tick = 0
@@ -86,7 +96,7 @@ class CompiledLoop:
     def _go_on(self) -> None:
         result = next(self._decisions)
         if result != GOOD:
-            raise BraceError(_PROBLEMS[result])
+            raise BraceError(BROKEN[result])
 
     @property
     def time(self) -> float:
@@ -96,22 +106,22 @@ class CompiledLoop:
     @property
     def desired(self) -> np.ndarray:
         """X_d, X_d', X_d'' (18n,) now."""
-        start, way = self._reference
+        start, way = self.reference
         cubic.calc_cubic(self.time, self._times[1], start, way, self._desired)
         return self._desired
 
     @property
     def estimate(self) -> np.ndarray:
         """X, X', filtered force on the torso (18n,) as the controller knows."""
-        pose, memory, _, _ = self._held
-        return estimate_of_memory(pose, memory[0], self._numbers.start)
+        pose, memory, _, _ = self.held
+        return estimate_of_memory(pose, memory[0], self.numbers.start)
 
     @property
     def stiffness(self) -> np.ndarray:
         """K_d in use (6n,)."""
-        return self._held[3][12 * self._n :]
+        return self.held[3][12 * self._n :]
 
     def truth(self) -> Signals:
         """What is, whatever the instruments read."""
-        X = calc_task_state(self._brace.bodies, self._numbers.rest)
-        return true_signals(self.desired, X, self._brace.f_T)
+        X = calc_task_state(self.brace.bodies, self.numbers.rest)
+        return true_signals(self.desired, X, self.brace.f_T)

@@ -21,6 +21,8 @@ from brace_drake.learning.subjects import NOMINAL, Subject
 from brace_drake.learning.task import LearningTask, full_task
 
 LOOPS = {"compiled": CompiledLoop, "diagram": DiagramLoop}
+NOT_FINITE_ACTION = "the action is not finite"
+NOT_FINITE = "an observation or the reward is not finite"
 # What a simulation that fails raises; DRAKE_DEMAND ends in SystemExit. Other
 # exceptions are mistakes in a program and go to the caller.
 FAILURES = (RuntimeError, ArithmeticError, ValueError, BraceError, SystemExit)
@@ -120,7 +122,7 @@ class RlpicEnv(gymnasium.Env):
             )
         self._num_steps += 1
         if not np.isfinite(action).all():
-            return self._Fail("the action is not finite")
+            return self._Fail(NOT_FINITE_ACTION)
         self._clipped += int((np.abs(action) > 1.0).any())
         self._actions.append(action)
         before, self._held = self._held, self.law.limit(action, self._held)
@@ -132,12 +134,13 @@ class RlpicEnv(gymnasium.Env):
             line = " ".join(str(error).split())
             return self._Fail(f"{type(error).__name__}: {line}")
         signals = self.loop.truth()
-        terms = calc_reward(
+        found = calc_reward(
             signals, 0.5 * (self._held - before), self.task.reward
         )
+        terms = {name: float(term) for name, term in found.items()}
         reward = sum(terms.values())
         if not np.isfinite(observation).all() or not np.isfinite(reward):
-            return self._Fail("an observation or the reward is not finite")
+            return self._Fail(NOT_FINITE)
         self._observation = observation
         info = {
             "reward_terms": terms,

@@ -76,9 +76,11 @@ class PreparedTask:
         self._draws = rows, 9 * n + 3
 
     def stiffness(self, action: np.ndarray) -> np.ndarray:
-        """Of all coordinates (6n,), N/m, 0 where there is no impedance."""
-        asked = np.zeros(len(self.selected))
-        asked[self.selected] = self.law.stiffness(action)
+        """Of all coordinates (6n,), N/m, 0 where there is no impedance; of
+        actions (N, k) those of each (N, 6n).
+        """
+        asked = np.zeros((*action.shape[:-1], len(self.selected)))
+        asked[..., self.selected] = self.law.stiffness(action)
         return asked
 
     def draw(

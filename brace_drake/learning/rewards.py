@@ -78,12 +78,13 @@ def barrier(force: np.ndarray, limit: np.ndarray, share: float) -> np.ndarray:
 
 def calc_reward(
     signals: Signals, change: np.ndarray, numbers: RewardNumbers
-) -> dict[str, float]:
-    """Terms of the reward by name; the reward is their sum.
+) -> dict[str, np.ndarray]:
+    """Terms of the reward by name, of each instant; the reward is their sum.
 
     Args:
-        signals: After the step.
-        change: Of each stiffness by the step's action, over its range, -1 to 1.
+        signals: After the step, of one instant or of N.
+        change: Of each stiffness by the step's action, over its range, -1 to 1
+            (k,), or (N, k).
         numbers: Of size (6n,).
     """
     force = (
@@ -94,14 +95,19 @@ def calc_reward(
     position = bell(numbers.position_scale, signals.desired - signals.position)
     rate = bell(numbers.velocity_scale, signals.desired_rate - signals.rate)
     terms = {
-        "position": float(numbers.position_weight @ position),
-        "velocity": float(numbers.velocity_weight @ rate),
-        "force": float(numbers.force_weight @ force),
+        "position": _sum(numbers.position_weight * position),
+        "velocity": _sum(numbers.velocity_weight * rate),
+        "force": _sum(numbers.force_weight * force),
     }
     if numbers.kind == "barrier":
-        cost = numbers.smoothness_weight * float(change @ change)
+        cost = numbers.smoothness_weight * _sum(change * change)
         terms["smoothness"] = -cost
     return terms
+
+
+def _sum(values: np.ndarray) -> np.ndarray:
+    """Over coordinates, in one order: an instant gives the same bits alone."""
+    return np.ascontiguousarray(values).sum(axis=-1)
 
 
 @dataclass
@@ -128,14 +134,7 @@ def find_violation(
         limits: The same.
         rings: Names, bottom to top.
     """
-    X, rate, force = signals.position, signals.rate, signals.force
-    for passed, what, values, how, limit in (
-        (X > limits.upper, "position", X, "above", limits.upper),
-        (X < limits.lower, "position", X, "below", limits.lower),
-        (np.abs(rate) > limits.speed, "speed", rate, "beyond +-", limits.speed),
-        (np.abs(force) > limits.force, "force", force, "beyond +-",
-         limits.force),
-    ):  # fmt: skip
+    for passed, what, values, how, limit in _passed(signals, limits):
         if passed.any():
             i = int(np.argmax(passed))
             return (
@@ -143,3 +142,23 @@ def find_violation(
                 f" {limit[i]:.4g}"
             )
     return ""
+
+
+def passes_limit(signals: Signals, limits: EpisodeLimits) -> np.ndarray:
+    """Whether any limit is passed, of each instant."""
+    X, rate, force = signals.position, signals.rate, signals.force
+    passed = (X > limits.upper) | (X < limits.lower)
+    passed |= np.abs(rate) > limits.speed
+    return (passed | (np.abs(force) > limits.force)).any(axis=-1)
+
+
+def _passed(signals: Signals, limits: EpisodeLimits):
+    """Rows of each limit: where it is passed, and the words for it."""
+    X, rate, force = signals.position, signals.rate, signals.force
+    return (
+        (X > limits.upper, "position", X, "above", limits.upper),
+        (X < limits.lower, "position", X, "below", limits.lower),
+        (np.abs(rate) > limits.speed, "speed", rate, "beyond +-", limits.speed),
+        (np.abs(force) > limits.force, "force", force, "beyond +-",
+         limits.force),
+    )  # fmt: skip

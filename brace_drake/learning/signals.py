@@ -47,14 +47,16 @@ def name_of(index: int, rings: tuple[str, ...]) -> str:
 
 def observe_stage(signals: Signals) -> np.ndarray:
     """The paper's seven: y_d, y_d', y, y', F_ey, x, z of the only ring."""
-    along = [part[1] for part in signals]
-    return np.array([*along, signals.position[0], signals.position[2]])
+    along = [part[..., 1] for part in signals]
+    X = signals.position
+    return np.stack([*along, X[..., 0], X[..., 2]], axis=-1)
 
 
 def observe_all(signals: Signals) -> np.ndarray:
     """X, X_d, X', X_d', F_e one after another (30n,), section 3."""
     desired, desired_rate, position, rate, force = signals
-    return np.concatenate([position, desired, rate, desired_rate, force])
+    parts = [position, desired, rate, desired_rate, force]
+    return np.concatenate(parts, axis=-1)
 
 
 OBSERVERS = {"stage": observe_stage, "all": observe_all}
@@ -69,12 +71,13 @@ def signals_of_estimate(estimate: np.ndarray, desired: np.ndarray) -> Signals:
     """What a controller knows, as signals.
 
     Args:
-        estimate: X, X', filtered force on the torso (18n,).
-        desired: X_d, X_d', X_d'' (18n,).
+        estimate: X, X', filtered force on the torso (18n,), or (N, 18n).
+        desired: X_d, X_d', X_d'' (18n,), or (N, 18n).
     """
-    X, rate, force = np.split(estimate, 3)
-    m = len(X)
-    return Signals(desired[0:m], desired[m : 2 * m], X, rate, -force)
+    m = estimate.shape[-1] // 3
+    X, rate = estimate[..., 0:m], estimate[..., m : 2 * m]
+    force = -estimate[..., 2 * m :]
+    return Signals(desired[..., 0:m], desired[..., m : 2 * m], X, rate, force)
 
 
 def calc_task_state(bodies: np.ndarray, rest: np.ndarray) -> np.ndarray:
@@ -98,12 +101,18 @@ def true_signals(
     """What is, whatever the instruments read.
 
     Args:
-        desired: X_d, X_d', X_d'' (18n,).
-        X: X and X' (2, 6n), of the rings themselves.
-        pad_force: Of the pads on the torso (3n,), N.
+        desired: X_d, X_d', X_d'' (18n,), or (N, 18n).
+        X: X and X' (2, 6n), or (N, 2, 6n), of the rings themselves.
+        pad_force: Of the pads on the torso, of 3n numbers, N.
     """
-    m = X.shape[1]
-    force = np.zeros((m // 6, 6))
-    force[:, 0:3] = -pad_force.reshape(-1, 3)
-    desired, rate = desired[: 2 * m].reshape(2, m).copy()
-    return Signals(desired, rate, *X.copy(), force.ravel())
+    m = X.shape[-1]
+    force = np.zeros((*X.shape[:-2], m // 6, 6))
+    force[..., 0:3] = -pad_force.reshape(*X.shape[:-2], -1, 3)
+    desired, X = desired.copy(), X.copy()
+    return Signals(
+        desired[..., 0:m],
+        desired[..., m : 2 * m],
+        X[..., 0, :],
+        X[..., 1, :],
+        force.reshape(*X.shape[:-2], m),
+    )

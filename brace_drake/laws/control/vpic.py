@@ -16,6 +16,7 @@ from brace_drake.laws.control.task_impedance import (
     follow_reference,
     step_impedance,
 )
+from brace_drake.laws.lanes.functions import every, lead, where
 
 # Rows of law: lower, upper limit of K; alpha; damping ratio; gain, slide,
 # forgetting of the rule.
@@ -58,27 +59,30 @@ def highest_next_stiffness(M, K, ratio, alpha, period):
     a_0, a_1 = 1.0 - period * period * k, period * (1.0 - period * c)
     u_0 = alpha * a_0 - period * k
     u_1 = (1.0 + alpha * period) * (1.0 - period * c)
-    s_00, s_01, s_11 = k + alpha * c - u_0 * u_0, alpha - u_0 * u_1, 1 - u_1**2
+    s_00, s_01, s_11 = (
+        k + alpha * c - u_0 * u_0,
+        alpha - u_0 * u_1,
+        1 - u_1 * u_1,
+    )
     determinant = s_00 * s_11 - s_01 * s_01
-    if s_11 <= 0.0 or determinant <= 0.0:
-        return -1.0
     below = a_0 * a_0 * s_11 - 2.0 * a_0 * a_1 * s_01 + a_1 * a_1 * s_00
     beta = determinant / below
     # beta = k + 2 alpha ratio sqrt(k) - alpha^2, solved for k.
     root = math.sqrt(alpha * alpha * (ratio * ratio + 1.0) + beta)
     root -= alpha * ratio
-    return M * root * root if root > 0.0 else -1.0
+    some_will = (s_11 > 0.0) & (determinant > 0.0) & (root > 0.0)
+    return where(some_will, M * root * root, -1.0)
 
 
 @compiled_law
 def limit_stiffness(request, M, K, ratio, alpha, period, lower, upper):
     """The stiffness nearest to the request that limits and V allow."""
     wanted = min(upper, max(lower, request))
-    if wanted <= K:
+    lowers = wanted <= K
+    if every(lowers):
         return wanted
-    return max(
-        K, min(wanted, highest_next_stiffness(M, K, ratio, alpha, period))
-    )
+    highest = highest_next_stiffness(M, K, ratio, alpha, period)
+    return where(lowers, wanted, max(K, min(wanted, highest)))
 
 
 @compiled_law
@@ -136,7 +140,7 @@ def advance_vpic(
     """
     by_rule = stiffness.shape[0] == 0
     for i in range(selected.shape[0]):
-        if selected[i] == 0.0:
+        if lead(selected[i]) == 0.0:
             follow_reference(i, desired, virtual, impedance)
             continue
         M, ratio = wanted[0, i], law[3, i]
@@ -149,7 +153,7 @@ def advance_vpic(
             asked = min(law[1, i], max(law[0, i], asked))
         else:
             asked = stiffness[i]
-        if not math.isfinite(asked):
+        if not every(abs(asked) < math.inf):
             return False
         memory[1, i] = asked
         K = limit_stiffness(

@@ -26,6 +26,46 @@ def stack_copies(copies):
     return np.ascontiguousarray(np.stack(filled, axis=-1))
 
 
+def in_one_piece(stacked):
+    """The same arrays of all copies, as parts of one (numbers, COUNT) that
+    holds them one behind the other; and that one.
+    """
+    arrays: list[np.ndarray] = []
+    _visit(stacked, arrays.append)
+    whole = np.concatenate([a.reshape((-1, COUNT)) for a in arrays])
+    ends = np.cumsum([a.size // COUNT for a in arrays])
+    parts = iter(np.split(whole, ends[:-1]))
+    return _replaced(stacked, parts), whole
+
+
+def put_copy(stacked, copy, place: int) -> None:
+    """Writes what a copy has into its place in what `stack_copies` made."""
+    if isinstance(copy, tuple):
+        for part, own in zip(stacked, copy, strict=True):
+            put_copy(part, own, place)
+    elif isinstance(copy, np.ndarray) and copy.dtype == float:
+        stacked[..., place] = copy
+
+
+def _visit(stacked, take) -> None:
+    if isinstance(stacked, tuple):
+        for part in stacked:
+            _visit(part, take)
+    elif isinstance(stacked, np.ndarray) and stacked.dtype == float:
+        take(stacked)
+
+
+def _replaced(stacked, parts):
+    """The same, with its arrays of floats taken from flat parts in turn."""
+    if isinstance(stacked, tuple):
+        found = [_replaced(part, parts) for part in stacked]
+        named = hasattr(stacked, "_fields")
+        return type(stacked)(*found) if named else tuple(found)
+    if isinstance(stacked, np.ndarray) and stacked.dtype == float:
+        return next(parts).reshape(stacked.shape)
+    return stacked
+
+
 def _mapped(kind, change):
     """A kind of tuple, or of array, with its arrays of floats changed."""
     if isinstance(kind, types.BaseTuple):

@@ -41,6 +41,39 @@ _array3, _array4 = float64[:, :, ::1], float64[:, :, :, ::1]
 
 
 @compiled_law
+def estimate_copies(controller, readings):
+    """What the controllers of all copies know of their rings at a tick.
+
+    Args:
+        controller, readings: As `brace_control.advance_controller` takes
+            them, of lanes.
+
+    Returns:
+        Whether a pose was found in all copies.
+    """
+    law, nc = controller.law, controller.law.shape[1]
+    if not estimate_rings(
+        readings[0:nc], controller.geometry, controller.rings,
+        controller.poses, controller.state, controller.work,
+    ):  # fmt: skip
+        return False
+    force = controller.memory[0]
+    filter_force(readings[nc : nc + nc // 2], law[ESTIMATOR, 5], force)
+    return True
+
+
+@compiled_law
+def command_copies(controller, command):
+    """Leg commands of all copies from their virtual poses; GOOD or SINGULAR."""
+    law, force = controller.law, controller.memory[0]
+    task_impedance.calc_task_forces(
+        controller.state, controller.virtual, force, law[FED_FORWARD],
+        law[K_P : K_V + 1], law[MASS], law[GRAVITY], controller.F,
+    )  # fmt: skip
+    return send_to_legs(controller, command)
+
+
+@compiled_law
 def advance_copies(controller, readings, command):
     """One tick of the controllers of all copies, under PIC.
 
@@ -51,23 +84,15 @@ def advance_copies(controller, readings, command):
     Returns:
         Whether it went well in all copies.
     """
-    law, nc = controller.law, controller.law.shape[1]
-    if not estimate_rings(
-        readings[0:nc], controller.geometry, controller.rings,
-        controller.poses, controller.state, controller.work,
-    ):  # fmt: skip
+    if not estimate_copies(controller, readings):
         return False
-    force = controller.memory[0]
-    filter_force(readings[nc : nc + nc // 2], law[ESTIMATOR, 5], force)
+    law = controller.law
     task_impedance.advance_pic(
-        controller.desired, force, law[ESTIMATOR, 3], law[SELECTED], law[M_D],
-        law[C_D], law[K_D], controller.virtual, controller.impedance,
+        controller.desired, controller.memory[0], law[ESTIMATOR, 3],
+        law[SELECTED], law[M_D], law[C_D], law[K_D], controller.virtual,
+        controller.impedance,
     )  # fmt: skip
-    task_impedance.calc_task_forces(
-        controller.state, controller.virtual, force, law[FED_FORWARD],
-        law[K_P : K_V + 1], law[MASS], law[GRAVITY], controller.F,
-    )  # fmt: skip
-    return send_to_legs(controller, command) == GOOD
+    return command_copies(controller, command) == GOOD
 
 
 @compiled_when_called(
