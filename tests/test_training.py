@@ -8,6 +8,7 @@ import time
 import unittest
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -96,10 +97,15 @@ class TestResume(Folder):
         self.assertEqual(*curves)
 
     def test_every_update_goes_on_bit_for_bit(self):
-        straight = Learner(tiny_task(), tiny_numbers())
+        for envs in (1, 4):
+            with self.subTest(envs=envs):
+                self.check_updates(tiny_numbers(envs=envs))
+
+    def check_updates(self, numbers):
+        straight = Learner(tiny_task(), numbers)
         for _ in range(4):
             straight.advance()
-        part = Learner(tiny_task(), tiny_numbers())
+        part = Learner(tiny_task(), numbers)
         for _ in range(4):
             part.advance()
             memory = io.BytesIO()
@@ -109,7 +115,7 @@ class TestResume(Folder):
             # The state of the process is another one by now.
             torch.rand(3)
             np.random.rand(3)  # noqa: NPY002
-            part = Learner(tiny_task(), tiny_numbers(seed=99))
+            part = Learner(tiny_task(), replace(numbers, seed=99))
             part.set_state(torch.load(memory, weights_only=False))
         a, b = straight.model.policy, part.model.policy
         for x, y in zip(a.parameters(), b.parameters(), strict=True):
@@ -189,6 +195,15 @@ class TestResume(Folder):
             with self.assertRaisesRegex(PolicyError, "no checkpoint"):
                 LoadCheckpoint(self.folder)
 
+    def test_a_checkpoint_of_an_older_version_is_refused_in_one_line(self):
+        StartTraining(self.folder, tiny_task(), tiny_numbers(episodes=1))
+        state = LoadCheckpoint(self.folder)
+        del state["format"]
+        torch.save(state, self.folder / "checkpoint.pt")
+        with self.assertRaisesRegex(PolicyError, "format 1; allowed: 2") as e:
+            ResumeTraining(self.folder)
+        self.assertNotIn("\n", str(e.exception))
+
     def test_folders_are_checked(self):
         with self.assertRaisesRegex(PolicyError, "no training run"):
             ResumeTraining(self.folder)
@@ -208,6 +223,40 @@ class TestResume(Folder):
 
 
 class TestNetwork(unittest.TestCase):
+    def collected(self):
+        """A learner with its first horizon; its seed is that of the process."""
+        learner = Learner(tiny_task(), tiny_numbers(envs=2))
+        m = learner.model
+        m.collect_rollouts(
+            m.env, learner._callback, m.rollout_buffer, m.n_steps
+        )
+        return learner
+
+    def test_an_update_is_that_of_stable_baselines(self):
+        ours = self.collected()
+        ours.model.train()
+        theirs = self.collected()
+        # One optimiser that steps both, as stable-baselines3 has it.
+        policy = theirs.model.policy
+        actor, critic = policy.optimizers
+        policy.optimizer = mock.Mock(
+            param_groups=[*actor.param_groups, *critic.param_groups],
+            step=lambda: [actor.step(), critic.step()],
+            zero_grad=lambda: [actor.zero_grad(), critic.zero_grad()],
+        )
+        PPO.train(theirs.model)
+        pairs = zip(
+            ours.model.policy.parameters(), policy.parameters(), strict=True
+        )
+        for a, b in pairs:
+            torch.testing.assert_close(a, b, rtol=0, atol=1e-6)
+        for name in ("value_loss", "entropy_loss", "approx_kl"):
+            a, b = (
+                learner.model.logger.name_to_value[f"train/{name}"]
+                for learner in (ours, theirs)
+            )
+            self.assertAlmostEqual(a, float(b), places=5)
+
     def test_numpy_says_what_torch_says(self):
         learner = Learner(tiny_task(), tiny_numbers(hidden=256))
         learner.advance()
@@ -230,7 +279,7 @@ class TestNetwork(unittest.TestCase):
             (model.gamma, model.gae_lambda, model.ent_coef), (0.99, 0.95, 0.01)
         )
         self.assertEqual(model.clip_range(1.0), 0.2)
-        groups = model.policy.optimizer.param_groups
+        groups = [o.param_groups[0] for o in model.policy.optimizers]
         self.assertEqual([g["weight_decay"] for g in groups], [1e-5, 2e-4])
         self.assertEqual(groups[0]["betas"], (0.9, 0.999))
         self.assertEqual((groups[0]["eps"], groups[0]["lr"]), (1e-8, 3e-4))

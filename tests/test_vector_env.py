@@ -12,13 +12,14 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 import brace_drake.learning
 from brace_drake.learning.env import RlpicEnv
+from brace_drake.learning.rewards import improved
 from brace_drake.learning.subjects import (
     EffectRange,
     SubjectRanges,
     between_patients,
 )
 from brace_drake.learning.task import LearningTask, full_task
-from brace_drake.learning.vector_env import RlpicVectorEnv
+from brace_drake.learning.vector.env import RlpicVectorEnv
 from tests.learning_tasks import short_task
 
 MODES = tuple(AutoresetMode)
@@ -89,8 +90,6 @@ class TestSingleEnvs(unittest.TestCase):
         self.assertGreater(self.compare(task, 5, 20), 5)
 
     def test_the_improved_reward(self):
-        from brace_drake.learning.rewards import improved
-
         self.compare(short_task(4, reward=improved()), 4)
 
     def test_the_paper_s_whole_episode(self):
@@ -170,7 +169,7 @@ class TestVectorEnv(unittest.TestCase):
         envs.reset(seed=2)
         # So that they are at different places of their episodes.
         mask = np.array([True, False, False, True, False])
-        rows = np.random.default_rng(1).uniform(-1, 1, (9, 5, 1))
+        rows, before = np.random.default_rng(1).uniform(-1, 1, (9, 5, 1)), None
         for k, actions in enumerate(rows):
             if k == 3:
                 envs.reset(options={"reset_mask": mask})

@@ -14,7 +14,7 @@ Importing this package registers `BraceDrake/RLPIC-v0` (the paper's: one stage,
     env = gymnasium.make("BraceDrake/RLPIC-v0")
     envs = gymnasium.make_vec("BraceDrake/RLPIC-v0", num_envs=8)
 
-`vector_env` steps many episodes at once, each what it is alone.
+`vector` steps many episodes at once, each what it is alone.
 """
 
 import importlib
@@ -32,7 +32,7 @@ for _id, _maker, _vector in (
         gymnasium.register(
             _id,
             entry_point=f"brace_drake.learning.env:{_maker}",
-            vector_entry_point=f"brace_drake.learning.vector_env:{_vector}",
+            vector_entry_point=f"brace_drake.learning.vector.env:{_vector}",
         )
 
 # Where the public names are; Drake and Numba are slow to import.
@@ -42,7 +42,7 @@ _MODULES = {
     "Policy": "policy",
     "PolicySystem": "deployment",
     "RlpicEnv": "env",
-    "RlpicVectorEnv": "vector_env",
+    "RlpicVectorEnv": "vector.env",
     "SavePolicy": "policy",
     "predict_impedance": "predict",
     "run_episode": "episode",

@@ -20,7 +20,6 @@ from brace_drake.laws.compiled import (
 from brace_drake.laws.control import vpic
 from brace_drake.laws.control.brace_control import (
     BAD_STIFFNESS,
-    C_D,
     CONTROLLER,
     ESTIMATOR,
     GOOD,

@@ -23,17 +23,16 @@ class ThresholdAdam(torch.optim.Adam):
 
     def __init__(self, params, threshold: float = 1.0, **options):
         self._threshold = threshold
-        super().__init__(params, **options)
+        super().__init__(params, fused=True, **options)
 
     @torch.no_grad()
     def step(self, closure=None):
         for group in self.param_groups:
-            for p in group["params"]:
-                if p.grad is None:
-                    continue
-                norm = float(p.grad.norm())
-                if norm > self._threshold:
-                    p.grad.mul_(self._threshold / norm)
+            grads = [p.grad for p in group["params"] if p.grad is not None]
+            # A factor of 1 leaves a gradient below the threshold as it is.
+            norms = torch.stack(torch._foreach_norm(grads))
+            factors = self._threshold / norms.clamp(min=self._threshold)
+            torch._foreach_mul_(grads, list(factors.unbind()))
         return super().step(closure)
 
 
@@ -85,24 +84,42 @@ class ActorCritic(ActorCriticPolicy):
         ]
         known = {id(p) for p in critic}
         actor = [p for p in self.parameters() if id(p) not in known]
-        self.optimizer = ThresholdAdam(
-            [
-                {"params": actor, "weight_decay": actor_l2},
-                {"params": critic, "weight_decay": critic_l2},
-            ],
-            threshold=threshold,
-            lr=lr_schedule(1),
-            betas=(0.9, 0.999),
-            eps=1e-8,
+        self.optimizers = tuple(
+            ThresholdAdam(
+                parameters,
+                threshold=threshold,
+                lr=lr_schedule(1),
+                betas=(0.9, 0.999),
+                eps=1e-8,
+                weight_decay=l2,
+            )
+            for parameters, l2 in ((actor, actor_l2), (critic, critic_l2))
         )
+        # Where stable-baselines3 looks for one.
+        self.optimizer = self.optimizers[0]
+
+    def Actor(
+        self, observations: torch.Tensor
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        """Mean and deviation of the actions (N, k)."""
+        return self._spread_of(self.mlp_extractor.forward_actor(observations))
+
+    def Critic(self, observations: torch.Tensor) -> torch.Tensor:
+        """Values (N, 1)."""
+        return self.value_net(self.mlp_extractor.forward_critic(observations))
+
+    def _spread_of(
+        self, latent: torch.Tensor
+    ) -> tuple[torch.Tensor, torch.Tensor]:
+        mean = torch.tanh(self.action_net(latent))
+        raw = self.deviation_net(latent)
+        deviation = nn.functional.softplus(raw) + _LEAST_DEVIATION
+        return mean, deviation.clamp(max=self._largest)
 
     def _get_action_dist_from_latent(
         self, latent_pi: torch.Tensor
     ) -> Distribution:
-        mean = torch.tanh(self.action_net(latent_pi))
-        raw = self.deviation_net(latent_pi)
-        deviation = nn.functional.softplus(raw) + _LEAST_DEVIATION
-        deviation = deviation.clamp(max=self._largest)
+        mean, deviation = self._spread_of(latent_pi)
         return self.action_dist.proba_distribution(mean, deviation.log())
 
     def layers(self) -> tuple[list[np.ndarray], list[np.ndarray]]:

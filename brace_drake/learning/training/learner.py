@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 import torch
-from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import ConvertCallback
 from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import (
     DummyVecEnv,
     SubprocVecEnv,
+    VecEnv,
     VecNormalize,
 )
 
@@ -23,7 +23,9 @@ from brace_drake.learning.policy import Policy
 from brace_drake.learning.subjects import NOMINAL, Subject, draw_subject
 from brace_drake.learning.task import LearningTask
 from brace_drake.learning.training.actor_critic import ActorCritic
+from brace_drake.learning.training.episodes import EpisodesVecEnv
 from brace_drake.learning.training.numbers import TrainingNumbers
+from brace_drake.learning.training.ppo import SplitPPO
 
 # Of the draws of subjects that evaluations have.
 _EVALUATED = 20_003
@@ -44,12 +46,7 @@ class Learner:
         # Sums over threads would not be the same every time.
         torch.set_num_threads(1)
         self.task, self.numbers = task, numbers
-        makers = [partial(RlpicEnv, task)] * numbers.envs
-        self._envs = (
-            DummyVecEnv(makers)
-            if numbers.envs == 1
-            else SubprocVecEnv(makers, start_method="forkserver")
-        )
+        self._envs = _make_envs(task, numbers.envs)
         self._scaled = VecNormalize(
             self._envs,
             norm_obs=numbers.scale_observations,
@@ -132,7 +129,7 @@ class Learner:
         model, scaled = self.model, self._scaled
         return {
             "policy": model.policy.state_dict(),
-            "optimizer": model.policy.optimizer.state_dict(),
+            "optimizers": [o.state_dict() for o in model.policy.optimizers],
             "counts": {
                 "num_timesteps": model.num_timesteps,
                 "_n_updates": model._n_updates,
@@ -148,7 +145,7 @@ class Learner:
                 if hasattr(scaled, name)
             },
             "returns": scaled.returns.copy(),
-            "envs": self._envs.env_method("Snapshot"),
+            "envs": _snapshots_of(self._envs),
             "random": (
                 random.getstate(),
                 np.random.get_state(),  # noqa: NPY002 (what PPO shuffles with)
@@ -160,12 +157,14 @@ class Learner:
         """Puts back what `state` has taken."""
         model, scaled = self.model, self._scaled
         model.policy.load_state_dict(state["policy"])
-        model.policy.optimizer.load_state_dict(state["optimizer"])
+        for optimizer, own in zip(
+            model.policy.optimizers, state["optimizers"], strict=True
+        ):
+            optimizer.load_state_dict(own)
         for name, value in state["counts"].items():
             setattr(model, name, value)
         self.updates = state["updates"]
-        for i, snapshot in enumerate(state["envs"]):
-            self._envs.env_method("Restore", snapshot, indices=i)
+        _restore(self._envs, state["envs"])
         model._last_obs = state["last_obs"].copy()
         model._last_episode_starts = state["last_starts"].copy()
         model.ep_info_buffer.clear()
@@ -176,6 +175,30 @@ class Learner:
         random.setstate(state["random"][0])
         np.random.set_state(state["random"][1])  # noqa: NPY002
         torch.set_rng_state(state["random"][2])
+
+
+def _make_envs(task: LearningTask, count: int) -> VecEnv:
+    """Episodes side by side; on the diagram each in a process of its own."""
+    if task.backend == "compiled":
+        return EpisodesVecEnv(task, count)
+    makers = [partial(RlpicEnv, task)] * count
+    if count == 1:
+        return DummyVecEnv(makers)
+    return SubprocVecEnv(makers, start_method="forkserver")
+
+
+def _snapshots_of(envs: VecEnv) -> list[dict]:
+    if isinstance(envs, EpisodesVecEnv):
+        return envs.Snapshot()
+    return envs.env_method("Snapshot")
+
+
+def _restore(envs: VecEnv, snapshots: list[dict]) -> None:
+    if isinstance(envs, EpisodesVecEnv):
+        envs.Restore(snapshots)
+        return
+    for i, snapshot in enumerate(snapshots):
+        envs.env_method("Restore", snapshot, indices=i)
 
 
 def _subjects_of(task: LearningTask, count: int) -> list[Subject]:
@@ -193,8 +216,8 @@ def _subjects_of(task: LearningTask, count: int) -> list[Subject]:
     return list(alike.values())
 
 
-def _make_ppo(envs: VecNormalize, numbers: TrainingNumbers) -> PPO:
-    return PPO(
+def _make_ppo(envs: VecNormalize, numbers: TrainingNumbers) -> SplitPPO:
+    return SplitPPO(
         ActorCritic,
         envs,
         learning_rate=numbers.learning_rate,

@@ -11,9 +11,10 @@ class TrainingNumbers:
 
     Attributes:
         episodes: Budget, of `max_steps` decisions each.
-        horizon: Decisions between updates, over all envs.
-        envs: That are stepped side by side, in processes of their own where
-            there are several [ours]. Results depend on their number.
+        horizon: Decisions between updates, over all envs: the paper's
+            experience horizon, of horizon / envs decisions of each episode.
+        envs: Episodes side by side [ours]; on the diagram in processes of
+            their own. Results depend on their number.
         gradient_threshold: Of the L2 norm of each parameter's gradient.
         start_deviation, largest_deviation: Of the actor's normal distribution
             [ours].

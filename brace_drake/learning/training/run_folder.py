@@ -32,6 +32,8 @@ PACKAGES = (
 )  # fmt: skip
 CHECKPOINT = "checkpoint.pt"
 _CHECKPOINT_MB = 2000
+# Of what a checkpoint holds and how a run goes on from it.
+_FORMAT = 2
 SCENARIO = "used.scenario.yaml"
 # What a checkpoint is made of beside tensors and plain values.
 _ARRAYS = (
@@ -144,7 +146,7 @@ def _is_same(task: LearningTask, kept: Path) -> bool:
 def WriteCheckpoint(folder: Path, state: dict) -> None:
     """Writes the state of a run; a kill leaves the old one or the new one."""
     memory = io.BytesIO()
-    torch.save(state, memory)
+    torch.save({"format": _FORMAT, **state}, memory)
     WriteBytes(folder / CHECKPOINT, memory.getvalue())
 
 
@@ -152,16 +154,24 @@ def LoadCheckpoint(folder: Path) -> dict:
     """Reads what `WriteCheckpoint` has written: arrays and plain values alone.
 
     Raises:
-        PolicyError: The file is damaged, or holds anything that could run code.
+        PolicyError: The file is damaged, holds anything that could run code,
+            or is of another format.
     """
     path = folder / CHECKPOINT
     try:
         check_file(path, _CHECKPOINT_MB)
         with torch.serialization.safe_globals(_ARRAYS):
-            return torch.load(path, weights_only=True)
+            state = torch.load(path, weights_only=True)
+        found = state.get("format", 1)
     # What torch raises on a broken file is not foreseen.
     except Exception as error:
         raise PolicyError(f"{path}: no checkpoint of a training run") from error
+    if found != _FORMAT:
+        raise PolicyError(
+            f"{path}: format {found}; allowed: {_FORMAT}: begun by a version"
+            " that trains otherwise; train anew in another folder"
+        )
+    return state
 
 
 def WriteCurve(folder: Path, rows: list[dict[str, float]]) -> None:

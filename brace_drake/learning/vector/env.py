@@ -12,7 +12,6 @@ from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode, SyncVectorEnv, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from brace_drake.learning.compiled_copies import CompiledCopies
 from brace_drake.learning.env import NOT_FINITE, NOT_FINITE_ACTION, RlpicEnv
 from brace_drake.learning.rewards import (
     calc_reward,
@@ -21,6 +20,8 @@ from brace_drake.learning.rewards import (
 )
 from brace_drake.learning.signals import OBSERVERS, Signals
 from brace_drake.learning.task import LearningTask, full_task
+from brace_drake.learning.vector.copies import CompiledCopies
+from brace_drake.learning.vector.steps import Steps
 
 
 class RlpicVectorEnv(VectorEnv):
@@ -55,11 +56,8 @@ class RlpicVectorEnv(VectorEnv):
             one.prepared,
         )
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {
-            **one.metadata,
-            "autoreset_mode": self.autoreset_mode,
-            "render_modes": [],
-        }
+        own = {"autoreset_mode": self.autoreset_mode, "render_modes": []}
+        self.metadata = {**one.metadata, **own}
         self.single_observation_space = one.observation_space
         self.single_action_space = one.action_space
         self.observation_space = batch_space(one.observation_space, num_envs)
@@ -103,7 +101,7 @@ class RlpicVectorEnv(VectorEnv):
             seeds = list(seed)
         if len(seeds) != n:
             raise ValueError(f"reset: {len(seeds)} seeds; allowed: {n}")
-        infos: dict = {}
+        infos = {}
         for i in np.flatnonzero(mask):
             if seeds[i] is not None:
                 self._generators[i] = seeding.np_random(seeds[i])[0]
@@ -145,8 +143,8 @@ class RlpicVectorEnv(VectorEnv):
                 infos = self._add_info(infos, final, i)
                 info = self._Start(i, {})
             infos = self._add_info(infos, info, i)
-        observations = self._observations.copy()
-        return observations, own.rewards, own.terminated, own.truncated, infos
+        seen = self._observations.copy()
+        return seen, own.rewards, own.terminated, own.truncated, infos
 
     def Snapshot(self) -> list[dict]:
         """What brings each episode to where it is: its draws and actions."""
@@ -191,10 +189,10 @@ class RlpicVectorEnv(VectorEnv):
         self._ended[i] = False
         return info
 
-    def _Step(self, actions: np.ndarray, going: np.ndarray) -> _Steps:
+    def _Step(self, actions: np.ndarray, going: np.ndarray) -> Steps:
         """A step of those that are going, as `RlpicEnv.step`."""
         task, law = self.task, self.prepared.law
-        own = _Steps(self.num_envs)
+        own = Steps(self.num_envs)
         self._lengths[going] += 1
         finite = np.isfinite(actions).all(axis=-1)
         for i in np.flatnonzero(going & ~finite):
@@ -231,7 +229,7 @@ class RlpicVectorEnv(VectorEnv):
         self._End(own, signals, active)
         return own
 
-    def _End(self, own: _Steps, signals: Signals, active: np.ndarray) -> None:
+    def _End(self, own: Steps, signals: Signals, active: np.ndarray) -> None:
         """Ends the episodes whose end has come."""
         passed = active & passes_limit(signals, self.task.limits)
         own.terminated |= passed
@@ -253,7 +251,7 @@ class RlpicVectorEnv(VectorEnv):
         own.plain = active & ~ended
         self._ended |= ended
 
-    def _Fail(self, own: _Steps, i: int, cause: str) -> None:
+    def _Fail(self, own: Steps, i: int, cause: str) -> None:
         """Ends an episode whose step has failed."""
         own.rewards[i] = self.task.failure_reward
         self._returns[i] += self.task.failure_reward
@@ -266,58 +264,6 @@ class RlpicVectorEnv(VectorEnv):
 
     def _EpisodeOf(self, i: int) -> dict:
         return {"r": float(self._returns[i]), "l": int(self._lengths[i])}
-
-
-class _Steps:
-    """What a step of all episodes comes to.
-
-    Attributes:
-        rewards, terminated, truncated: (n,).
-        terms, stiffness, clipped: Of info, of all episodes.
-        plain: Episodes that have nothing but these in their info (n,).
-        infos: Of the others.
-    """
-
-    def __init__(self, n: int):
-        self.rewards = np.zeros(n)
-        self.terminated, self.truncated = np.zeros((2, n), dtype=bool)
-        self.plain = np.zeros(n, dtype=bool)
-        self.infos: dict[int, dict] = {}
-        self.terms: dict[str, np.ndarray] = {}
-        self.stiffness = self.clipped = np.zeros(n)
-
-    def InfoOf(self, i: int) -> dict:
-        """Info of one episode, as the single env has it."""
-        return {
-            "reward_terms": {k: float(v[i]) for k, v in self.terms.items()},
-            "stiffness": self.stiffness[i].copy(),
-            "clipped": int(self.clipped[i]),
-        }
-
-    def AsInfos(self) -> dict:
-        """Infos of the plain episodes, as a vector env gives them."""
-        plain = self.plain
-        if not plain.any():
-            return {}
-        return _masked(
-            {
-                "reward_terms": _masked(self.terms, plain),
-                "stiffness": self.stiffness,
-                "clipped": self.clipped,
-            },
-            plain,
-        )
-
-
-def _masked(values: dict, mask: np.ndarray) -> dict:
-    """Values where a mask holds, else 0, each with its mask behind it."""
-    infos = {}
-    for name, value in values.items():
-        if not isinstance(value, dict):
-            own, value = value, np.zeros_like(value)
-            value[mask] = own[mask]
-        infos[name], infos[f"_{name}"] = value, mask.copy()
-    return infos
 
 
 def _check_mask(mask, n: int) -> np.ndarray:
