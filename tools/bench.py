@@ -37,6 +37,7 @@ from brace_drake.learning.task import (
     full_task,
     load_task_scenario,
 )
+from brace_drake.learning.vector.env import RlpicVectorEnv
 from brace_drake.model.brace_plant import AddBraceBodies
 from brace_drake.model.brace_station import MakeControlledBrace
 from brace_drake.model.simulate import SimulateStation
@@ -127,6 +128,18 @@ def time_env(task):
     return env.task.max_steps / (time.process_time() - start)
 
 
+def time_vector_env(task, count=16):
+    """Env steps a second of the processor, of episodes side by side."""
+    envs = RlpicVectorEnv(count, task, "SameStep")
+    actions = np.zeros(envs.action_space.shape)
+    envs.reset(seed=0)
+    envs.step(actions)
+    start = time.process_time()
+    for _ in range(task.max_steps):
+        envs.step(actions)
+    return count * task.max_steps / (time.process_time() - start)
+
+
 def hydroelastic_task(folder):
     """The task on pads of hydroelastic contact; it runs on the diagram."""
     task = LearningTask(backend="diagram")
@@ -151,12 +164,14 @@ def time_learning():
         from brace_drake.learning.training.numbers import TrainingNumbers
     except ImportError:
         return
-    learner = Learner(LearningTask(), TrainingNumbers())
-    learner.advance()
-    start = time.process_time()
-    learner.advance()
-    speed = learner.numbers.horizon / (time.process_time() - start)
-    print(f"{'training, updates included':44} {speed:10.0f}")
+    for envs in (1, 8):
+        learner = Learner(LearningTask(), TrainingNumbers(envs=envs))
+        learner.advance()
+        start = time.process_time()
+        learner.advance()
+        speed = learner.numbers.horizon / (time.process_time() - start)
+        label = f"training, updates included, envs: {envs}"
+        print(f"{label:44} {speed:10.0f}")
 
 
 def time_envs(folder):
@@ -179,6 +194,10 @@ def time_envs(folder):
     ):
         speed = max(time_env(task) for _ in range(3))
         print(f"{label:44} {speed:10.0f}")
+        if label in ("one stage", "three stages"):
+            side = max(time_vector_env(task) for _ in range(3))
+            label = f"{label}, 16 episodes side by side"
+            print(f"{label:44} {side:10.0f} {side / speed:6.2f} x one")
 
 
 def main():

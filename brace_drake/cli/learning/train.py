@@ -67,7 +67,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
         "--envs",
         type=positive,
         metavar="N",
-        help="environments side by side (default: 1)",
+        help="episodes side by side (default: 1)",
     )
     add("--patience", type=not_negative, metavar="N", help="0: no early stop")
     add(
