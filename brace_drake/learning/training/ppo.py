@@ -59,7 +59,7 @@ class SplitPPO(PPO):
         self.logger.record("train/approx_kl", _mean(divergence[-in_epoch:]))
 
     def _TrainActor(self, batches, seen, actions, advantages, log_prob):
-        """Clipped surrogate and entropy; divergences and entropies of it."""
+        """PPO's clipped gain and entropy; divergences and entropies of it."""
         policy, optimizer = self.policy, self.policy.optimizers[0]
         clip, divergences, entropies = self.clip_range(1.0), [], []
         for batch in batches:

@@ -119,7 +119,7 @@ class _Four:
             whole[at[place]] = whole_of_loop[self._where_alone[own][0]]
 
     def advance(self, stiffness, places: Sequence[int]) -> dict[int, int]:
-        """Goes on with some places; those that broke down, and how."""
+        """Continues some places; those that broke down, and how."""
         asked = self._parts[3].stiffness
         asked[:, : len(stiffness)] = stiffness.T
         broken = {}
