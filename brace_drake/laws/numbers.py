@@ -25,11 +25,14 @@ class BraceNumbers(NamedTuple):
         contact: Of each ring's pads stiffness, damping, friction,
             regularisation speed, pad offset, preload (n, 6); stiffness and
             damping 0: no pads.
-        posture: K (3), D (3), K_r (3), D_r (3): (12,), see `laws.posture`.
+        posture: K (3), D (3), K_r (3), D_r (3), lean (3): (15,), see
+            `laws.posture`.
         ring: Mass, moments (3), weight of each ring (n, 5).
         torso: The same of the torso, which floats: weight 0 (5,).
         torso_rest: Position of the torso in W at rest (3,), m.
         start: Task coordinates of the rings at time 0 (6n,).
+        torso_start: Displacement of the torso from rest at time 0, m, and its
+            rotation vector, rad (6,).
         control: Rows of the controller's law (rows, 6n), see
             `laws.control.brace_control`.
         resolution: Of lengths, m, and forces, N (2,).
@@ -46,6 +49,7 @@ class BraceNumbers(NamedTuple):
     torso: np.ndarray
     torso_rest: np.ndarray
     start: np.ndarray
+    torso_start: np.ndarray
     control: np.ndarray
     resolution: np.ndarray
     noise_sigma: np.ndarray
@@ -98,7 +102,7 @@ _NUM_OF_FORCES = BraceNumbers._fields.index("start")
 NUMBERS = types.NamedTuple(
     (
         _MATRIX, _ANCHORS, _ANCHORS, _VECTOR, _MATRIX, _VECTOR, _MATRIX,
-        _VECTOR, _VECTOR, _VECTOR, _MATRIX, _VECTOR, _VECTOR,
+        _VECTOR, _VECTOR, _VECTOR, _VECTOR, _MATRIX, _VECTOR, _VECTOR,
     ),
     BraceNumbers,
 )  # fmt: skip

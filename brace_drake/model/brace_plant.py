@@ -163,20 +163,24 @@ def SetBracePose(
     """
     poses, rings = [], pack_geometry(scenario).rest
     for rest, x in zip(rings, np.reshape(X, (-1, 6)), strict=True):
-        angle = np.linalg.norm(x[3:6])
-        axis = x[3:6] / angle if angle > 0.0 else np.array([0.0, 0.0, 1.0])
-        R = RotationMatrix(AngleAxis(angle, axis))
-        poses.append(RigidTransform(R, rest + x[0:3]))
+        poses.append(_PoseOf(rest, x))
     for name, X_WR in zip(scenario.rings, poses, strict=True):
         plant.SetFreeBodyPose(context, plant.GetBodyByName(name), X_WR)
     if scenario.mechanism == "articulated":
         SetLegs(plant, context, scenario, poses)
 
 
+def _PoseOf(rest: np.ndarray, x: np.ndarray) -> RigidTransform:
+    """At a displacement from rest, m, turned by a rotation vector, rad."""
+    angle = np.linalg.norm(x[3:6])
+    axis = x[3:6] / angle if angle > 0.0 else np.array([0.0, 0.0, 1.0])
+    return RigidTransform(RotationMatrix(AngleAxis(angle, axis)), rest + x[0:3])
+
+
 def _SetStart(plant: MultibodyPlant, scenario: BraceScenario) -> None:
     context, numbers = plant.CreateDefaultContext(), pack_brace(scenario)
     SetBracePose(plant, context, scenario, numbers.start)
     if scenario.torso.present:
-        X_WT = RigidTransform(numbers.torso_rest)
+        X_WT = _PoseOf(numbers.torso_rest, numbers.torso_start)
         plant.SetFreeBodyPose(context, plant.GetBodyByName("torso"), X_WT)
     plant.SetDefaultPositions(plant.GetPositions(context))

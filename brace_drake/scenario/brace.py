@@ -100,16 +100,24 @@ class WorkspaceLimits:
 
 @dataclass(slots=True)
 class StartPoses:
-    """Each ring's pose at time 0: displacement, m, rotation vector, rad."""
+    """Poses at time 0: displacement from rest, m, rotation vector, rad.
+
+    A torso that starts nearer to a pad presses on it from the start.
+    """
 
     ring1: np.ndarray = vector(0, 0, 0, 0, 0, 0)
     ring2: np.ndarray = vector(0, 0, 0, 0, 0, 0)
     ring3: np.ndarray = vector(0, 0, 0, 0, 0, 0)
+    torso: np.ndarray = vector(0, 0, 0, 0, 0, 0)
 
 
 @dataclass(slots=True)
 class Torso:
-    """A rigid body whose posture a bushing holds; To is at R2 at rest."""
+    """A rigid body whose posture a bushing holds; To is at R2 at rest.
+
+    `lean` is a constant force at To: the weight that a torso which no spring
+    holds puts on the pads.
+    """
 
     present: bool = True
     mass: float = number(40.0, "kg", above=0.0)
@@ -125,6 +133,7 @@ class Torso:
     posture_rot_damping: np.ndarray = vector(
         12, 12, 8, unit="N m s/rad", least=0.0
     )
+    lean: np.ndarray = vector(0, 0, 0, unit="N", least=-100.0, most=100.0)
 
 
 @dataclass(slots=True)

@@ -35,13 +35,14 @@ def pack_contact(contact: Contact) -> np.ndarray:
 
 
 def pack_posture(torso: Torso) -> np.ndarray:
-    """The posture's K (3), D (3), K_r (3), D_r (3): (12,)."""
+    """The posture's K (3), D (3), K_r (3), D_r (3), lean (3): (15,)."""
     return np.concatenate(
         [
             torso.posture_stiffness,
             torso.posture_damping,
             torso.posture_rot_stiffness,
             torso.posture_rot_damping,
+            torso.lean,
         ]
     )
 
@@ -120,6 +121,7 @@ def pack_brace(scenario: BraceScenario) -> BraceNumbers:
         torso=np.array([torso.mass, *torso.inertia, 0.0]),
         torso_rest=np.array([0.0, 0.0, scenario.ring_heights[2]]),
         start=rings.start,
+        torso_start=scenario.start.torso.copy(),
         control=pack_control(scenario.control, rings).law,
         **pack_instruments(scenario.sensors, n),
     )

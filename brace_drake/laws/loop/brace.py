@@ -96,8 +96,9 @@ def make_brace(
         displacement=np.zeros(6),
     )
     stages.place_rings(numbers.start, numbers.rest, brace.poses[:n])
-    brace.poses[n, 0] = 1.0
-    brace.poses[n, 4:7] = numbers.torso_rest
+    stages.place_rings(
+        numbers.torso_start, numbers.torso_rest[None], brace.poses[n:]
+    )
     return brace
 
 
