@@ -17,6 +17,7 @@ from brace_drake.learning.rewards import calc_reward, find_violation
 from brace_drake.learning.signals import Signals, stack_signals
 from brace_drake.learning.subjects import Subject
 from brace_drake.learning.task import LearningTask
+from brace_drake.scenario.brace import BraceScenario
 
 # Samples between two decisions: 5 ms where the paper decides every 50 ms.
 SAMPLES = 10
@@ -102,13 +103,17 @@ class Benchmark(PreparedTask):
 
     Args:
         task: Its ranges say what effects a subject's numbers are of.
+        scenario: In place of the task's own.
 
     Raises:
         ScenarioError: Task or scenario are not allowed.
     """
 
-    def __init__(self, task: LearningTask):
-        super().__init__(replace(task, readings="exact", backend="compiled"))
+    def __init__(
+        self, task: LearningTask, scenario: BraceScenario | None = None
+    ):
+        exact = replace(task, readings="exact", backend="compiled")
+        super().__init__(exact, scenario)
 
     @property
     def pushed(self) -> int:

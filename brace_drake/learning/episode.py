@@ -58,12 +58,18 @@ class PreparedTask:
         law: From actions to stiffness.
         selected: Coordinates with an impedance (6n,), bool.
 
+    Args:
+        task: To be checked.
+        scenario: In place of the task's own, as `load_task_scenario` gives it.
+
     Raises:
         ScenarioError: Task or scenario are not allowed: key, value, range.
     """
 
-    def __init__(self, task: LearningTask):
-        self.scenario: BraceScenario = load_task_scenario(task)
+    def __init__(
+        self, task: LearningTask, scenario: BraceScenario | None = None
+    ):
+        self.scenario: BraceScenario = scenario or load_task_scenario(task)
         check_task(task, self.scenario)
         n, control = len(self.scenario.stages), self.scenario.control
         self.task = spread_task(task, n)
