@@ -57,6 +57,7 @@ def forces_by_hand(numbers, bodies, u, with_torso):
     turn = Rotation.from_matrix(R_T).as_rotvec()
     F_T[0:3] = -law[6:9] * turn - law[9:12] * V_T[0:3]
     F_T[3:6] = -law[0:3] * (p_T - numbers.torso_rest) - law[3:6] * V_T[3:6]
+    F_T[3:6] += law[12:15]
     k, c, friction, v_s, offset, preload = numbers.contact[0]
     for s in (1.0, -1.0):
         arm, y = s * offset * R_R[:, 1], R_T[:, 1]
@@ -78,7 +79,9 @@ def forces_by_hand(numbers, bodies, u, with_torso):
 class TestOneStage(unittest.TestCase):
     def test_the_forces_are_those_by_hand(self):
         generator = np.random.default_rng(1)
-        numbers = pack_brace(BraceScenario(stages=[2]))
+        scenario = BraceScenario(stages=[2])
+        scenario.torso.lean = np.array([0.4, -1.9, 0.3])
+        numbers = pack_brace(scenario)
         rest = [numbers.rest[0], numbers.torso_rest]
         loads = []
         for _ in range(50):

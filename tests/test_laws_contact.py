@@ -26,7 +26,7 @@ def two_bodies(p_R=(0, 0, 0), v_R=(0, 0, 0)):
 def press(bodies):
     """Spatial forces on ring and torso, and the force on the torso."""
     numbers = pack_bench(BenchScenario()).with_changes(
-        contact=LAW[None], posture=np.zeros(12)
+        contact=LAW[None], posture=np.zeros(15)
     )
     brace = make_brace(numbers, with_torso=True, with_legs=False)
     brace.bodies[:] = bodies
@@ -77,8 +77,8 @@ class TestPads(unittest.TestCase):
 
 
 class TestPosture(unittest.TestCase):
-    def test_spring_and_damper_act_along_the_axes_of_w(self):
-        law = np.arange(1.0, 13.0)
+    def test_spring_damper_and_lean_act_along_the_axes_of_w(self):
+        law = np.append(np.arange(1.0, 13.0), [100.0, 200.0, 300.0])
         F = np.zeros(6)
         posture.add_posture_force(
             np.array([0.1, 0.2, 0.3]),
@@ -87,7 +87,7 @@ class TestPosture(unittest.TestCase):
             law,
             F,
         )
-        np.testing.assert_allclose(F[3:6], [-16.1, -25.4, -36.9])
+        np.testing.assert_allclose(F[3:6], [83.9, 174.6, 263.1])
         np.testing.assert_allclose(F[0:3], [-10.07, -22.16, -36.27])
 
 
