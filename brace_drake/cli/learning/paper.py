@@ -14,8 +14,8 @@ example:
   brace-drake paper --fit --policy runs/leaning/best.npz --out out/paper
 
 Pushes a torso that no spring holds and that leans on the pad
-(diagrams/paper_leaning_torso.scenario.yaml) by PIC, by RLPIC and by the paper's
-mean stiffness, on stage 2 and on the whole brace, and the torso with a posture
+(diagrams/paper_leaning_torso.scenario.yaml) by PIC, by the paper's mean stiffness
+and by a policy, on stage 2 and on the whole brace, and the torso with a posture
 spring beside it. Readings are exact and nothing is random. --fit finds lean and
 load of the torso anew from PIC's row of the paper's Table 1. Writes
 table_1.csv, table_1.md and figure_8.png to figure_13.png.
@@ -42,20 +42,19 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add(
         "--policy",
         metavar="FILE",
-        help="policy of RLPIC (default: the one that was trained there)",
+        help="policy of RLPIC, as train writes it (default: no such row)",
     )
 
 
 def Run(args: argparse.Namespace) -> int:
     """Fits if asked to, runs, writes, and prints what it says."""
-    from brace_drake.core.resources import policy_path
     from brace_drake.experiments.paper_torso.lean import fit_lean, leaning_task
     from brace_drake.experiments.paper_torso.pushes import run_pushes
     from brace_drake.experiments.paper_torso.write import WritePaper, explain
     from brace_drake.learning.policy import LoadPolicy
     from brace_drake.learning.task import load_task_scenario
 
-    policy = LoadPolicy(args.policy or policy_path("rlpic_leaning.npz"))
+    policy = LoadPolicy(args.policy) if args.policy else None
     scenario, fitted = load_task_scenario(leaning_task()), None
     out = HoldFolder(Path(args.out))
     if args.fit:

@@ -19,6 +19,7 @@ from brace_drake.learning.policy import Policy
 from brace_drake.learning.task import LearningTask, load_task_scenario
 from brace_drake.scenario.brace import BraceScenario
 
+ALONE = "leaning torso, stage 2"
 SPRING = "paper_pic.scenario.yaml"
 _START_S = 1.0
 
@@ -44,23 +45,24 @@ class PaperPush:
 
 
 def run_pushes(
-    policy: Policy, leaning: BraceScenario | None = None
+    policy: Policy | None = None, leaning: BraceScenario | None = None
 ) -> list[PaperPush]:
-    """Runs every row; the first three are those that the figures show.
+    """Runs every row; the first are those that the figures show.
 
     Args:
-        policy: Trained on the leaning torso.
+        policy: Trained on the leaning torso; None: no row of RLPIC.
         leaning: Its scenario; None: the package's.
     """
     leaning = leaning or load_task_scenario(leaning_task())
     constant = Controller("constant", stiffness=PAPER_STIFFNESS)
-    pic, learned = Controller("pic"), Controller("rlpic", policy=policy)
+    pic = Controller("pic")
+    learned = [Controller("rlpic", policy=policy)] if policy else []
     alone = Benchmark(leaning_task(), leaning)
     spring = Benchmark(LearningTask(scenario=SPRING))
     rows = (
-        ("leaning torso, stage 2", alone, (pic, learned, constant)),
+        (ALONE, alone, (pic, *learned, constant)),
         ("leaning torso, whole brace", _whole(leaning), (pic, constant)),
-        ("posture spring, stage 2", spring, (pic, learned, constant)),
+        ("posture spring, stage 2", spring, (pic, *learned, constant)),
     )
     return [
         _push(benchmark, controller, setting)

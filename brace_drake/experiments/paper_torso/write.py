@@ -6,7 +6,7 @@ from pathlib import Path
 
 from brace_drake.core.output import WriteBytes, WriteText
 from brace_drake.experiments.paper_torso.lean import FITTED, FittedLean
-from brace_drake.experiments.paper_torso.pushes import PaperPush
+from brace_drake.experiments.paper_torso.pushes import ALONE, PaperPush
 from brace_drake.experiments.paper_torso.reach import (
     frequencies_of,
     inertial_force_rms,
@@ -111,7 +111,7 @@ def explain(
     fitted: FittedLean | None,
 ) -> list[str]:
     """What is met, and what would be needed for the rest, by the numbers."""
-    found = {p.controller: p.score for p in pushes[:3]}
+    found = {p.controller: p.score for p in _shown(pushes)}
     near = [
         c.title
         for c in TABLE_1
@@ -122,7 +122,7 @@ def explain(
         f"PIC: {len(near)} of 5 entries are within {100 * _WITHIN:.0f} % of the"
         f" paper's: {'; '.join(near) or 'none'}."
     )
-    for name in ("rlpic", "constant"):
+    for name in sorted(found.keys() - {"pic"}):
         below = [
             c.title
             for c in TABLE_1
@@ -133,6 +133,10 @@ def explain(
             f" paper's RLPIC: {'; '.join(below) or 'none'}."
         )
     return lines + _limits(scenario)
+
+
+def _shown(pushes: list[PaperPush]) -> list[PaperPush]:
+    return [push for push in pushes if push.setting == ALONE]
 
 
 def _of_torso(scenario: BraceScenario, fitted: FittedLean | None) -> str:
@@ -177,8 +181,8 @@ def _ratio(score, stated, column: Column) -> float:
 
 
 def draw_figures(pushes: list[PaperPush]) -> dict[str, bytes]:
-    """Figures 8 to 13 by name, of the first three pushes, as PNG."""
-    return {name: _draw(pushes[:3], *rest) for name, *rest in _FIGURES}
+    """Figures 8 to 13 by name, of stage 2 on the leaning torso, as PNG."""
+    return {name: _draw(_shown(pushes), *rest) for name, *rest in _FIGURES}
 
 
 def _draw(pushes, title, field, wanted, j, factor) -> bytes:
