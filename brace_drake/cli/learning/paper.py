@@ -15,9 +15,9 @@ example:
 
 Pushes a torso that no spring holds and that leans on the pad
 (diagrams/paper_leaning_torso.scenario.yaml) by PIC, by the paper's mean
-stiffness and by a policy, on stage 2 and on the whole brace, and the torso with a posture
-spring beside it. Readings are exact and nothing is random. --fit finds lean and
-load of the torso anew from PIC's row of the paper's Table 1. Writes
+stiffness and by a policy, on stage 2 and on the whole brace, and the torso with
+a posture spring beside it. Readings are exact, nothing is random. --fit finds
+lean and load of the torso anew from PIC's row of the paper's Table 1. Writes
 table_1.csv, table_1.md and figure_8.png to figure_13.png.
 """
 
