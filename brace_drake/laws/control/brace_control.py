@@ -248,10 +248,9 @@ def calc_forces(controller, command):
         )  # fmt: skip
 
 
-@njit(
-    int64(CONTROLLER, vector, vector, vector),
-    **{**LAW, "forceinline": False},
-)
+# Without a signature: with one, each process that goes decision by decision
+# would compile it again, as kept code names what it calls by its signatures.
+@njit(**{**LAW, "forceinline": False})
 def advance_controller(controller, readings, stiffness, command):
     """One tick.
 
