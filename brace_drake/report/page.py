@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 from brace_drake.core.output import MakeFolder, WriteBytes
@@ -64,6 +65,12 @@ def render_page(
 
 def render_template(name: str, *folders: Path, **values) -> str:
     """A template of one of the folders, or of this one, filled in."""
+    return _environment(folders).get_template(name).render(**values)
+
+
+@cache
+def _environment(folders: tuple[Path, ...]):
+    """What finds templates; it keeps those that it has read."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -78,4 +85,4 @@ def render_template(name: str, *folders: Path, **values) -> str:
         "nothing": words.NOTHING,
         "percent_interval": words.percent_interval,
     }
-    return environment.get_template(name).render(**values)
+    return environment
