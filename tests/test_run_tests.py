@@ -35,12 +35,17 @@ class TestDeadly(unittest.TestCase):
 
 
 class TestRunTests(unittest.TestCase):
-    def run_files(self, **sources):
+    def run_files(self, *words, **sources):
         with tempfile.TemporaryDirectory() as folder:
             for name, text in sources.items():
                 Path(folder, f"{name}.py").write_text(text)
             done = subprocess.run(
-                [sys.executable, ROOT / "tools" / "run_tests.py", *sources],
+                [
+                    sys.executable,
+                    ROOT / "tools" / "run_tests.py",
+                    *sources,
+                    *words,
+                ],
                 env={**os.environ, "PYTHONPATH": folder},
                 capture_output=True,
                 text=True,
@@ -66,6 +71,15 @@ class TestRunTests(unittest.TestCase):
         status, lines = self.run_files(deadly=DEADLY, **sound)
         self.assertEqual((status, lines[-1]), (1, "40 passed, 1 failed"))
         self.assertIn("failed: deadly", lines)
+
+    def test_a_command_that_fails_beside_the_tests_is_told(self):
+        for code in (0, 4):
+            command = f"echo seen; exit {code}"
+            with self.subTest(code):
+                status, lines = self.run_files("--also", command, sound=SOUND)
+                self.assertEqual(status, int(code > 0))
+                self.assertEqual(f"failed: {command}" in lines, code > 0)
+                self.assertEqual("seen" in lines, code > 0)
 
     def test_a_file_that_cannot_be_imported_is_a_failure(self):
         status, lines = self.run_files(broken="import nowhere_at_all\n")

@@ -1,11 +1,14 @@
 """Runs the suite in few processes, the longest test files first.
 
     python tools/run_tests.py [tests.test_import ...] [--processes 2]
+        [--also CMD]
 
 Without names all of tests/ is run. Processes take one file after the other.
-Files of the link keep real time: they have a process of their own beside the
-others, which give way to it. Prints a line for each file, what failed, and in
-the end how many tests passed and failed; status 1 where one failed.
+The first files compile what the others use, so that no two processes compile
+the same; commands that are to be run also run beside them. Files of the link
+keep real time: they have a process of their own beside the others, which give
+way to it. Prints a line for each file, what failed, and in the end how many
+tests passed and failed; status 1 where one failed, or a command.
 """
 
 from __future__ import annotations
@@ -30,10 +33,11 @@ TIMES = ROOT / "out" / "test_times.json"
 # What the single tests of a second and more took, s, the slowest first.
 SLOW = ROOT / "out" / "slow_tests.json"
 REAL_TIME = "tests.test_link_"
+# They compile nearly all laws, each in its own way.
+FIRST = ("tests.test_lanes", "tests.test_transfer")
 # Where nothing was timed yet: the longest of all.
 LONG = (
     "diagnose",
-    "transfer",
     "training",
     "notebooks",
     "pad_diagnosis",
@@ -119,8 +123,8 @@ def run_file(name: str) -> Outcome:
     )
 
 
-def _dead(name: str, why: str) -> Outcome:
-    return Outcome(name, 0, (name,), 0, 0.0, why, {})
+def _dead(name: str, why: str, seconds: float = 0.0) -> Outcome:
+    return Outcome(name, 0, (name,), 0, seconds, why, {})
 
 
 def longest_first(names: list[str]) -> list[str]:
@@ -216,16 +220,44 @@ def run_line(names: deque[str], niceness: int) -> list[Outcome]:
     return outcomes
 
 
-def run_all(names: list[str], processes: int) -> list[Outcome]:
-    """Runs all files, those of the link in a line of their own."""
+def run_command(command: str) -> Outcome:
+    """Runs a command of the shell, which fails as a test does."""
+    start = time.monotonic()
+    done = subprocess.run(
+        command, shell=True, text=True, capture_output=True, cwd=ROOT
+    )
+    seconds = time.monotonic() - start
+    print(f"{seconds:7.1f} s  {command}: status {done.returncode}", flush=True)
+    found = _dead(command, done.stdout + done.stderr, seconds)
+    if not done.returncode:
+        return found._replace(failed=(), report="")
+    print(found.report, end="", flush=True)
+    return found
+
+
+def run_all(
+    names: list[str], processes: int, commands: list[str]
+) -> list[Outcome]:
+    """Runs all files, those of the link in a line of their own, and commands
+    beside the first.
+    """
     ordered = longest_first(names)
+    first = deque(name for name in FIRST if name in names)
     beside = deque(name for name in ordered if name.startswith(REAL_TIME))
-    others = deque(name for name in ordered if name not in beside)
-    with ThreadPoolExecutor(1 + processes) as threads:
+    others = deque(n for n in ordered if n not in beside and n not in first)
+    with ThreadPoolExecutor(2 + processes) as threads:
+        told = threads.submit(lambda: [run_command(c) for c in commands])
+        outcomes = run_line(first, 10) if first else []
         lines = [threads.submit(run_line, beside, 0)]
-        for _ in range(processes):
-            lines.append(threads.submit(run_line, others, 10))
-        return [outcome for line in lines for outcome in line.result()]
+        lines += [
+            threads.submit(run_line, others, 10) for _ in range(processes - 1)
+        ]
+        # One process gives its place to the commands.
+        outcomes += told.result()
+        lines.append(threads.submit(run_line, others, 10))
+        for line in lines:
+            outcomes += line.result()
+    return outcomes
 
 
 def main() -> int:
@@ -233,6 +265,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("names", nargs="*", metavar="tests.test_NAME")
     parser.add_argument("--processes", type=int, default=2, metavar="N")
+    parser.add_argument(
+        "--also", action="append", default=[], metavar="COMMAND"
+    )
     parser.add_argument("--serve", type=int, nargs=2, help=argparse.SUPPRESS)
     parser.add_argument("--niceness", type=int, help=argparse.SUPPRESS)
     args = parser.parse_args()
@@ -244,13 +279,13 @@ def main() -> int:
     files = sorted((ROOT / "tests").glob("test_*.py"))
     names = args.names or [f"tests.{file.stem}" for file in files]
     start = time.monotonic()
-    outcomes = run_all(names, args.processes)
+    outcomes = run_all(names, args.processes, args.also)
     failed = [test for found in outcomes for test in found.failed]
     passed = sum(found.passed for found in outcomes)
     skipped = sum(found.skipped for found in outcomes)
     if not args.names:
         TIMES.parent.mkdir(exist_ok=True)
-        times = {o.name: round(o.seconds, 1) for o in outcomes}
+        times = {o.name: round(o.seconds, 1) for o in outcomes if o.passed}
         TIMES.write_text(json.dumps(times, indent=1))
         slow = {k: v for o in outcomes for k, v in o.slow.items()}
         ordered = dict(sorted(slow.items(), key=lambda item: -item[1]))
