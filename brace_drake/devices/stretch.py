@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from brace_drake.devices.tolerances import LinearTolerances
 
 # Of the square of a standard normal variable.
-_MEDIAN = float(chi2.median(1))
+_MEDIAN = float(2.0 * gammaincinv(0.5, 0.5))
 # Prior deviation of an estimate below which the data say nothing of a number.
 _TOLD = 1e-3
 

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from scipy.ndimage import median_filter
-from scipy.signal import find_peaks
 
 from brace_drake.devices.motions.reference import COLUMNS
 from brace_drake.effects.card import Effect
@@ -121,7 +121,7 @@ def _pitches(power: np.ndarray, travel: float) -> tuple[float, ...]:
         return ()
     ground = int(_GROUND / travel / np.diff(_WAVES)[0])
     clear = power / median_filter(power, ground, mode="nearest")
-    peaks, _ = find_peaks(clear)
+    peaks, _ = scipy.signal.find_peaks(clear)
     best = peaks[np.argsort(-clear[peaks])][:_RIPPLES]
     return tuple(float(1.0 / w) for w in _WAVES[best])
 
@@ -138,6 +138,6 @@ def _swings(left) -> tuple[float, ...]:
         spectrum = np.abs(np.fft.rfft(scaled, size, axis=0)) ** 2
         power = spectrum.sum(axis=1) / len(scaled)
         total += np.interp(grid, np.fft.rfftfreq(size, 1.0 / rate), power)
-    peaks, _ = find_peaks(total)
+    peaks, _ = scipy.signal.find_peaks(total)
     best = peaks[np.argsort(-total[peaks])][:_SWINGS]
     return tuple(float(f) for f in grid[best] if f > 0.0)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+import scipy
 
 _DRAWS = 2000
 
@@ -80,7 +80,7 @@ def student_interval(values: Sequence[float]) -> Spread:
     mean, n = float(values.mean()), len(values)
     if n < 2 or not np.isfinite(mean):
         return Spread(mean)
-    half = float(stats.t.ppf(0.975, n - 1) * values.std(ddof=1) / n**0.5)
+    half = float(scipy.stats.t.ppf(0.975, n - 1) * values.std(ddof=1) / n**0.5)
     return Spread(mean, mean - half, mean + half)
 
 
@@ -110,7 +110,7 @@ def share_interval(events: np.ndarray) -> Spread:
         events: Bool, (subjects,) or (seeds, subjects); means of seeds count.
     """
     p = np.atleast_2d(events).mean(axis=0)
-    n, share, z = len(p), float(p.mean()), float(stats.norm.ppf(0.975))
+    n, share, z = len(p), float(p.mean()), float(scipy.stats.norm.ppf(0.975))
     centre = (share + z * z / (2 * n)) / (1 + z * z / n)
     half = z * np.sqrt(share * (1 - share) / n + z * z / (4 * n * n))
     half /= 1 + z * z / n

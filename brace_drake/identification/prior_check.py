@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
+import scipy
 
 if TYPE_CHECKING:
     from brace_drake.identification.fits import CandidateFit
@@ -91,8 +91,9 @@ def looks_scattered(fit: CandidateFit) -> bool:
     )
     if len(sample) == 0:
         return True
+    stats, size = scipy.stats, len(sample)
     shape = stats.kstest(np.abs(sample), stats.halfnorm.cdf).pvalue
-    outliers = stats.f.sf(np.mean(sample**2), len(sample), len(sample))
+    outliers = stats.f.sf(np.mean(sample**2), size, size)
     return bool(2.0 * min(shape, outliers) > _LEVEL)
 
 

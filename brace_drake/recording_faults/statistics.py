@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.special import chdtri, ndtri
 
 # False alarms of one kind of test that a sound campaign may give.
 FALSE_ALARM = 1e-4
@@ -18,13 +18,13 @@ def largest_normal(number: int) -> float:
     """Deviations that not one of so many normal values exceeds, but for the
     rate of false alarms.
     """
-    return float(norm.isf(0.5 * FALSE_ALARM / max(1, number)))
+    return float(-ndtri(0.5 * FALSE_ALARM / max(1, number)))
 
 
 def largest_mean_square(count: int, number: int) -> float:
     """Mean of `count` squares of noise that none of `number` exceeds."""
     rate = FALSE_ALARM / max(1, number)
-    return float(chi2.isf(rate, count) / count) * _FLOOR_ERROR**2
+    return float(chdtri(count, rate) / count) * _FLOOR_ERROR**2
 
 
 def local_error(values: np.ndarray) -> np.ndarray:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from scipy.optimize import nnls
-from scipy.signal import lfilter
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.recording.recording import Run
@@ -141,6 +141,6 @@ def _basis(offset: float, part: _Slow) -> np.ndarray:
     columns = [depth, np.where(inside, part.rate, 0.0), depth**3]
     for tau in _ARMS_S:
         decay = np.exp(-part.step / tau)
-        creep = lfilter([0.0, 1.0 - decay], [1.0, -decay], depth)
+        creep = scipy.signal.lfilter([0.0, 1.0 - decay], [1.0, -decay], depth)
         columns.append(np.where(inside, depth - creep, 0.0))
     return np.column_stack(columns)

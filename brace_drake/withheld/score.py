@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import binomtest
+import scipy
 
 from brace_drake.withheld.faults import SEVERITIES
 from brace_drake.withheld.judged import Judged
@@ -123,7 +123,7 @@ def share_of(hits: Iterable[bool]) -> dict:
     hits = [bool(hit) for hit in hits]
     interval = [0.0, 1.0]
     if hits:
-        test = binomtest(sum(hits), len(hits))
+        test = scipy.stats.binomtest(sum(hits), len(hits))
         interval = [float(end) for end in test.proportion_ci(method="wilson")]
     return {
         "hits": sum(hits),

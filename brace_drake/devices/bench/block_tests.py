@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter
+import scipy
 
 from brace_drake.devices.bench.control_law import replay_controller
 from brace_drake.devices.bench.force_balance import (
@@ -154,8 +154,8 @@ def residual_of_torso(numbers, rate: float, prepared, x: np.ndarray):
             changed.posture[4],
         )
         system = ([1.0 / mass], [1.0, damping / mass, stiffness / mass])
-        b, a, _ = cont2discrete(system, 1.0 / rate, method="foh")
-        predicted = lfilter(np.ravel(b), a, x[:, FORCE_Y])
+        b, a, _ = scipy.signal.cont2discrete(system, 1.0 / rate, method="foh")
+        predicted = scipy.signal.lfilter(np.ravel(b), a, x[:, FORCE_Y])
         return low_pass(x[:, MARKER_Y] - predicted, CUTOFF_HZ, rate)
 
     return residual
