@@ -2,6 +2,7 @@
 
 import math
 import unittest
+from functools import cache
 
 import numpy as np
 
@@ -52,10 +53,16 @@ def answer(evaluator):
     return decide(*settle(evaluator, criterion, fits))
 
 
+@cache
+def make_bench():
+    """The bench of all classes here."""
+    return SyntheticBench()
+
+
 class OnTheBench(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.bench = SyntheticBench()
+        cls.bench = make_bench()
         cls.cards = effects_for(DEVICE)
 
 
@@ -91,13 +98,21 @@ class TestRegistry(OnTheBench):
 
 
 class TestAnswers(OnTheBench):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.of_none = answer(cls.bench.evaluator(()))
+
     def test_no_effect_leads_to_none(self):
-        self.assertFalse(answer(self.bench.evaluator(())).gap)
+        self.assertFalse(self.of_none.gap)
 
     def test_without_the_torsos_marker_no_answer_is_surer(self):
         delay = self.cards["command_delay"]
-        for uses in ((), [(delay, self.bench.values_of_a_gap(delay))]):
-            whole = answer(self.bench.evaluator(uses))
+        late = [(delay, self.bench.values_of_a_gap(delay))]
+        for uses, whole in (
+            ((), self.of_none),
+            (late, answer(self.bench.evaluator(late))),
+        ):
             part = answer(self.bench.evaluator(uses, without_torso))
             self.assertEqual(part.gap, whole.gap)
             self.assertLess(part.probability, whole.probability)
