@@ -155,9 +155,13 @@ class TestOverlayProcess(unittest.TestCase):
             self.assertIsNotNone(overlay._child.poll())
 
     def test_one_that_cannot_begin_is_not_waited_for(self):
+        begun = time.monotonic()
         with OverlayProcess(SCENARIO, "no.such.host.invalid") as overlay:
             overlay.Wait()
             self.assertIsNone(overlay.port)
+            # It has ended by itself, before patience did.
+            self.assertIsNotNone(overlay._child.wait(10.0))
+            self.assertLess(time.monotonic() - begun, 50.0)
             overlay.Show(np.zeros(12), np.zeros(12))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import html
 import logging
+import socket
 import sys
 import threading
 from pathlib import Path
@@ -154,7 +155,16 @@ def ShowPlayback(
 
 
 def StartLocalMeshcat(host: str = "localhost") -> Meshcat:
-    """A Meshcat that only this machine can reach, or who reaches `host`."""
+    """A Meshcat that only this machine can reach, or who reaches `host`.
+
+    Raises:
+        OSError: This machine cannot listen there.
+    """
+    # Drake would wait for ever.
+    family, *_, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[
+        0
+    ]
+    socket.create_server(address[:2], family=family).close()
     own = threading.get_ident()
     for entry in _served[:]:
         thread, meshcat = entry
