@@ -178,7 +178,7 @@ class Effects(NamedTuple):
         together: Whether an effect's laws serve all copies at once: `laws` has
             those of lanes, and the copies of each parameter and state lie
             behind each other, as the first copy's (MAX_EFFECTS,).
-        work: Places for what one copy's law takes and changes (5, 12).
+        work: Places for what one copy's law takes and changes (5, 15).
     """
 
     laws: np.ndarray

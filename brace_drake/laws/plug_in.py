@@ -105,7 +105,7 @@ def make_effects_of(
         places,
         (laws != 0).any(axis=-1),
         together,
-        np.zeros((5, 12)),
+        np.zeros((5, 15)),
     )
 
 

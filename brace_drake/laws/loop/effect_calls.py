@@ -254,7 +254,7 @@ def _torso(effects, e, t, dt, p_T, r_T, V, law, F):
                     work[0, 0:3],
                     work[1, 0:3],
                     work[2, 0:6],
-                    work[3, 0:12],
+                    work[3, 0:15],
                     work[4, 0:6],
                     p,
                     x,
