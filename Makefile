@@ -21,7 +21,8 @@ demo: $(STAMP)
 
 # What does not need the tests runs beside them.
 test: $(STAMP)
-	$(BIN)/python tools/run_tests.py --also "$(MAKE) --silent lint"
+	$(BIN)/python tools/run_tests.py --also "$(BIN)/python -m mypy" \
+	  --also "$(BIN)/ruff check ." --also "$(BIN)/ruff format --check ."
 
 lint: types
 	$(BIN)/ruff check .
