@@ -38,15 +38,15 @@ SETTLE = 4.0
 
 
 def campaign_head(
-    scenario: BraceScenario, hello, subject: str = "", settled: float = SETTLE
+    scenario: BraceScenario, hello, settled: float, subject: str = ""
 ) -> dict:
     """Keys of campaign.yaml beside its runs.
 
     Args:
         scenario: Of the device.
         hello: What the device has told of itself.
-        subject: Who or what is in the brace.
         settled: s at rest before each run.
+        subject: Who or what is in the brace.
     """
     device, stages = campaign_device(tuple(scenario.stages))
     who = ("model", "identity", "firmware", "rate_hz")
@@ -102,7 +102,7 @@ class Recorder:
         try:
             hello = self.link.hello
             self._every = round(hello.rate_hz * scenario.sensors.log_period)
-            head = campaign_head(scenario, hello, subject)
+            head = campaign_head(scenario, hello, SETTLE, subject)
             self.journal = Journal(out, head)
         except BaseException:
             self.link.Close()
