@@ -470,7 +470,11 @@ class TestClock(Folder):
             np.testing.assert_allclose(np.diff(run.time_s), 0.005, atol=1e-9)
 
     def test_only_notes_of_when_look_at_a_clock_that_can_be_set_back(self):
-        notes = {"link/operation/recorder.py", "withheld/seals.py"}
+        notes = {
+            "link/operation/live/observer.py",
+            "link/operation/recorder.py",
+            "withheld/seals.py",
+        }
         looks = {
             *(("time", n) for n in ("time", "time_ns", "localtime", "ctime")),
             *(("datetime", n) for n in ("now", "utcnow", "today")),
