@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from brace_drake.core.resources import scenario_path
+from brace_drake.core.resources import policy_path, scenario_path
 from brace_drake.experiments.paper_torso import reach
 from brace_drake.experiments.paper_torso.lean import (
     LEANING,
@@ -16,11 +16,12 @@ from brace_drake.experiments.paper_torso.lean import (
 )
 from brace_drake.experiments.paper_torso.pushes import whole_brace
 from brace_drake.experiments.rollouts import Benchmark, Controller
-from brace_drake.experiments.tables import TABLE_1_PIC
+from brace_drake.experiments.tables import TABLE_1_PIC, TABLE_1_RLPIC
 from brace_drake.laws.loop.brace import make_brace
 from brace_drake.laws.loop.ticks import run_ticks
 from brace_drake.laws.plug_in import make_effects
 from brace_drake.learning.env import RlpicEnv
+from brace_drake.learning.policy import LoadPolicy
 from brace_drake.learning.subjects import NOMINAL
 from brace_drake.learning.task import load_task_scenario
 from brace_drake.scenario.brace_numbers import pack_brace
@@ -143,6 +144,14 @@ class TestTable1(unittest.TestCase):
             with self.subTest(entry=name):
                 ratio = getattr(score, name) / getattr(TABLE_1_PIC, name)
                 self.assertAlmostEqual(ratio, 1.0, delta=0.25)
+
+    def test_rlpic_trained_there_comes_to_the_papers_stiffness(self):
+        policy = LoadPolicy(policy_path("rlpic_leaning.npz"))
+        bench = Benchmark(leaning_task(), load_task_scenario(leaning_task()))
+        _, score = run_push(bench, Controller("rlpic", policy=policy))
+        self.assertAlmostEqual(score.stiffness / 49990.0, 1.0, delta=0.1)
+        self.assertLessEqual(score.y_rms, TABLE_1_RLPIC.y_rms)
+        self.assertLessEqual(score.vy_rms, TABLE_1_RLPIC.vy_rms)
 
     def test_the_whole_brace_is_pushed_at_its_second_ring_alone(self):
         scenario = whole_brace(LoadScenario(scenario_path(LEANING)))

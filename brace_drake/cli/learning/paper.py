@@ -11,7 +11,7 @@ from brace_drake.core.output import HoldFolder
 _EPILOG = """\
 example:
   brace-drake paper --out out/paper
-  brace-drake paper --fit --policy runs/leaning/best.npz --out out/paper
+  brace-drake paper --fit --policy runs/mine/best.npz --out out/paper
 
 Pushes a torso that no spring holds and that leans on the pad
 (diagrams/paper_leaning_torso.scenario.yaml) by PIC, by the paper's mean
@@ -42,19 +42,21 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add(
         "--policy",
         metavar="FILE",
-        help="policy of RLPIC, as train writes it (default: no such row)",
+        help="policy of RLPIC, as train writes it (default: the package's,"
+        " trained on this torso)",
     )
 
 
 def Run(args: argparse.Namespace) -> int:
     """Fits if asked to, runs, writes, and prints what it says."""
+    from brace_drake.core.resources import policy_path
     from brace_drake.experiments.paper_torso.lean import fit_lean, leaning_task
     from brace_drake.experiments.paper_torso.pushes import run_pushes
     from brace_drake.experiments.paper_torso.write import WritePaper, explain
     from brace_drake.learning.policy import LoadPolicy
     from brace_drake.learning.task import load_task_scenario
 
-    policy = LoadPolicy(args.policy) if args.policy else None
+    policy = LoadPolicy(args.policy or policy_path("rlpic_leaning.npz"))
     scenario, fitted = load_task_scenario(leaning_task()), None
     out = HoldFolder(Path(args.out))
     if args.fit:
