@@ -213,5 +213,28 @@ class TestNuisances(unittest.TestCase):
         self.assertIs(again.beside([]), again)
 
 
+class TestWhitening(unittest.TestCase):
+    def test_pieces_are_whitened_as_each_alone(self):
+        random = np.random.default_rng(0)
+        basis, _ = np.linalg.qr(random.normal(size=(60, 4)))
+        columns = random.normal(size=(4, 3))
+        known = LinearTolerances(("a", "b", "c"), basis, columns)
+        residual, ends = random.normal(size=60), [10, 45, 60]
+        found = known.whiten_pieces(residual, ends)
+        for k, (a, b) in enumerate(((0, 10), (10, 45), (45, 60))):
+            alone = np.zeros(60)
+            alone[a:b] = residual[a:b]
+            np.testing.assert_allclose(
+                found[:, k], known.whiten(alone), rtol=0.0, atol=1e-13
+            )
+        # By the inverse root of I + J J'.
+        J = basis @ columns
+        whole = found.sum(axis=1)
+        np.testing.assert_allclose(
+            whole @ whole,
+            residual @ np.linalg.solve(np.eye(60) + J @ J.T, residual),
+        )
+
+
 if __name__ == "__main__":
     unittest.main()

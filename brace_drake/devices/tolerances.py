@@ -22,17 +22,9 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
-from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
-
-# Mean square, in floors, that a direction of one deviation changes at least.
-_TELLS = 0.1
-
-# Where drives stick and slip by chance, columns are differenced over so many
-# deviations: how the chance falls is part of every difference.
-_FAR = 3.0
 
 # From how far each number is off, SI units by name, to effects.
 UsesOff = Callable[[Mapping[str, float]], tuple[Use, ...]]
@@ -77,7 +69,9 @@ class LinearTolerances:
         size = np.sqrt(1.0 + np.maximum(squares, 0.0) / self.noise)
         vars(self)["root"] = (ways / size) @ ways.T
         vars(self)["_coloured"] = (ways * size) @ ways.T
-        vars(self)["uses"] = _uses_of(self.nuisances, self.off, self.uses_off)
+        vars(self)["uses"] = uses_within(
+            self.nuisances, self.off, self.uses_off
+        )
         self._forget_parts()
 
     def _forget_parts(self) -> None:
@@ -103,6 +97,25 @@ class LinearTolerances:
         """(I + J J' / v)^(-1/2) of a weighted residual (rows,) or (rows, m)."""
         along = self.basis.T @ residual
         return residual + self.basis @ (self.root @ along - along)
+
+    def whiten_pieces(
+        self, residual: np.ndarray, ends: Sequence[int]
+    ) -> np.ndarray:
+        """`whiten` of each piece of a residual (rows,), zero elsewhere.
+
+        Args:
+            residual: Before.
+            ends: Of the pieces, m of them.
+
+        Returns:
+            A column for each (rows, m).
+        """
+        pieces = [slice(*p) for p in zip([0, *ends[:-1]], ends, strict=True)]
+        along = np.column_stack([self.basis[p].T @ residual[p] for p in pieces])
+        out = self.basis @ (self.root @ along - along)
+        for k, p in enumerate(pieces):
+            out[p, k] += residual[p]
+        return out
 
     def colour(self, whitened: np.ndarray) -> np.ndarray:
         """The inverse of `whiten`."""
@@ -170,7 +183,7 @@ class LinearTolerances:
         if whole is not None:
             mine = dict(zip(map(id, self.nuisances), off, strict=True))
             whole = whole.at([mine.get(id(n), 0.0) for n in whole.nuisances])
-        return replace(self, off=_able_off(self.nuisances, off), whole=whole)
+        return replace(self, off=able_off(self.nuisances, off), whole=whole)
 
     def beside_noise(self, noise: float) -> LinearTolerances:
         """The same weighed beside another variance of all else."""
@@ -194,81 +207,7 @@ class LinearTolerances:
         return replace(self, off=None)
 
 
-def linearise_tolerances(
-    evaluator,
-    nuisances: Sequence[Nuisance],
-    subject: np.ndarray,
-    uses: Sequence[Use] = (),
-    uses_off: UsesOff | None = None,
-    off: np.ndarray | None = None,
-    before: LinearTolerances | None = None,
-    noise: float = 1.0,
-) -> LinearTolerances | None:
-    """The change of all runs by each number, at a subject and with effects.
-
-    None where no number has a tolerance, or the twin breaks down.
-
-    Args:
-        evaluator: Over the runs.
-        nuisances: Numbers with a tolerance.
-        subject: Values of the subject's parameters.
-        uses: Effects that are there.
-        uses_off: Effects of numbers that are off.
-        off: Deviations of each to linearise at (n,); needs `uses_off`.
-        before: Linearised nearby; what told next to nothing there is taken
-            from it.
-        noise: Variance of all else along the numbers.
-    """
-    if not nuisances:
-        return None
-    if off is not None:
-        off = _able_off(nuisances, off)
-    here = _uses_of(nuisances, off, uses_off)
-    ways = np.eye(len(nuisances))
-    if before is not None and off is not None:
-        ways = _telling_ways(before, evaluator.count)
-    is_rough = any(e.dithered for e, _ in uses)
-    more, steps = [], []
-    for way in ways:
-        (places,) = np.nonzero(way)
-        one = nuisances[places[0]]
-        # Dry friction, and numbers without effects where they are off.
-        alone = len(places) == 1 and (one.is_dithered or off is None)
-        step = _FAR if is_rough and not one.is_dithered else 1.0
-        more.append(
-            (*here, *((e, values * step) for e, values in one.uses))
-            if alone
-            else _uses_of(nuisances, off + step * way, uses_off)
-        )
-        steps.append(step)
-    try:
-        changes = evaluator.changes(subject, uses, more, here)
-    except BraceError:
-        return None
-    columns = np.column_stack(changes) / steps
-    if len(ways) < len(nuisances):
-        other = np.eye(len(nuisances)) - ways.T @ ways
-        columns = columns @ ways + before.basis @ (before.columns @ other)
-    basis, coefficients = np.linalg.qr(columns)
-    return LinearTolerances(
-        tuple(nuisances), basis, coefficients, uses_off, off, noise=noise
-    )
-
-
-def _telling_ways(before: LinearTolerances, count: int) -> np.ndarray:
-    """Orthonormal directions of the numbers that tell (m, n): of those that
-    make a straight line the ones that change enough, and each of the others.
-    """
-    rough = np.array([n.is_dithered for n in before.nuisances])
-    smooth = np.where(rough, 0.0, before.columns)
-    _, sizes, ways = np.linalg.svd(smooth)
-    ways = ways[: len(sizes)][sizes**2 > _TELLS * count]
-    return np.vstack([ways, np.eye(len(rough))[rough]])
-
-
-def _able_off(
-    nuisances: Sequence[Nuisance], off: Sequence[float]
-) -> np.ndarray:
+def able_off(nuisances: Sequence[Nuisance], off: Sequence[float]) -> np.ndarray:
     """Deviations that numbers can be put off by: not beyond their limits. Dry
     friction stays at 0: it is an effect where it bends.
     """
@@ -278,7 +217,7 @@ def _able_off(
     )
 
 
-def _uses_of(
+def uses_within(
     nuisances: Sequence[Nuisance],
     off: np.ndarray | None,
     uses_off: UsesOff | None,

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.devices.tolerances import UsesOff, linearise_tolerances
+from brace_drake.devices.linearise import linearise_tolerances
+from brace_drake.devices.tolerances import UsesOff
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import (
     CandidateFit,

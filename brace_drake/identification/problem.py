@@ -281,6 +281,16 @@ class CandidateProblem:
         n = self.evaluator.ends[-1]
         return np.concatenate([self.tolerances.whiten(rows[:n]), rows[n:]])
 
+    def whitened_runs(self, rows: np.ndarray) -> np.ndarray:
+        """What coloured rows have in each run alone, whitened (rows, runs)."""
+        ends = self.evaluator.ends
+        if self.tolerances is not None:
+            return self.tolerances.whiten_pieces(rows, ends)
+        out = np.zeros((len(rows), len(ends)))
+        for k, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
+            out[begin:end, k] = rows[begin:end]
+        return out
+
     def coloured(self, rows: np.ndarray) -> np.ndarray:
         """The inverse of `whitened`."""
         if self.tolerances is None:

@@ -76,8 +76,7 @@ def _differences(
     moved = problem.batch(points, coarse=True, smooth=smooth)
     if base is None:
         base, *moved = moved
-    ends = problem.evaluator.ends
-    rows = ends[-1]
+    rows = problem.evaluator.ends[-1]
     for group, residual in zip(groups, moved, strict=True):
         if residual is None:
             continue
@@ -85,10 +84,6 @@ def _differences(
         if len(group) == 1:
             yield group[0], change / steps[group[0]]
             continue
-        own = problem.coloured(change)
-        for k, (i, begin, end) in enumerate(
-            zip(group, [0, *ends], ends, strict=False)
-        ):
-            column = np.zeros(rows)
-            column[begin:end] = own[begin:end] / steps[i]
-            yield group[k], problem.whitened(column)
+        apart = problem.whitened_runs(problem.coloured(change))
+        for i, column in zip(group, apart.T, strict=True):
+            yield i, column / steps[i]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.devices.declaration import Device
-from brace_drake.devices.tolerances import linearise_tolerances
+from brace_drake.devices.linearise import linearise_tolerances
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.least_squares import (

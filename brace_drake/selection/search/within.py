@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.devices.tolerances import linearise_tolerances
+from brace_drake.devices.linearise import linearise_tolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.numbers.numbers_along import fit_numbers_along
