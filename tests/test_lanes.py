@@ -238,16 +238,13 @@ class TestCopies(unittest.TestCase):
         for term in terms_for("bench stage 2").values():
             place, _ = parts_of_term(term)
             of_place.setdefault(place.key, []).append(term)
-        noise = self.random.normal(size=(700, 12)) * numbers.noise_sigma
         for place, alike in of_place.items():
             machines = []
             for term in alike:
                 uses = [(term, np.array(term.starts()[0]))]
                 machines.append((numbers, stack_effects(uses, numbers)))
-            plugs = [plug for _, plug in machines[:2]]
             with self.subTest(place=place):
-                self.assertTrue(make_effects_of(plugs, 1, COUNT).together[0])
-                self.assert_alike(machines, sway(0.7), 5e-4, noise)
+                self.assert_together(machines)
 
     def assert_at_once(self, effect, values):
         """Copies with an effect of any strength take one call of its laws."""
@@ -258,11 +255,16 @@ class TestCopies(unittest.TestCase):
             if effect.modify is not None:
                 numbers = effect.modify(numbers, own)
             machines.append((numbers, stack_effects([(effect, own)], numbers)))
-        noise = self.random.normal(size=(700, 12)) * numbers.noise_sigma
-        at_once = make_effects_of([plug for _, plug in machines[:2]], 1, COUNT)
         with self.subTest(effect=effect.name, form=effect.form):
-            self.assertTrue(at_once.together[0])
-            self.assert_alike(machines, sway(0.7), 5e-4, noise)
+            self.assert_together(machines)
+
+    def assert_together(self, machines):
+        """One call for all copies, each what it is alone."""
+        noise = self.random.normal(size=(700, 12))
+        noise *= machines[0][0].noise_sigma
+        at_once = make_effects_of([plug for _, plug in machines[:2]], 1, COUNT)
+        self.assertTrue(at_once.together[0])
+        self.assert_alike(machines, sway(0.7), 5e-4, noise)
 
     def test_rings_of_a_whole_brace_go_side_by_side_too(self):
         twin = BraceTwin(BraceScenario(), 5e-4)

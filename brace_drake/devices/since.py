@@ -125,20 +125,3 @@ def MakeTwinSince(scenario: BraceScenario) -> BenchTwin:
     if isinstance(scenario, BenchScenario):
         return _Since(scenario)
     return _BraceSince(scenario)
-
-
-def with_onset(motion: Motion, onset: int) -> OnsetMotion:
-    """A motion from rest in which something begins at a tick.
-
-    Args:
-        motion: Not settled beforehand.
-        onset: Made a multiple of `ticks_per_sample`, downwards.
-    """
-    every = motion.ticks_per_sample
-    return OnsetMotion(
-        motion.desired,
-        motion.with_torso,
-        every,
-        columns=motion.columns,
-        onset=onset // every * every,
-    )

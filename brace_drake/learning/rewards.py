@@ -146,10 +146,8 @@ def find_violation(
 
 def passes_limit(signals: Signals, limits: EpisodeLimits) -> np.ndarray:
     """Whether any limit is passed, of each instant."""
-    X, rate, force = signals.position, signals.rate, signals.force
-    passed = (X > limits.upper) | (X < limits.lower)
-    passed |= np.abs(rate) > limits.speed
-    return (passed | (np.abs(force) > limits.force)).any(axis=-1)
+    rows = [passed.any(axis=-1) for passed, *_ in _passed(signals, limits)]
+    return np.any(rows, axis=0)
 
 
 def _passed(signals: Signals, limits: EpisodeLimits):

@@ -10,11 +10,11 @@ import contextlib
 import os
 import pickle
 import select
-import subprocess
 import sys
 
 import numpy as np
 
+from brace_drake.core.child import EndChild, StartChild
 from brace_drake.core.errors import KinematicsError
 from brace_drake.playback.live import PlaceNow
 from brace_drake.playback.look import make_look
@@ -93,15 +93,7 @@ class OverlayProcess:
             scenario, host: As `Overlay` takes them.
         """
         self.port: int | None = None
-        # Ctrl-C is for the one that has made it.
-        self._child = subprocess.Popen(
-            [sys.executable, "-m", __name__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-            process_group=0,
-        )
+        self._child = StartChild(__name__)
         self._pipe = self._child.stdin.fileno()
         with contextlib.suppress(OSError):
             os.write(self._pipe, pickle.dumps((scenario, host)))
@@ -124,12 +116,7 @@ class OverlayProcess:
 
     def __exit__(self, *_) -> None:
         """Ends it."""
-        self._child.kill()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._child.wait(_ENDS)
-        for pipe in (self._child.stdin, self._child.stdout):
-            with contextlib.suppress(OSError):
-                pipe.close()
+        EndChild(self._child, _ENDS)
 
 
 def _Serve() -> None:

@@ -5,18 +5,17 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
-import subprocess
 import sys
 import threading
 
+from brace_drake.core.child import EndChild, StartChild
 from brace_drake.core.errors import BraceError
 from brace_drake.monitoring.causes import NamedCause
 from brace_drake.monitoring.prepare import Expected, Namer
 from brace_drake.monitoring.watch import Since
 
 # What drives the device comes first.
-_NICE = 10
-_ENDS = 5.0
+_NICE, _ENDS = 10, 5.0
 
 
 class NamingProcess:
@@ -31,15 +30,7 @@ class NamingProcess:
     def __init__(self, expected: Expected):
         self.causes: list[NamedCause] = []
         self.seen, self.is_busy = 0, True
-        # Ctrl-C is for the one that has made it.
-        self._child = subprocess.Popen(
-            [sys.executable, "-m", __name__],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-            process_group=0,
-        )
+        self._child = StartChild(__name__)
         self._question: Since | None = None
         self._asked, self._closed = threading.Event(), False
         threading.Thread(
@@ -83,12 +74,7 @@ class NamingProcess:
         """Ends it."""
         self._closed = True
         self._asked.set()
-        self._child.kill()
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._child.wait(_ENDS)
-        for pipe in (self._child.stdin, self._child.stdout):
-            with contextlib.suppress(OSError):
-                pipe.close()
+        EndChild(self._child, _ENDS)
 
 
 def _Serve() -> None:
