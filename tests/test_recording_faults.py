@@ -13,6 +13,7 @@ from brace_drake.recording_faults import (
 )
 from brace_drake.recording_faults.finding import recording_verdict
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
+from brace_drake.recording_faults.relations.mismatch import LawChecker
 from tests.synthetic_bench import record
 
 FORCE = "ring2_force_y_N"
@@ -73,6 +74,16 @@ class FaultCase(unittest.TestCase):
 class TestControlLaw(FaultCase):
     def test_a_sound_recording_has_no_fault(self):
         self.assertEqual(self.found(self.sound), [])
+
+    def test_noise_through_the_law_has_a_mean_square_of_one_floor(self):
+        # The virtual position integrates noise: it ends elsewhere than it
+        # began, which is no jump.
+        checker = LawChecker(self.device, self.sound.runs, seed=0)
+        others = LawChecker(self.device, self.sound.runs, seed=7)
+        for run in self.sound.runs:
+            for noise in others.noise(run):
+                squares = checker.weigh(run, noise).squares
+                np.testing.assert_allclose(squares, 1.0, atol=0.3)
 
     def test_effects_of_the_machine_are_no_faults(self):
         for name in ("force_scale", "encoder_offset", "command_delay"):

@@ -79,15 +79,15 @@ class LawChecker:
         for contact in (False, True):
             mine = [r for r in self.runs if r.contact == contact]
             mine.sort(key=lambda r: -_travel(r))
-            noise = [n for r in mine[:_MODELS] for n in self._noise(r)]
+            noise = [n for r in mine[:_MODELS] for n in self.noise(r)]
             if noise:
                 rows = min(len(n) for n in noise)
-                cut = np.array([n[:rows] for n in noise])
+                cut = np.array([_mirrored(n[:rows]) for n in noise])
                 quantum = np.zeros(cut.shape[2])
                 found[contact] = estimate_floor(cut, self._rate, quantum)
         return found
 
-    def _noise(self, run: Run) -> list[np.ndarray]:
+    def noise(self, run: Run) -> list[np.ndarray]:
         """Residuals of the law in noisy replays (N, n), without effects and of
         the nominal subject; none where the twin breaks down.
         """
@@ -124,17 +124,26 @@ class LawChecker:
         has = run.has(self.law.outputs)
         if floor is None or not has.any() or not np.isfinite(residual).all():
             return None
-        weights = floor.weights(len(residual), self._rate) * has
-        transform = np.fft.rfft(residual, axis=0) * weights
-        squares = np.sum(np.abs(transform) ** 2, axis=0) / len(residual)
-        squares = np.where(has, squares, np.nan)
         count = len(residual)
+        mirrored = _mirrored(residual)
+        weights = floor.weights(len(mirrored), self._rate) * has
+        transform = np.fft.rfft(mirrored, axis=0) * weights
+        squares = np.sum(np.abs(transform) ** 2, axis=0) / len(mirrored)
+        squares = np.where(has, squares, np.nan)
         tests = len(self.runs) * len(squares)
         spread = np.std(run.stack(self.law.outputs), axis=0)
         error = _LAW_ERROR * spread / np.maximum(floor.rms, 1e-300)
         threshold = largest_mean_square(count, tests) + error**2
         flat = np.concatenate([transform.real.ravel(), transform.imag.ravel()])
         return Mismatch(squares, threshold, flat)
+
+
+def _mirrored(series: np.ndarray) -> np.ndarray:
+    """A series (N, n) followed by its mirror image: what an integrator makes
+    of noise ends elsewhere than it began, and a Fourier transform would take
+    that for a jump.
+    """
+    return np.concatenate([series, series[::-1]])
 
 
 def with_channels(run: Run, columns: Mapping[str, np.ndarray]) -> Run:
