@@ -110,7 +110,7 @@ class TestWhitened(unittest.TestCase):
         floor = NoiseFloor(
             np.ones(2), np.array([0.0, 500.0]), np.array([[4.0, 0.25]])
         )
-        weights = floor.weights(400, 200.0)[:101]
+        weights = floor.weights(400, 200.0, highest=50.0)
 
         class Prepared:
             used = np.array([True, True])

@@ -6,6 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import (
+    frequencies_of,
+    to_frequency,
+    to_time,
+)
 from brace_drake.identification.gap import RunComparison
 from brace_drake.identification.noise_floor import NoiseFloor
 from brace_drake.identification.whitening import band_in_time
@@ -20,8 +25,7 @@ def comparison(residual):
     """A run whose prediction is 0, with white noise of 1 N and 1 m."""
     density = np.ones((1, 2))
     floor = NoiseFloor(np.ones(2), np.array([0.0, 500.0]), density)
-    frequency = np.fft.rfftfreq(SAMPLES, 1.0 / RATE)
-    weights = floor.weights(SAMPLES, RATE)[frequency <= 50.0]
+    weights = floor.weights(SAMPLES, RATE, highest=50.0)
     prepared = SimpleNamespace(
         run=SimpleNamespace(time_s=np.arange(SAMPLES) / RATE),
         measured=residual,
@@ -78,11 +82,8 @@ class TestCube(unittest.TestCase):
             band_in_time(run, self.noise, band, RATE)
             for band in itertools.pairwise(edges)
         ]
-        frequency = np.fft.rfftfreq(SAMPLES, 1.0 / RATE)
-        counts = (frequency < 50.0)[:, None]
-        slow = np.fft.irfft(
-            np.fft.rfft(self.noise, axis=0) * counts, SAMPLES, axis=0
-        )
+        counts = (frequencies_of(SAMPLES, RATE) < 50.0)[:, None]
+        slow = to_time(to_frequency(self.noise) * counts)
         np.testing.assert_allclose(sum(p[0] for p in parts), slow, atol=1e-9)
         self.assertAlmostEqual(sum(p[1] for p in parts), 0.5, delta=1e-3)
 

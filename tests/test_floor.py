@@ -4,6 +4,7 @@ import unittest
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import to_frequency
 from brace_drake.identification.noise_floor import (
     estimate_floor,
     repeat_ratio,
@@ -29,9 +30,23 @@ class TestFloor(unittest.TestCase):
     def test_weighted_noise_has_unit_variance_in_every_channel(self):
         weights = self.floor.weights(2000, 200.0)
         fresh = coloured(self.generator, 20)
-        transform = np.fft.rfft(fresh, axis=1) * weights
-        energy = (np.abs(transform) ** 2).sum(axis=1).mean(axis=0)
-        np.testing.assert_allclose(energy / 2000.0, 1.0, atol=0.03)
+        transform = to_frequency(fresh, axis=1) * weights
+        energy = (transform**2).mean(axis=(0, 1))
+        np.testing.assert_allclose(energy, 1.0, atol=0.03)
+
+    def test_noise_that_is_integrated_has_unit_variance_in_every_series(self):
+        # Its mean square scatters as that of so many independent values.
+        walks = np.cumsum(self.generator.standard_normal((80, 2000, 1)), axis=1)
+        floor = estimate_floor(walks[:40], 200.0, np.zeros(1))
+        weighted = to_frequency(walks[40:], axis=1)
+        weighted = weighted * floor.weights(2000, 200.0)
+        squares = (weighted**2).mean(axis=1)
+        self.assertLess(np.std(squares), 1.5 * np.sqrt(2.0 / 2000))
+        ratios = [
+            repeat_ratio(a - b, floor, 200.0)
+            for a, b in zip(walks[::2], walks[1::2], strict=True)
+        ]
+        np.testing.assert_allclose(ratios, 1.0, atol=0.3)
 
     def test_the_root_mean_square_is_that_of_the_noise(self):
         np.testing.assert_allclose(self.floor.rms, [0.5, 1.0], rtol=0.05)

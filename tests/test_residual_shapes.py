@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import to_frequency
 from brace_drake.devices.device import MakeDevice
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
@@ -28,12 +29,7 @@ class Run(SimpleNamespace):
     """A run of two channels, the second not recorded, in white noise."""
 
     def weigh(self, residual):
-        transform = np.fft.rfft(residual, axis=0, norm="ortho")
-        transform[1:] *= np.sqrt(2.0)
-        transform = transform[:, self.used]
-        return np.concatenate(
-            [transform.real.ravel(), transform[1:].imag.ravel()]
-        )
+        return to_frequency(residual)[:, self.used].ravel()
 
 
 class TestToy(unittest.TestCase):
@@ -47,7 +43,7 @@ class TestToy(unittest.TestCase):
             used=used,
             run=SimpleNamespace(time_s=time),
             measured=np.zeros((SAMPLES, 2)),
-            weights=np.ones((SAMPLES // 2 + 1, 2)),
+            weights=np.ones((SAMPLES, 2)),
         )
 
     def left(self, series, known=("constant", "speed")):

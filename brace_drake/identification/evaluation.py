@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import to_frequency
 from brace_drake.core.errors import BraceError
 from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.core.parallel.together import ask, together
@@ -46,8 +47,8 @@ class PreparedRun:
         seed: Of the dithers.
         index: Place among the runs of its evaluator.
         used: Channels that carry information (C,).
-        num_weighted: Length of what `weigh` returns.
-        count: Number of independent values, expectation of the noise's squares.
+        count: Length of what `weigh` returns, and expectation of the noise's
+            squares.
     """
 
     run: Run
@@ -58,30 +59,17 @@ class PreparedRun:
     seed: int
     index: int = 0
     used: np.ndarray = field(init=False)
-    num_weighted: int = field(init=False)
     count: int = field(init=False)
 
     def __post_init__(self):
         used = self.weights[1] > 0.0
-        size = (2 * len(self.weights) - 1) * int(used.sum())
-        # An even number of samples has a Nyquist bin, which is real.
-        whole = len(self.weights) == len(self.measured) // 2 + 1
-        real = int(whole and len(self.measured) % 2 == 0)
-        derived = {
-            "used": used,
-            "num_weighted": size,
-            "count": size - real * int(used.sum()),
-        }
-        vars(self).update(derived)
+        size = len(self.weights) * int(used.sum())
+        vars(self).update({"used": used, "count": size})
 
     def weigh(self, residual: np.ndarray) -> np.ndarray:
         """Residual (N, C) as a vector of unit variance for pure noise."""
-        transform = np.fft.rfft(residual, axis=0)[: len(self.weights)]
-        transform = transform * self.weights
-        transform = transform[:, self.used]
-        return np.concatenate(
-            [transform.real.ravel(), transform[1:].imag.ravel()]
-        )
+        transform = to_frequency(residual)[: len(self.weights)]
+        return (transform * self.weights)[:, self.used].ravel()
 
 
 def _residual_of(prepared: PreparedRun, replay: np.ndarray) -> np.ndarray:
@@ -126,7 +114,7 @@ class Evaluator:
         active = sum(twin.active(p.run).sum() for p in self.prepared)
         used = sum(p.used.sum() for p in self.prepared)
         self.recorded = float(used / active) if active else 1.0
-        sizes = [p.num_weighted for p in self.prepared]
+        sizes = [p.count for p in self.prepared]
         self.ends = [int(n) for n in np.cumsum(sizes)]
         self.map = open_workers(jobs).map
         self._alike = group_runs(self.prepared)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import frequencies_of, to_frequency
+
 # Bands in which the noise spectrum is taken as flat, Hz.
 _EDGES = np.concatenate([[0.0], np.geomspace(0.15, 400.0, 34)])
 
@@ -17,37 +19,38 @@ class NoiseFloor:
     Attributes:
         rms: Root mean square of each channel (C,).
         edges: Limits of the bands (B + 1,), Hz.
-        density: Power of a bin, |rfft|^2 / N, in each band (B, C).
+        density: Mean square of `to_frequency` in each band (B, C): the power
+            of a bin, |rfft|^2 / N.
     """
 
     rms: np.ndarray
     edges: np.ndarray
     density: np.ndarray
 
-    def weights(self, samples: int, rate: float) -> np.ndarray:
-        """Factors that make rfft(noise) of unit variance.
+    def weights(
+        self, samples: int, rate: float, highest: float = np.inf
+    ) -> np.ndarray:
+        """Factors that make `to_frequency` of noise of unit variance.
 
-        They include 1 / sqrt(N) and the doubling of two-sided bins, so that
-        the squares of real and imaginary parts of the weighted transform add
-        up to N for noise alone.
+        Args:
+            samples: N of the series.
+            rate: Hz.
+            highest: Frequency that counts, Hz.
 
         Returns:
-            (N // 2 + 1, C); 0 for channels without noise.
+            (B, C) of the B frequencies up to the highest, N without one; 0 for
+            channels without noise.
         """
-        frequency = np.fft.rfftfreq(samples, 1.0 / rate)
+        frequency = frequencies_of(samples, rate)
         band = np.clip(
             np.searchsorted(self.edges, frequency, side="right") - 1,
             0,
             len(self.density) - 1,
         )
         with np.errstate(divide="ignore"):
-            weights = 1.0 / np.sqrt(samples * self.density[band])
+            weights = 1.0 / np.sqrt(self.density[band])
         weights[~np.isfinite(weights)] = 0.0
-        two_sided = np.full(len(frequency), np.sqrt(2.0))
-        two_sided[0] = 1.0
-        if samples % 2 == 0:
-            two_sided[-1] = 1.0
-        return weights * two_sided[:, None]
+        return weights[frequency <= highest]
 
     def scaled(self, variance_ratio: np.ndarray) -> NoiseFloor:
         """The floor with each channel's variance multiplied."""
@@ -71,9 +74,8 @@ def estimate_floor(
     """
     _, samples, channels = noise.shape
     rounding = quantum**2 / 12.0
-    power = np.abs(np.fft.rfft(noise, axis=1)) ** 2 / samples
-    frequency = np.fft.rfftfreq(samples, 1.0 / rate)
-    mean_power = power.mean(axis=0)
+    frequency = frequencies_of(samples, rate)
+    mean_power = np.mean(to_frequency(noise, axis=1) ** 2, axis=0)
     density = np.zeros((len(_EDGES) - 1, channels))
     filled = np.zeros(len(_EDGES) - 1, dtype=bool)
     for b in range(len(density)):
@@ -129,15 +131,17 @@ def repeat_ratio(
 ) -> np.ndarray:
     """Variance of a repeat against the floor, robust to lines and drifts.
 
-    The median over frequency of |rfft(difference)|^2 / 2 against the floor,
-    which for noise of the floor's size is 1 and which a motion that did not
-    repeat, confined to a few bins, leaves alone.
+    The median over pairs of neighbouring frequencies of half the difference's
+    power against the floor, which for noise of the floor's size is 1 and which
+    a motion that did not repeat, confined to a few of them, leaves alone.
 
     Returns:
         (C,), NaN where a channel has no floor.
     """
     weights = floor.weights(len(difference), rate)
-    inner = slice(1, -1)
-    power = np.abs(np.fft.rfft(difference, axis=0)[inner]) ** 2
-    ratio = np.median(power * weights[inner] ** 2 / 4.0, axis=0) / np.log(2.0)
+    power = (to_frequency(difference) * weights)[1:] ** 2
+    pairs = len(power) // 2
+    # Two squares of noise of twice the variance: 4 log 2 is their median.
+    power = power[: 2 * pairs].reshape(pairs, 2, -1).sum(axis=1)
+    ratio = np.median(power, axis=0) / (4.0 * np.log(2.0))
     return np.where(weights[1] > 0.0, ratio, np.nan)

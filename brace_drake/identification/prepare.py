@@ -151,9 +151,8 @@ def prepare_run(
 ) -> PreparedRun:
     """The run at a place among others, with the channels to compare with."""
     floor = floors[run.contact]
-    frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
-    weights = floor.weights(len(measured), rate) * twin.active(run)
-    weights = weights[frequency <= twin.highest_hz]
+    weights = floor.weights(len(measured), rate, twin.highest_hz)
+    weights = weights * twin.active(run)
     motion = twin.motion(run)
     return PreparedRun(
         run, motion, measured, weights, floor, seed + index, index

@@ -2,7 +2,7 @@
 
 A residual (N, C) is whitened in frequency by the weights of its noise floor,
 up to the highest one that counts. `PreparedRun.weigh` lays the transform out as
-one vector, real parts first; here are the ways back, to frequency and to time.
+one vector; here are the ways back, to frequency and to time.
 """
 
 from __future__ import annotations
@@ -12,6 +12,11 @@ import itertools
 import numpy as np
 
 from brace_drake.core.block_bootstrap import pieces_of
+from brace_drake.core.cosine_transform import (
+    frequencies_of,
+    to_frequency,
+    to_time,
+)
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 
 Band = tuple[float, float]
@@ -25,13 +30,10 @@ def in_frequency(prepared: PreparedRun, weighted: np.ndarray) -> np.ndarray:
         weighted: From its `weigh` (M,), or columns of such (M, n).
 
     Returns:
-        (B, C) for B bins and C used channels, or (B, C, n).
+        (B, C) for B frequencies and C used channels, or (B, C, n).
     """
     bins, channels = len(prepared.weights), int(prepared.used.sum())
-    out = np.zeros((bins, channels, *weighted.shape[1:]), dtype=complex)
-    out.real = weighted[: bins * channels].reshape(out.shape)
-    out.imag[1:] = weighted[bins * channels :].reshape(out[1:].shape)
-    return out
+    return weighted.reshape(bins, channels, *weighted.shape[1:])
 
 
 def in_time(prepared: PreparedRun, weighted: np.ndarray) -> np.ndarray:
@@ -45,12 +47,9 @@ def in_time(prepared: PreparedRun, weighted: np.ndarray) -> np.ndarray:
         weighted: From its `weigh` (M,).
 
     Returns:
-        (2 B - 1, C) for B bins and C used channels, evenly over the run.
+        (B, C) for B frequencies and C used channels, evenly over the run.
     """
-    transform = in_frequency(prepared, weighted)
-    transform[1:] /= np.sqrt(2.0)
-    samples = 2 * len(transform) - 1
-    return np.fft.irfft(transform, samples, axis=0, norm="ortho")
+    return to_time(in_frequency(prepared, weighted))
 
 
 def in_pieces(evaluator: Evaluator, weighted: np.ndarray) -> list[np.ndarray]:
@@ -79,21 +78,16 @@ def band_in_frequency(
         rate: Of the samples, Hz.
 
     Returns:
-        The transform (N // 2 + 1, C), 0 outside of the band, and how often
-        each bin is in it (N // 2 + 1,): 2, or 1 where it is real; 0 outside.
+        The transform (N, C), 0 outside of the band, and which frequencies are
+        in it (N,).
     """
-    samples, bins = len(residual), len(prepared.weights)
-    frequency = np.fft.rfftfreq(samples, 1.0 / rate)
+    frequency = frequencies_of(len(residual), rate)
     inside = (frequency >= band[0]) & (frequency < band[1])
-    inside[bins:] = False
-    transform = np.fft.rfft(residual, axis=0)
-    transform[:bins] *= prepared.weights
+    inside[len(prepared.weights) :] = False
+    transform = to_frequency(residual)
+    transform[: len(prepared.weights)] *= prepared.weights
     transform[~inside] = 0.0
-    sides = np.full(len(frequency), 2.0)
-    sides[0] = 1.0
-    if samples % 2 == 0:
-        sides[-1] = 1.0
-    return transform, sides * inside
+    return transform, inside
 
 
 def band_in_time(
@@ -102,9 +96,5 @@ def band_in_time(
     """One band of a residual as a whitened series (N, C), and the mean square
     that noise alone has in it; see `band_in_frequency`.
     """
-    samples = len(residual)
-    transform, sides = band_in_frequency(prepared, residual, band, rate)
-    # Weights count both sides of the spectrum, the transform back does too.
-    scale = np.sqrt(np.maximum(sides, 1.0))[:, None]
-    series = np.fft.irfft(transform / scale, samples, axis=0, norm="ortho")
-    return series, float(sides.sum() / samples)
+    transform, inside = band_in_frequency(prepared, residual, band, rate)
+    return to_time(transform), float(inside.mean())

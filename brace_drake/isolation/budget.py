@@ -86,12 +86,12 @@ def band_budget(compared: Sequence[RunComparison], rate: float) -> list[dict]:
             power, count = 0.0, 0.0
             for c in compared:
                 residual = c.prepared.measured - getattr(c, which)
-                transform, sides = band_in_frequency(
+                transform, inside = band_in_frequency(
                     c.prepared, residual, band, rate
                 )
-                size = sides.sum() * c.prepared.used.sum()
+                size = inside.sum() * c.prepared.used.sum()
                 noise = c.dither * size if which == "after" else 0.0
-                square = float(np.sum(np.abs(transform) ** 2))
+                square = float(np.sum(transform**2))
                 power, count = power + max(0.0, square - noise), count + size
             row[which] = float(np.sqrt(power / max(count, 1.0)))
             if which == "before":

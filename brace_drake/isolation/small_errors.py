@@ -54,7 +54,7 @@ def attribute_errors(
     owner += [blocks.index(block) for block, _ in answers]
     pieces = []
     for place, run in enumerate(runs):
-        rows, zero = parts[picked[place]], np.zeros(run.num_weighted)
+        rows, zero = parts[picked[place]], np.zeros(run.count)
         columns = [residual[rows], *jacobian[rows].T, *tolerated[rows].T]
         columns += [changes.get(place, zero) for _, changes in answers]
         series = np.array([in_time(run, column) for column in columns])

@@ -130,7 +130,6 @@ def _prepare(twin, floor, motion, residual, rate, seed) -> PreparedRun:
     run = Run(
         "since.csv", motion.with_torso, "live", None, "fit", {"time_s": time}
     )
-    frequency = np.fft.rfftfreq(len(measured), 1.0 / rate)
-    weights = floor.weights(len(measured), rate) * twin.active(run)
-    weights = weights[frequency <= twin.highest_hz]
+    weights = floor.weights(len(measured), rate, twin.highest_hz)
+    weights = weights * twin.active(run)
     return PreparedRun(run, motion, measured, weights, floor, seed)

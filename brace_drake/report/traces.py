@@ -29,7 +29,7 @@ class RunTrace:
         position: Measured motion that the force answers to (N,), m; or None.
         position_name: What that is, for a reader.
         floor_density: Limits of bands (B + 1,), Hz, and the floor's power of
-            a bin, |rfft|^2 / N, in each (B, C); or None.
+            a bin in each (B, C), see `NoiseFloor`; or None.
         with_law: With the law of what is left as well (N, C); None without.
     """
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import to_frequency
 from brace_drake.devices.declaration import Device
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
@@ -63,11 +64,10 @@ class Reading:
             c = self.names.index(name)
             if not self.prepared.used[c]:
                 continue
-            difference = np.fft.rfft(values - self.expected[:, c])
+            difference = to_frequency(values - self.expected[:, c])
             weights = self.prepared.weights[:, c]
             weighted = difference[: len(weights)] * weights
-            power = float(np.sum(np.abs(weighted) ** 2))
-            found[name] = power / (2 * len(weights) - 1)
+            found[name] = float(np.mean(weighted**2))
         return found
 
 

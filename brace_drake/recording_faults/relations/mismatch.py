@@ -1,7 +1,9 @@
 """How far recorded commands are from what the controller makes of the readings.
 
 The floor is simulated: a noisy twin's recording put through the same law, as
-readings between samples are not known and their noise is.
+readings between samples are not known and their noise is. A machine whose
+readings are noisier than the twin's, as on pads that damp more, has a floor
+that is higher by as much.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import to_frequency
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Device
 from brace_drake.identification.noise_floor import (
@@ -21,10 +24,15 @@ from brace_drake.identification.noise_floor import (
     written_quantum,
 )
 from brace_drake.recording.recording import Run
-from brace_drake.recording_faults.channels import desired_channels
+from brace_drake.recording_faults.channels import (
+    desired_channels,
+    is_desired,
+)
 from brace_drake.recording_faults.statistics import (
     largest_mean_square,
+    local_error,
     quantum_of,
+    robust_deviation,
 )
 
 # Part of an output's own scatter that the law may be off: readings between
@@ -32,6 +40,9 @@ from brace_drake.recording_faults.statistics import (
 _LAW_ERROR = 2e-3
 # Noisy replays of a run, and runs that are replayed of each kind.
 _REPLICATES, _MODELS = 3, 2
+# Variance of a machine's noise over the twin's, at most: what is noisier is no
+# reading.
+_MOST_NOISE = 10.0
 
 
 @dataclass(frozen=True)
@@ -79,19 +90,38 @@ class LawChecker:
         for contact in (False, True):
             mine = [r for r in self.runs if r.contact == contact]
             mine.sort(key=lambda r: -_travel(r))
-            noise = [n for r in mine[:_MODELS] for n in self.noise(r)]
-            if noise:
+            copies = [c for r in mine[:_MODELS] for c in self.replays(r)]
+            if copies:
+                noise = [self.residual(c) for c in copies]
                 rows = min(len(n) for n in noise)
-                cut = np.array([_mirrored(n[:rows]) for n in noise])
+                cut = np.array([n[:rows] for n in noise])
                 quantum = np.zeros(cut.shape[2])
-                found[contact] = estimate_floor(cut, self._rate, quantum)
+                floor = estimate_floor(cut, self._rate, quantum)
+                found[contact] = floor.scaled(self._noisier(mine, copies))
         return found
 
-    def noise(self, run: Run) -> list[np.ndarray]:
-        """Residuals of the law in noisy replays (N, n), without effects and of
-        the nominal subject; none where the twin breaks down.
+    def _noisier(self, runs: Sequence[Run], copies: Sequence[Run]):
+        """Variance of noise in recorded readings over that in the twin's, of
+        the noisiest that each output answers to (n,): as most runs have it,
+        what spoils one run is no part of it. Less than the twin's proves
+        nothing, and much more is no noise.
         """
-        twin, found = self._twin, []
+        names = [
+            [n for n in own if not is_desired(n)] for own in self.law.by_output
+        ]
+        ratio = {}
+        for name in {n for own in names for n in own}:
+            usual = _noise_variance(copies, name)
+            ratio[name] = _noise_variance(runs, name) / usual if usual else 1.0
+        worst = [max((ratio[n] for n in own), default=1.0) for own in names]
+        return np.clip(worst, 1.0, _MOST_NOISE)
+
+    def replays(self, run: Run) -> list[Run]:
+        """Noisy replays of a run, without effects and of the nominal subject;
+        none where the twin breaks down.
+        """
+        twin = self._twin
+        found: list[Run] = []
         subject = np.array([p.nominal for p in twin.subject])
         measured = twin.measured(run)
         grid = written_quantum(measured, np.zeros_like(measured))
@@ -103,8 +133,7 @@ class LawChecker:
             except BraceError:
                 return []
             columns = dict(zip(twin.channels, on_grid(x, grid).T, strict=True))
-            copy = with_channels(run, {**run.channels, **columns})
-            found.append(self.residual(copy))
+            found.append(with_channels(run, {**run.channels, **columns}))
         return found
 
     def residual(self, run: Run) -> np.ndarray:
@@ -125,25 +154,21 @@ class LawChecker:
         if floor is None or not has.any() or not np.isfinite(residual).all():
             return None
         count = len(residual)
-        mirrored = _mirrored(residual)
-        weights = floor.weights(len(mirrored), self._rate) * has
-        transform = np.fft.rfft(mirrored, axis=0) * weights
-        squares = np.sum(np.abs(transform) ** 2, axis=0) / len(mirrored)
-        squares = np.where(has, squares, np.nan)
+        weighted = to_frequency(residual)
+        weighted = weighted * floor.weights(count, self._rate) * has
+        squares = np.where(has, np.mean(weighted**2, axis=0), np.nan)
         tests = len(self.runs) * len(squares)
         spread = np.std(run.stack(self.law.outputs), axis=0)
         error = _LAW_ERROR * spread / np.maximum(floor.rms, 1e-300)
         threshold = largest_mean_square(count, tests) + error**2
-        flat = np.concatenate([transform.real.ravel(), transform.imag.ravel()])
-        return Mismatch(squares, threshold, flat)
+        return Mismatch(squares, threshold, weighted.ravel())
 
 
-def _mirrored(series: np.ndarray) -> np.ndarray:
-    """A series (N, n) followed by its mirror image: what an integrator makes
-    of noise ends elsewhere than it began, and a Fourier transform would take
-    that for a jump.
-    """
-    return np.concatenate([series, series[::-1]])
+def _noise_variance(runs: Sequence[Run], name: str) -> float:
+    """Median over runs of the variance of a channel's noise; 0 without."""
+    columns = [r.channels[name] for r in runs if name in r.channels]
+    found = [robust_deviation(local_error(x)) ** 2 for x in columns]
+    return float(np.median(found)) if found else 0.0
 
 
 def with_channels(run: Run, columns: Mapping[str, np.ndarray]) -> Run:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from brace_drake.core.cosine_transform import frequencies_of, to_frequency
 from brace_drake.recording.columns import split_unit
 from brace_drake.report.canvas import (
     AFTER,
@@ -200,10 +201,10 @@ def _draw_planes(panels, trace: RunTrace, lines, c: int, step: float) -> None:
 
 def _draw_spectrum(axes, trace: RunTrace, lines, c: int, step: float) -> None:
     samples, rate = len(trace.time_s), 1.0 / step
-    frequency = np.fft.rfftfreq(samples, step)[1:]
-    width = max(1, round(_SMOOTHING_HZ * samples * step))
+    frequency = frequencies_of(samples, rate)[1:]
+    width = max(1, round(2.0 * _SMOOTHING_HZ * samples * step))
     for residual, color in lines:
-        power = np.abs(np.fft.rfft(residual))[1:] ** 2 / samples
+        power = to_frequency(residual)[1:] ** 2
         density = np.sqrt(2.0 * _smooth(power, width) / rate)
         axes.loglog(frequency, density, color=color, lw=0.9)
     if trace.floor_density is not None:
