@@ -10,6 +10,7 @@ def row(block, rms, share, threshold=1.2):
         "block": block,
         "normalised_rms": rms,
         "threshold": threshold,
+        "acquitted": rms <= threshold,
         "share": share,
     }
 
@@ -31,6 +32,27 @@ class TestSuspects(unittest.TestCase):
             row("mechanism", 1.15, 0.0, 1.30),
         ]
         self.assertEqual(suspected_blocks(tests, []), ["actuation"])
+
+    def test_of_blocks_within_their_thresholds_small_errors_tell_which(self):
+        tests = [
+            row("actuation", 1.13, 0.0, 1.17),
+            row("mechanism", 1.15, 0.0, 1.30),
+        ]
+        shares = [
+            {"block": "actuation", "share": 0.2},
+            {"block": "mechanism", "share": 0.3},
+            {"block": "none of these", "share": 0.5},
+        ]
+        found = suspected_blocks(tests, [], attribution=shares)
+        self.assertEqual(found, ["mechanism"])
+        tests[0] = row("actuation", 1.3, 1.0, 1.17)
+        found = suspected_blocks(tests, [], attribution=shares)
+        self.assertEqual(found, ["actuation"])
+        for entry in shares[:2]:
+            entry["share"] = 0.0
+        tests[0] = row("actuation", 1.13, 0.0, 1.17)
+        found = suspected_blocks(tests, [], attribution=shares)
+        self.assertEqual(found, ["actuation"])
 
     def test_drives_that_seem_wrong_are_asked_for_the_shape_of_it(self):
         tests = [row("actuation", 24.0, 1.0), row("torso", 1.0, 0.0)]

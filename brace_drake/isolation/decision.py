@@ -36,7 +36,10 @@ def accused_blocks(
         found = [block[name] for name in verdict.effects]
     if verdict.outside_library and not found:
         found = nearest_block(criterion, fits) or suspected_blocks(
-            tests, where["balance"], where["contact_side"]
+            tests,
+            where["balance"],
+            where["contact_side"],
+            where["attribution"],
         )
     return list(dict.fromkeys(found))
 
@@ -61,15 +64,17 @@ def suspected_blocks(
     tests: Sequence[dict],
     balance: Sequence[dict],
     imposed: dict | None = None,
+    attribution: Sequence[dict] = (),
 ) -> list[str]:
     """The block with the largest share of what is above its threshold.
 
-    If all blocks are within their thresholds, as for a gap of about the noise,
-    it is the block nearest to its threshold. The controller is exact and is
-    never suspected. Contact, torso and reading are cleared if together they
-    match the recording on the recorded trajectory of the ring. Contact and
-    torso are cleared if they are less beyond their threshold than drives and
-    ring.
+    If all blocks are within their thresholds, as tolerances widen them, it is
+    the block whose small errors take most of the gap in closed loop, where
+    tolerances are told apart; if none does, the block nearest to its threshold.
+    The controller is exact and is never suspected. Contact, torso and reading
+    are cleared if together they match the recording on the recorded trajectory
+    of the ring. Contact and torso are cleared if they are less beyond their
+    threshold than drives and ring.
 
     Args:
         tests: Rows of `run_block_tests`.
@@ -77,6 +82,7 @@ def suspected_blocks(
             such balance.
         imposed: Row of what answers to an imposed motion as a whole, None
             where it was not looked at.
+        attribution: Rows of `attribute_errors`.
     """
 
     def nearness(row: dict) -> float:
@@ -95,5 +101,10 @@ def suspected_blocks(
             known = [r for r in known if r["block"] in ANSWER_MOTION]
     if not known:
         return []
+    if all(r["acquitted"] for r in known):
+        taken = {r["block"]: r["share"] for r in attribution}
+        nearest = max(known, key=lambda r: taken.get(r["block"], 0.0))
+        if taken.get(nearest["block"], 0.0) > 0.0:
+            return [nearest["block"]]
     block = max(known, key=lambda r: (r["share"], nearness(r)))["block"]
     return [suspected_part(balance) if block == DRIVES else block]
