@@ -60,6 +60,7 @@ class CandidateFit:
             are whitened of that.
         is_settled: Whether that is linearised where it stands.
         within: Effects that set those numbers off as the fit has them.
+        is_searched: Whether a search has moved it, not screening alone.
         name: Keys of the effects joined by +, or "nominal".
         identifiers, kinds: Names of the effects, whatever their form, in order
             and in no order.
@@ -67,7 +68,6 @@ class CandidateFit:
         num_free: Parameters beyond the subject's that were moved.
         is_flexible: Whether one of the effects has dozens of parameters.
         has_run_parameters: Whether single runs have parameters of their own.
-        is_searched: Whether a search has moved it, not screening alone.
     """
 
     effects: tuple[Effect, ...]
@@ -86,6 +86,7 @@ class CandidateFit:
     tolerances: LinearTolerances | None = None
     is_settled: bool = False
     within: tuple[Use, ...] = ()
+    is_searched: bool = True
     name: str = field(init=False)
     identifiers: tuple[str, ...] = field(init=False)
     kinds: frozenset[str] = field(init=False)
@@ -93,7 +94,6 @@ class CandidateFit:
     num_free: int = field(init=False)
     is_flexible: bool = field(init=False)
     has_run_parameters: bool = field(init=False)
-    is_searched: bool = field(init=False)
 
     def __post_init__(self):
         names = tuple(e.name for e in self.effects)
@@ -106,7 +106,6 @@ class CandidateFit:
             "num_free": free,
             "is_flexible": any(e.is_flexible for e in self.effects),
             "has_run_parameters": any(e.run_parameters for e in self.effects),
-            "is_searched": self.solution.jacobian is not None,
         }
         vars(self).update(derived)
 
@@ -270,6 +269,7 @@ def finish_fit(
     problem: CandidateProblem,
     solution: LeastSquaresSolution,
     coarse: bool = False,
+    is_searched: bool = True,
 ) -> CandidateFit:
     """The fit that a search has ended with; `coarse` as it was evaluated."""
     evaluator = problem.evaluator
@@ -295,4 +295,5 @@ def finish_fit(
         is_dithered=is_dithered(evaluator.twin, uses),
         stretch=stretch,
         tolerances=known,
+        is_searched=is_searched,
     )

@@ -78,14 +78,15 @@ class LeastSquaresSolution:
     Attributes:
         z: Scaled parameters (n,).
         residual: There (m,).
-        jacobian: (m, n); rows of residuals, columns of scaled parameters.
+        jacobian: (m, n); rows of residuals, columns of scaled parameters; None
+            where it was not kept.
         iterations: Steps taken.
         converged: Whether the last step was negligible.
     """
 
     z: np.ndarray
     residual: np.ndarray
-    jacobian: np.ndarray
+    jacobian: np.ndarray | None
     iterations: int
     converged: bool
 

@@ -36,7 +36,9 @@ class Candidate:
         problem: Its parameters.
         z: Where it stands.
         residual: There, prior rows below.
-        jacobian: Of its last step; None before it was searched.
+        jacobian: Of its last step; None before it was searched, or where what
+            goes on from it makes its own.
+        is_searched: Whether steps were taken.
         predicted: Excess, strained, that it is predicted to leave.
         start: Where parameters of several starts began.
         others: The same effect from another start, best first.
@@ -48,6 +50,7 @@ class Candidate:
     z: np.ndarray
     residual: np.ndarray
     jacobian: np.ndarray | None = None
+    is_searched: bool = False
     predicted: float = np.inf
     start: tuple[float, ...] = ()
     others: tuple[Candidate, ...] = ()
@@ -67,12 +70,12 @@ class Candidate:
     @property
     def left(self) -> float:
         """The same; not yet searched, as predicted."""
-        return self.predicted if self.jacobian is None else self.excess
+        return self.excess if self.is_searched else self.predicted
 
     def fit(self) -> CandidateFit:
         """Where it stands as a fit; not yet searched, as predicted."""
         fit = self._stand()
-        if self.jacobian is not None:
+        if self.is_searched:
             return fit
         return replace(fit, excess=float(self.predicted), stretch=0.0)
 
@@ -80,7 +83,16 @@ class Candidate:
         solution = LeastSquaresSolution(
             self.z, self.residual, self.jacobian, 0, False
         )
-        return finish_fit(self.problem, solution, coarse=True)
+        return finish_fit(
+            self.problem, solution, coarse=True, is_searched=self.is_searched
+        )
+
+    def forget_jacobian(self) -> None:
+        """Drops it where what goes on from here makes its own: those of all
+        candidates would fill the memory.
+        """
+        if not (self.problem.is_rough or self.problem.has_spread):
+            self.jacobian = None
 
     def step(self, base: Linearisation, count: int, own: bool = False) -> bool:
         """Takes Gauss-Newton steps; False where the twin breaks down.
@@ -114,7 +126,7 @@ class Candidate:
         except (BraceError, ValueError, np.linalg.LinAlgError):
             return False
         self.z, self.residual = solution.z, solution.residual
-        self.jacobian = solution.jacobian
+        self.jacobian, self.is_searched = solution.jacobian, True
         return True
 
 

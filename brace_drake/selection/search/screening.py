@@ -104,6 +104,7 @@ def search_best(
     """
     if base.is_exact:
         return
+    starts = candidates
     candidates, best = _best_starts(candidates), _Best()
     trust = thresholds.COARSE * base.evaluator.count
     remaining, most = base.remaining, _most(base)
@@ -119,6 +120,7 @@ def search_best(
         for start in (candidate, *candidate.others):
             if _search(base, start, best):
                 best.left = max(0.0, min(best.left, start.left))
+            start.forget_jacobian()
             # Where one has come to the floor no other way need be tried.
             if best.left <= trust:
                 break
@@ -136,6 +138,8 @@ def search_best(
         base.evaluator.together([partial(search_starts, c) for _, c in few])
         if len(few) < len(batch):
             break
+    for start in starts:
+        start.forget_jacobian()
 
 
 def _most(base: Linearisation) -> float:
