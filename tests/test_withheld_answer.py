@@ -126,12 +126,12 @@ class TestAnswer(unittest.TestCase):
         copy, out = Path(command[4]), Path(command[6])
         self.handed.append(sorted(p.name for p in copy.iterdir()))
         if self.fails:
-            return 2, "brace-drake: no good\n"
+            return 2, "brace-drake: no good\n", 1.0
         out.mkdir()
         (out / "diagnosis.json").write_text(
             json.dumps({"verdict": VERDICT, "shrink": {"closed": 0.5}})
         )
-        return 0, ""
+        return 0, "", 2.5
 
     def answer(self, fails=False):
         self.handed, self.fails = [], fails
@@ -145,6 +145,7 @@ class TestAnswer(unittest.TestCase):
         found = self.answer()
         self.assertEqual(self.handed, [["campaign.yaml", "push.csv"]] * 2)
         self.assertEqual(found["case001"]["closed"], 0.5)
+        self.assertEqual(found["case001"]["seconds"], 2.5)
         self.assertTrue((self.answers / "COMMITMENT").exists())
 
     def test_a_case_is_not_diagnosed_twice(self):

@@ -7,6 +7,7 @@ again.
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from threading import Lock
 
+from brace_drake.core.errors import BraceError
 from brace_drake.core.output import HoldFolder, WriteText
 from brace_drake.core.reading import LoadJson, ReadBytes
 from brace_drake.withheld.judged import label
@@ -27,7 +29,7 @@ from brace_drake.withheld.seals import (
     read_seals,
 )
 
-CASES = "CASES"
+CASES, SECONDS = "CASES", "cpu_seconds.txt"
 _RECORDINGS = ("campaign.yaml", "*.csv")
 
 
@@ -96,8 +98,8 @@ class _Running:
         self._lock, self._processes = Lock(), set()
         self._stopped = False
 
-    def run(self, command: list[str], folder: str) -> tuple[int, str]:
-        """Status and errors of a command, run in a folder."""
+    def run(self, command: list[str], folder: str) -> tuple[int, str, float]:
+        """Status, errors and CPU time, s, of a command, run in a folder."""
         with self._lock:
             if self._stopped:
                 raise AnswerError("stopped")
@@ -110,10 +112,11 @@ class _Running:
             )
             self._processes.add(process)
         with process:
-            _, errors = process.communicate()
+            errors = process.stderr.read() if process.stderr else ""
+            seconds = _wait(process)
         with self._lock:
             self._processes.discard(process)
-        return process.returncode, errors
+        return process.returncode, errors, seconds
 
     def stop(self) -> None:
         """Ends what runs; nothing begins any more."""
@@ -121,6 +124,18 @@ class _Running:
             self._stopped = True
             for process in self._processes:
                 process.terminate()
+
+
+def _wait(process: subprocess.Popen) -> float:
+    """Waits for a process; CPU time that it took, s."""
+    try:
+        _, status, usage = os.wait4(process.pid, 0)
+    except ChildProcessError:
+        # `stop` has come before and taken its status.
+        process.wait()
+        return 0.0
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return usage.ru_utime + usage.ru_stime
 
 
 def _answer(running: _Running, case: Path, out: Path) -> dict:
@@ -133,11 +148,25 @@ def _answer(running: _Running, case: Path, out: Path) -> dict:
         return {
             "verdict": document["verdict"],
             "closed": shrink.get("closed"),
+            "seconds": _seconds(out / SECONDS),
             "error": None,
         }
     except (AnswerError, AttributeError, KeyError, TypeError) as problem:
         error = error or str(problem)
-        return {"verdict": None, "closed": None, "error": error}
+        return {
+            "verdict": None,
+            "closed": None,
+            "seconds": None,
+            "error": error,
+        }
+
+
+def _seconds(path: Path) -> float | None:
+    """CPU time that was noted, if it was."""
+    try:
+        return float(ReadBytes(path)) if path.exists() else None
+    except (BraceError, ValueError):
+        return None
 
 
 def _diagnose(running: _Running, case: Path, out: Path) -> str | None:
@@ -150,8 +179,9 @@ def _diagnose(running: _Running, case: Path, out: Path) -> str | None:
                 shutil.copyfile(file, copy / file.name)
         command = [sys.executable, "-m", "brace_drake.cli.main", "diagnose"]
         command += [str(copy), "--out", str(out.resolve()), "--jobs", "1"]
-        status, errors = running.run(command, folder)
+        status, errors, seconds = running.run(command, folder)
     if status == 0:
+        WriteText(out / SECONDS, f"{seconds:.1f}\n")
         return None
     lines = errors.strip().splitlines() or ["no message"]
     return f"status {status}: {lines[-1]}"

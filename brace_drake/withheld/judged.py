@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-OUTSIDE = "outside"
+OUTSIDE, UNNAMED = "outside", "unnamed"
+# A wrong name with a higher probability is a serious error.
+_SURE = 0.8
 
 
 def label(verdict: dict | None) -> str:
     """A verdict in a word: none, failed, or the effects named joined by +, with
     outside as the last of them where something is left that the library has
-    not.
+    not; unnamed where a method names no effects.
     """
     if verdict is None:
         return "failed"
     if not verdict["gap"]:
         return "none"
+    if verdict["effects"] is None:
+        return UNNAMED
     return _joined(verdict["effects"], verdict["outside_library"])
 
 
@@ -35,12 +39,14 @@ class Judged:
         truth: As it was sealed.
         verdict: As diagnosed, None where the diagnosis failed.
         closed: Share of the gap that the diagnosis closed, if it says so.
+        seconds: CPU time that it took, if that is known.
     """
 
     name: str
     truth: dict
     verdict: dict | None
     closed: float | None = None
+    seconds: float | None = None
 
     @property
     def kind(self) -> str:
@@ -72,13 +78,29 @@ class Judged:
     @property
     def named(self) -> set[str]:
         """Effects that the verdict names first."""
-        return set(self.verdict["effects"]) if self.verdict else set()
+        return set(self.verdict["effects"] or ()) if self.verdict else set()
+
+    @property
+    def names_effects(self) -> bool:
+        """Whether the method names effects at all."""
+        return self.given != UNNAMED
+
+    @property
+    def errs_surely(self) -> bool:
+        """Whether an effect is named that is not there, and held probable."""
+        wrong = self.named - set(self.truth["effects"])
+        return bool(wrong) and (self.probability or 0.0) > _SURE
 
     @property
     def answers(self) -> list[str]:
         """The verdict and all it calls possible, each a word like `given`."""
         verdict = self.verdict
-        if verdict is None or self.given in ("none", OUTSIDE, "failed"):
+        if verdict is None or self.given in (
+            "none",
+            OUTSIDE,
+            UNNAMED,
+            "failed",
+        ):
             return []
         outside = verdict["outside_library"]
         rivals = verdict.get("ambiguous_with", [])

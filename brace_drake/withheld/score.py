@@ -12,6 +12,7 @@ import scipy
 
 from brace_drake.withheld.faults import SEVERITIES
 from brace_drake.withheld.judged import Judged
+from brace_drake.withheld.plain_answers import read_plain
 from brace_drake.withheld.seals import (
     ANSWERS,
     ANSWERS_FORMAT,
@@ -24,6 +25,8 @@ from brace_drake.withheld.seals import (
 )
 
 SCORE_FORMAT = "brace-score/1"
+# A gap closed by this share is repaired.
+_REPAIRED = 0.8
 _BINS = (0.0, 0.5, 0.7, 0.85, 0.95, 1.0)
 # A probability nearer to 0 or 1 than this is held to be no surer.
 SUREST = 1e-3
@@ -32,14 +35,23 @@ SUREST = 1e-3
 def load_judged(folder: Path, vault: Path, answers: Path) -> list[Judged]:
     """Truth beside answers, once seals and commitment have been verified.
 
+    Args:
+        folder: Of the cases and their seals.
+        vault: With their truth.
+        answers: Folder of `answer_cases`, or one file of any method, which
+            has committed to nothing (see `plain_answers`).
+
     Raises:
         SealError: Truth or answers are not those that were sealed.
         AnswerError: A file is missing or of another format.
     """
     seals = read_seals(folder)
     truths = read_cases(vault, VAULT_FORMAT)
-    given = read_cases(answers / ANSWERS, ANSWERS_FORMAT)
-    check_commitment(folder, answers)
+    if answers.is_file():
+        _, given = read_plain(answers)
+    else:
+        given = read_cases(answers / ANSWERS, ANSWERS_FORMAT)
+        check_commitment(folder, answers)
     for other, what in ((truths, "vault"), (given, "answers")):
         if set(other) != set(seals):
             raise SealError(f"{what}: not the cases of {folder}")
@@ -48,8 +60,18 @@ def load_judged(folder: Path, vault: Path, answers: Path) -> list[Judged]:
         truth = truths[name]["truth"]
         check_seal(name, truth, truths[name]["salt"], sealed)
         answer = given[name]
-        judged.append(Judged(name, truth, answer["verdict"], answer["closed"]))
+        told = answer["verdict"], answer["closed"], answer.get("seconds")
+        judged.append(Judged(name, truth, *told))
     return judged
+
+
+def method_of(answers: Path) -> str:
+    """Under which answers stand in a table.
+
+    Raises:
+        AnswerError: It is a file of another format.
+    """
+    return read_plain(answers)[0] if answers.is_file() else answers.name
 
 
 def score(judged: list[Judged], least: float) -> dict:
@@ -60,6 +82,7 @@ def score(judged: list[Judged], least: float) -> dict:
         least: Floors above which a gap counts as detectable.
     """
     clear = [j for j in judged if j.kind == "single" and j.is_detectable(least)]
+    wrong = [j for j in judged if j.kind != "none"]
     return {
         "format": SCORE_FORMAT,
         "cases": len(judged),
@@ -72,6 +95,8 @@ def score(judged: list[Judged], least: float) -> dict:
             np.median,
             [j.closed for j in judged if j.right and j.closed is not None],
         ),
+        "closed_median": _of(np.median, _told(wrong, "closed")),
+        "seconds_median": _of(np.median, _told(judged, "seconds")),
         **probability_scores(judged),
         "confusion": confusion(judged),
         "each": [_row(j) for j in judged],
@@ -101,7 +126,17 @@ def shares(judged: list[Judged], least: float) -> dict[str, dict]:
         "pairs: at least one named": [
             bool(j.named & set(j.truth["effects"])) for j in pair
         ],
-        "outside: recall": [j.right for j in outside],
+        "effects: exactly those at fault": [
+            j.right for j in single + pair if j.names_effects
+        ],
+        "no gap where there is none": [j.given == "none" for j in of("none")],
+        "wrong names with p above 0.8": [
+            j.errs_surely for j in judged if j.names_effects
+        ],
+        "gap closed by 80 % or more": [
+            j.closed is not None and j.closed >= _REPAIRED for j in wrong
+        ],
+        "outside: recall": [j.right for j in outside if j.names_effects],
         "outside: precision": [j.right for j in judged if j.given == "outside"],
         "library effects called outside": [
             j.given == "outside" for j in single + pair
@@ -190,6 +225,11 @@ def _row(j: Judged) -> dict:
         "probability": j.probability,
         "right": j.right,
     }
+
+
+def _told(judged: list[Judged], key: str) -> list[float]:
+    values = [getattr(j, key) for j in judged]
+    return [value for value in values if value is not None]
 
 
 def _of(statistic, values: list[float]) -> float | None:

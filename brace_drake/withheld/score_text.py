@@ -13,6 +13,8 @@ def format_score(score: dict) -> str:
     for name, key, scale in (
         ("answers called possible, mean", "answers_per_case", 1.0),
         ("gap closed where right, median, %", "gap_closed_median", 100.0),
+        ("gap closed, median, %", "closed_median", 100.0),
+        ("CPU seconds a case, median", "seconds_median", 1.0),
         ("log score of the probability", "log_score", 1.0),
         ("Brier score of the probability", "brier_score", 1.0),
     ):

@@ -24,11 +24,17 @@ example:
 The cases come from an independent simulator of the bench, which shares no code
 with the twin. Their truth is in the vault. SEALS.yaml, among the cases, commits
 to the truth by hash. COMMITMENT, among the answers, commits to the answers.
+
+A benchmark is a frozen set of cases that anyone can make and any method answer:
+  brace-drake withheld make --benchmark bench-clean --out cases \\
+      --vault secret/vault.json
+  brace-drake withheld table cases --vault secret/vault.json \\
+      --answers answers other_method.json
 """
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
-    """Adds the subcommand `withheld` with its three parts."""
+    """Adds the subcommand `withheld` with its parts."""
     parser = AddCommand(
         subparsers,
         "withheld",
@@ -41,6 +47,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     _add_make(parts)
     _add_answer(parts)
     _add_score(parts)
+    _add_table(parts)
 
 
 def _add_part(
@@ -64,12 +71,15 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
         "make sealed cases",
         "--cases 40 --out cases --vault secret/vault.json",
     )
-    parser.add_argument(
-        "--cases",
-        type=positive,
-        required=True,
-        metavar="N",
-        help="how many to make",
+    which = parser.add_mutually_exclusive_group(required=True)
+    which.add_argument(
+        "--cases", type=positive, metavar="N", help="how many to make"
+    )
+    which.add_argument(
+        "--benchmark",
+        metavar="NAME",
+        help="make a frozen set in place of cases drawn now, and compare the"
+        " recordings with its checksum; bench-tiny is the smallest",
     )
     parser.add_argument(
         "--out", required=True, metavar="DIR", help="folder for the cases"
@@ -92,7 +102,6 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
         nargs="?",
         type=float,
         const=1.0,
-        default=0.0,
         metavar="FACTOR",
         help="machines are off by draws of so many times their tolerances,"
         " 0 to 5 (default: 0; 1 without FACTOR), and no fault is small",
@@ -130,7 +139,11 @@ def _add_score(parts: argparse._SubParsersAction) -> None:
     )
     for name, metavar, what in (
         ("--vault", "FILE", "vault"),
-        ("--answers", "ANSWERS", "folder of the answers"),
+        (
+            "--answers",
+            "ANSWERS",
+            "folder of the answers, or a file of any method's,",
+        ),
     ):
         parser.add_argument(
             name,
@@ -139,6 +152,37 @@ def _add_score(parts: argparse._SubParsersAction) -> None:
             metavar=metavar,
             help=f"{what} of each folder of cases, in the same order",
         )
+    _add_detectable(parser)
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="folder for score.json, score.txt and reliability.svg",
+    )
+
+
+def _add_table(parts: argparse._SubParsersAction) -> None:
+    parser = _add_part(
+        parts,
+        "table",
+        RunTable,
+        "print a table of several methods' scores on the same cases",
+        "cases --vault secret/vault.json --answers answers other.json",
+    )
+    parser.add_argument("cases", metavar="DIR", help="folder of the cases")
+    parser.add_argument(
+        "--vault", required=True, metavar="FILE", help="file of their truth"
+    )
+    parser.add_argument(
+        "--answers",
+        nargs="+",
+        required=True,
+        metavar="ANSWERS",
+        help="of each method a folder of answers, or a file",
+    )
+    _add_detectable(parser)
+
+
+def _add_detectable(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--detectable",
         type=float,
@@ -147,31 +191,39 @@ def _add_score(parts: argparse._SubParsersAction) -> None:
         help="noise floors above which a gap counts as detectable"
         " (default: 0.3)",
     )
-    parser.add_argument(
-        "--out",
-        metavar="DIR",
-        help="folder for score.json, score.txt and reliability.svg",
-    )
 
 
 def RunMake(args: argparse.Namespace) -> int:
     """Makes the cases; prints where they and their truth lie."""
+    from brace_drake.withheld.benchmark import check_set, find_set
     from brace_drake.withheld.make import make_cases
     from brace_drake.withheld.seals import SEALS
 
-    out = Path(args.out)
-    with open_bar(total=args.cases, unit="case") as bar:
+    out, frozen = Path(args.out), None
+    count, seed, tolerances = args.cases, args.seed, args.tolerances
+    if args.benchmark is not None:
+        if seed is not None or tolerances is not None:
+            raise BraceError(
+                "withheld make: --benchmark has a seed and tolerances of its"
+                " own; --seed and --tolerances are for cases drawn now"
+            )
+        frozen = find_set(args.benchmark)
+        count, seed = frozen.cases, frozen.seed
+        tolerances = frozen.tolerances
+    with open_bar(total=count, unit="case") as bar:
         make_cases(
             out,
             Path(args.vault),
-            args.cases,
-            args.seed,
+            count,
+            seed,
             lambda done: bar.update(done - bar.n),
             args.jobs,
-            args.tolerances,
+            tolerances or 0.0,
         )
     print(f"cases: {out}, sealed by {out / SEALS}")
     print(f"truth: {args.vault}")
+    if frozen is not None:
+        print(f"checked: {check_set(out, frozen)}")
     return 0
 
 
@@ -217,4 +269,23 @@ def RunScore(args: argparse.Namespace) -> int:
         WriteText(out / "score.txt", text)
         WriteText(out / "reliability.svg", draw_reliability(found))
         print(f"score: {out / 'score.json'}")
+    return 0
+
+
+def RunTable(args: argparse.Namespace) -> int:
+    """Prints a row for each method."""
+    from brace_drake.withheld.score import load_judged, method_of, score
+    from brace_drake.withheld.table import format_table
+
+    cases, vault, scores = Path(args.cases), Path(args.vault), {}
+    for answers in map(Path, args.answers):
+        method = method_of(answers)
+        if method in scores:
+            raise BraceError(
+                f"withheld table: two methods are called {method}; name one"
+                " of them anew"
+            )
+        judged = load_judged(cases, vault, answers)
+        scores[method] = score(judged, args.detectable)
+    print(format_table(scores), end="")
     return 0
