@@ -136,7 +136,7 @@ class TestAnswers(OnTheBench):
         uses = list(zip((bias, reflex), both, strict=True))
         evaluator = self.bench.evaluator(uses)
         leader = fit_effects(evaluator, [bias], both[:1])
-        ground, bar = Linearisation(evaluator, leader), 0.5 * leader.excess
+        ground, bar = Linearisation(evaluator, leader), 0.6 * leader.excess
         promises = [r.predicted for r in predict(ground, reflex)]
         self.assertGreater(min(promises), bar)
         found = screen(ground, [reflex])

@@ -9,7 +9,9 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+from scipy.special import chdtri
 
+from brace_drake.core.cosine_transform import frequencies_of, to_frequency
 from brace_drake.devices.leg_bench.twin import LegBenchTwin
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.evaluation import Evaluator
@@ -80,11 +82,12 @@ class TestEmps(unittest.TestCase):
         rest = self.residual(self.coulomb, "fit")
         rate = self.campaign.rate_hz
         weights = self.floor.weights(len(rest), rate)[:, 0]
-        frequency = np.fft.rfftfreq(len(rest), 1.0 / rate)
+        frequency = frequencies_of(len(rest), rate)
         inside = (frequency > 150.0) & (frequency < 490.0)
-        power = np.abs(np.fft.rfft(rest) * weights)[inside] ** 2 / 2.0
-        ratio = np.median(power) / np.log(2.0)
-        self.assertAlmostEqual(np.sqrt(ratio), 1.0, delta=0.25)
+        power = (to_frequency(rest) * weights)[inside] ** 2
+        # The median of a normal number's square.
+        ratio = np.median(power) / chdtri(1, 0.5)
+        self.assertAlmostEqual(np.sqrt(ratio), 1.0, delta=0.3)
 
 
 if __name__ == "__main__":

@@ -23,8 +23,11 @@ from tests.commands import run_command
 
 RATE, SIGMA = 200.0, 0.1
 TIME = np.arange(400) / RATE
-# Whole periods: orthogonal, and of mean square 1 / 2.
-WAVES = {n: np.sin(2.0 * np.pi * n * TIME) for n in (1, 2, 3, 4, 5)}
+# Whole periods about the middles of samples: each is one frequency of the
+# cosine transform, orthogonal to the others, and of mean square 1 / 2.
+WAVES = {
+    n: np.cos(2.0 * np.pi * n * (TIME + 0.5 / RATE)) for n in (1, 2, 3, 4, 5)
+}
 
 
 def card(name, *names, upper=1e6):

@@ -177,7 +177,7 @@ def _add_table(parts: argparse._SubParsersAction) -> None:
         nargs="+",
         required=True,
         metavar="ANSWERS",
-        help="of each method a folder of answers, or a file",
+        help="a folder of answers, or a file, of each method",
     )
     _add_detectable(parser)
 

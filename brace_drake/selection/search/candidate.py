@@ -38,10 +38,10 @@ class Candidate:
         residual: There, prior rows below.
         jacobian: Of its last step; None before it was searched, or where what
             goes on from it makes its own.
-        is_searched: Whether steps were taken.
         predicted: Excess, strained, that it is predicted to leave.
         start: Where parameters of several starts began.
         others: The same effect from another start, best first.
+        is_searched: Whether steps were taken.
         added: The effect that it has beside those of the base.
         name: Keys of its effects, joined by +.
     """
@@ -50,10 +50,10 @@ class Candidate:
     z: np.ndarray
     residual: np.ndarray
     jacobian: np.ndarray | None = None
-    is_searched: bool = False
     predicted: float = np.inf
     start: tuple[float, ...] = ()
     others: tuple[Candidate, ...] = ()
+    is_searched: bool = False
 
     def __post_init__(self):
         effects = self.problem.effects
