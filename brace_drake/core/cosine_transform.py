@@ -27,6 +27,6 @@ def to_frequency(series: np.ndarray, axis: int = 0) -> np.ndarray:
     return fft.dct(series, type=2, axis=axis, norm="ortho")
 
 
-def to_time(transform: np.ndarray, axis: int = 0) -> np.ndarray:
-    """The inverse of `to_frequency`."""
-    return fft.idct(transform, type=2, axis=axis, norm="ortho")
+def to_time(transform: np.ndarray) -> np.ndarray:
+    """The inverse of `to_frequency` along the first axis."""
+    return fft.idct(transform, type=2, axis=0, norm="ortho")

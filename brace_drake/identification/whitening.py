@@ -2,7 +2,7 @@
 
 A residual (N, C) is whitened in frequency by the weights of its noise floor,
 up to the highest one that counts. `PreparedRun.weigh` lays the transform out as
-one vector; here are the ways back, to frequency and to time.
+one vector; here is the way back to time.
 """
 
 from __future__ import annotations
@@ -22,20 +22,6 @@ from brace_drake.identification.evaluation import Evaluator, PreparedRun
 Band = tuple[float, float]
 
 
-def in_frequency(prepared: PreparedRun, weighted: np.ndarray) -> np.ndarray:
-    """A weighted residual as transform: the inverse of its layout.
-
-    Args:
-        prepared: The run.
-        weighted: From its `weigh` (M,), or columns of such (M, n).
-
-    Returns:
-        (B, C) for B frequencies and C used channels, or (B, C, n).
-    """
-    bins, channels = len(prepared.weights), int(prepared.used.sum())
-    return weighted.reshape(bins, channels, *weighted.shape[1:])
-
-
 def in_time(prepared: PreparedRun, weighted: np.ndarray) -> np.ndarray:
     """A weighted residual as a series of unit variance for pure noise.
 
@@ -49,7 +35,7 @@ def in_time(prepared: PreparedRun, weighted: np.ndarray) -> np.ndarray:
     Returns:
         (B, C) for B frequencies and C used channels, evenly over the run.
     """
-    return to_time(in_frequency(prepared, weighted))
+    return to_time(weighted.reshape(len(prepared.weights), -1))
 
 
 def in_pieces(evaluator: Evaluator, weighted: np.ndarray) -> list[np.ndarray]:

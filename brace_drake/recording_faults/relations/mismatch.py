@@ -100,7 +100,9 @@ class LawChecker:
                 found[contact] = floor.scaled(self._noisier(mine, copies))
         return found
 
-    def _noisier(self, runs: Sequence[Run], copies: Sequence[Run]):
+    def _noisier(
+        self, runs: Sequence[Run], copies: Sequence[Run]
+    ) -> np.ndarray:
         """Variance of noise in recorded readings over that in the twin's, of
         the noisiest that each output answers to (n,): as most runs have it,
         what spoils one run is no part of it. Less than the twin's proves
