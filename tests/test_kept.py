@@ -7,8 +7,17 @@ import textwrap
 import unittest
 from pathlib import Path
 
-from brace_drake.effects.actuation import coulomb_friction, stribeck_friction
-from brace_drake.laws.kept import folder_of_sources, takes_files
+from brace_drake.effects.actuation import (
+    coulomb_friction,
+    loose_drive,
+    stribeck_friction,
+)
+from brace_drake.effects.mechanism import leg_compliance
+from brace_drake.laws.kept import (
+    folder_of_sources,
+    sources_of,
+    takes_files,
+)
 
 _INNER = """
 from brace_drake.laws.compiled import compiled_law
@@ -62,6 +71,14 @@ class TestKept(unittest.TestCase):
             one = Path(name) / "actuation"
             one.mkdir()
             self.assertNotEqual(folder_of_sources(one), kept)
+
+    def test_effects_are_compiled_anew_with_what_they_call_in_other_folders(
+        self,
+    ):
+        mechanism = Path(leg_compliance.__file__).parent
+        called = Path(loose_drive.__file__)
+        self.assertNotEqual(mechanism, called.parent)
+        self.assertIn(called, sources_of(mechanism))
 
     def test_what_cannot_be_written_to_takes_no_files(self):
         self.assertFalse(takes_files(Path("/proc/version/laws")))

@@ -207,6 +207,17 @@ class TestCopies(unittest.TestCase):
         noise = self.random.normal(size=(800, 12)) * numbers.noise_sigma
         self.assert_alike(machines, sway(0.8), 5e-4, noise)
 
+    def test_an_effect_of_the_frame_goes_beside_a_machine_without_any(self):
+        numbers = self.twin.with_subject(self.usual)
+        anchors = self.twin.effects()["anchor_error"]
+        values = 1e-4 * self.random.normal(size=len(anchors.parameters))
+        own = anchors.modify(numbers, values)
+        machines = [
+            (own, stack_effects([(anchors, values)], own)),
+            (numbers, stack_effects(())),
+        ]
+        self.assert_alike(machines, sway(0.4), 5e-4)
+
     def test_laws_made_for_lanes_act_on_all_copies_at_once_as_on_each(self):
         size = len(WITHIN_TOLERANCES.parameters)
         off = np.zeros((3, size))

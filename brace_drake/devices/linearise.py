@@ -17,7 +17,7 @@ from brace_drake.devices.tolerances import (
     able_off,
     uses_within,
 )
-from brace_drake.effects.stack import Use
+from brace_drake.effects.stack import Use, behind_joints
 
 # Mean square, in floors, that a direction of one deviation changes at least.
 _TELLS = 0.1
@@ -61,21 +61,21 @@ def linearise_tolerances(
     if before is not None and off is not None:
         ways = _telling_ways(before, evaluator.count)
     is_rough = any(e.dithered for e, _ in uses)
-    more, steps = [], []
+    after, steps = [], []
     for way in ways:
         (places,) = np.nonzero(way)
         one = nuisances[places[0]]
         # Dry friction, and numbers without effects where they are off.
         alone = len(places) == 1 and (one.is_dithered or off is None)
         step = _FAR if is_rough and not one.is_dithered else 1.0
-        more.append(
-            (*here, *((e, values * step) for e, values in one.uses))
+        after.append(
+            _with_number(evaluator, (*uses, *here), one, step)
             if alone
-            else uses_within(nuisances, off + step * way, uses_off)
+            else (*uses, *uses_within(nuisances, off + step * way, uses_off))
         )
         steps.append(step)
     try:
-        changes = evaluator.changes(subject, uses, more, here)
+        changes = evaluator.changes(subject, (*uses, *here), after)
     except BraceError:
         return None
     columns = np.column_stack(changes) / steps
@@ -86,6 +86,16 @@ def linearise_tolerances(
     return LinearTolerances(
         tuple(nuisances), basis, coefficients, uses_off, off, noise=noise
     )
+
+
+def _with_number(
+    evaluator, uses: Sequence[Use], number: Nuisance, step: float
+) -> tuple[Use, ...]:
+    """Effects, and a number off by so many deviations where it acts."""
+    for card, values in number.uses:
+        held = behind_joints(uses, card, values * step, evaluator.effects)
+        uses = held[0] if held else (*uses, (card, values * step))
+    return tuple(uses)
 
 
 def _telling_ways(before: LinearTolerances, count: int) -> np.ndarray:

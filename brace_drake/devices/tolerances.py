@@ -86,17 +86,24 @@ class LinearTolerances:
         self._forget_parts()
 
     def around_zero(self, residual: np.ndarray) -> np.ndarray:
-        """A weighted residual (rows,) of a twin with `uses`, as it were with
-        all numbers at 0.
+        """A weighted residual (rows,) or (rows, m) of a twin with `uses`, as it
+        were with all numbers at 0.
         """
         if self.off is None:
             return residual
-        return residual - self.basis @ (self.columns @ self.off)
+        taken = self.basis @ (self.columns @ self.off)
+        return (residual.T - taken).T
 
     def whiten(self, residual: np.ndarray) -> np.ndarray:
         """(I + J J' / v)^(-1/2) of a weighted residual (rows,) or (rows, m)."""
         along = self.basis.T @ residual
-        return residual + self.basis @ (self.root @ along - along)
+        return residual + self._spanned(self.root @ along - along)
+
+    def _spanned(self, along: np.ndarray) -> np.ndarray:
+        """Vectors of the basis (k,) or (k, m) in all rows, column by column in
+        memory.
+        """
+        return (along.T @ self.basis.T).T
 
     def whiten_pieces(
         self, residual: np.ndarray, ends: Sequence[int]
@@ -112,7 +119,7 @@ class LinearTolerances:
         """
         pieces = [slice(*p) for p in zip([0, *ends[:-1]], ends, strict=True)]
         along = np.column_stack([self.basis[p].T @ residual[p] for p in pieces])
-        out = self.basis @ (self.root @ along - along)
+        out = self._spanned(self.root @ along - along)
         for k, p in enumerate(pieces):
             out[p, k] += residual[p]
         return out
@@ -120,7 +127,7 @@ class LinearTolerances:
     def colour(self, whitened: np.ndarray) -> np.ndarray:
         """The inverse of `whiten`."""
         along = self.basis.T @ whitened
-        return whitened + self.basis @ (self._coloured @ along - along)
+        return whitened + self._spanned(self._coloured @ along - along)
 
     def along(self, whitened: np.ndarray) -> np.ndarray:
         """A residual in the basis (k,), of what it is after `whiten`."""

@@ -57,6 +57,35 @@ def stack_effects(uses: Sequence[Use], numbers=None) -> dict[str, PlugIn]:
     }
 
 
+def behind_joints(
+    uses: Sequence[Use],
+    card: Effect,
+    values: np.ndarray,
+    forms: Sequence[Effect],
+) -> list[tuple[Use, ...]]:
+    """Effects with one more that is part of another form of one of them: what
+    sticks behind a joint that gives way does not stick to the ring.
+
+    Args:
+        uses: The effects.
+        card: The one more, as dry friction.
+        values: Its parameters.
+        forms: Of all effects.
+
+    Returns:
+        A set for each such form; none where no effect has any.
+    """
+    return [
+        (*uses[:i], (form, np.append(mine, values)), *uses[i + 1 :])
+        for i, (effect, mine) in enumerate(uses)
+        for form in forms
+        if form.name == effect.name
+        and card.name in form.contains
+        and card.name not in effect.contains
+        and len(form.parameters) == len(mine) + len(values)
+    ]
+
+
 def _vector(effect: Effect, values: np.ndarray, numbers) -> np.ndarray:
     if effect.stage is not None:
         return _of_one_stage(effect, values, numbers)

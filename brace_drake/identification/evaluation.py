@@ -186,36 +186,33 @@ class Evaluator:
     def changes(
         self,
         subject: np.ndarray,
-        uses: Sequence[Use],
-        more: Sequence[Sequence[Use]],
-        instead: Sequence[Use] = (),
+        before: Sequence[Use],
+        after: Sequence[Sequence[Use]],
     ) -> list[np.ndarray]:
-        """What further effects, one set at a time, change of the weighted
-        residual; where there were others, in place of those.
+        """What each of several sets of effects changes of the weighted
+        residual, against another set.
 
-        At the coarse plant step; where noise acts as a dither all replays take
+        At the coarse plant step; where noise acts as a dither both replays take
         the same noise.
 
         Raises:
             BraceError: The twin breaks down.
         """
-        after = [(*uses, *one) for one in more]
         noisy = [
-            _FEW_DITHERS if is_dithered(self.twin, both) else 0
-            for both in after
+            _FEW_DITHERS if is_dithered(self.twin, uses) else 0
+            for uses in after
         ]
         kinds = sorted(set(noisy))
-        points = [(subject, (*uses, *instead))] * len(kinds)
-        points += [(subject, both) for both in after]
+        points = [(subject, uses) for uses in [before] * len(kinds) + [*after]]
 
         found = self._of_all_runs(
             PreparedRun.weigh, points, [*kinds, *noisy], "coarse"
         )
         if any(x is None for x in found):
             raise BraceError("the twin breaks down with further effects")
-        before = dict(zip(kinds, found, strict=False))
+        known = dict(zip(kinds, found, strict=False))
         return [
-            before[kind] - x
+            known[kind] - x
             for kind, x in zip(noisy, found[len(kinds) :], strict=True)
         ]
 

@@ -113,7 +113,7 @@ class CandidateProblem:
         self.steps = np.full(len(units), _EFFECT_STEP)
         self.steps[: self.num_subject] = _SUBJECT_STEP
         if self.is_rough:
-            self.steps[: self.num_subject] *= _ROUGH
+            self.steps *= _ROUGH
         self.groups = groups
         self.num_free = len(units) - self.num_subject
         self.alike = np.zeros(len(units), dtype=bool)
@@ -263,16 +263,25 @@ class CandidateProblem:
             split.append((subject, uses))
         evaluator.replays += len(points)
         found = evaluator.weighted_residuals(split, step)
-        out: list[np.ndarray | None] = []
-        for z, rows in zip(points, found, strict=True):
-            if rows is None:
-                out.append(None)
-                continue
-            if self.tolerances is not None:
-                rows = self.tolerances.around_zero(rows)
-            rows = np.concatenate([rows, self.prior_rows(z)])
-            out.append(self.whitened(rows))
-        return out
+        went = [rows for rows in found if rows is not None]
+        white = iter(self._whitened_at_once(went) if went else ())
+        return [
+            None
+            if rows is None
+            else np.concatenate([next(white), self.prior_rows(z)])
+            for z, rows in zip(points, found, strict=True)
+        ]
+
+    def _whitened_at_once(
+        self, residuals: Sequence[np.ndarray]
+    ) -> Sequence[np.ndarray]:
+        """Weighted residuals whitened of tolerances: at once, as for each alone
+        the basis would be read from memory anew.
+        """
+        if self.tolerances is None:
+            return residuals
+        rows = self.tolerances.around_zero(np.stack(residuals).T)
+        return self.tolerances.whiten(rows).T
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:
         """Rows of all runs whitened of tolerances; the prior's as they are."""

@@ -36,7 +36,8 @@ def calc_sensitivities(
         g for g in problem.groups if g[0] >= first and g[0] not in problem.fixed
     ]
     rows, steps = problem.evaluator.ends[-1], problem.steps
-    out = np.zeros((rows + problem.num_prior, len(z) - first))
+    size = rows + problem.num_prior, len(z) - first
+    out = np.zeros(size, order="F")
     out[rows:] = problem.prior_jacobian()[:, first:]
     if not problem.is_rough:
         ways = np.where(z + steps > problem.upper, -steps, steps)

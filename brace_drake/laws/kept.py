@@ -19,14 +19,23 @@ import numba
 from brace_drake.core.resources import cache_path
 
 
+def sources_of(folder: Path) -> list[Path]:
+    """Sources that code in a folder may be compiled from: those beside it and
+    those of the laws; laws of effects call each other from folder to folder.
+    """
+    laws = Path(__file__).parent
+    effects = laws.parent / "effects"
+    beside = effects if effects in folder.parents else folder
+    parts = dict.fromkeys((laws, beside))
+    return [source for part in parts for source in sorted(part.rglob("*.py"))]
+
+
 @cache
 def folder_of_sources(folder: Path) -> Path:
     """Where code compiled from files in a folder is kept."""
     digest = hashlib.sha256(numba.__version__.encode())
-    laws = Path(__file__).parent
-    for part in dict.fromkeys((laws, folder)):
-        for source in sorted(part.rglob("*.py")):
-            digest.update(source.read_bytes())
+    for source in sources_of(folder):
+        digest.update(source.read_bytes())
     return cache_path(f"{folder.name}-{digest.hexdigest()[:16]}")
 
 

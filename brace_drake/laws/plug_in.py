@@ -121,8 +121,8 @@ def _is_together(copies: Sequence[Sequence[PlugIn]], e: int) -> bool:
 
 
 def _parameters_of(plugs: Sequence[PlugIn], e: int) -> np.ndarray:
-    of_effects = next((p for p in plugs if not p.is_idle), plugs[0])
-    return of_effects.parameters[e]
+    # Numbers of what has no law here, as of the frame, act elsewhere.
+    return next((p.parameters[e] for p in plugs if p.active[e]), np.zeros(1))
 
 
 class _Behind:

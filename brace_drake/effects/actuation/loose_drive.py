@@ -3,12 +3,14 @@
 Its dry friction acts between drive and base: it holds the drive, while the ring
 still moves by what the joint between them lets it. In the balance of the drive,
 b v = u - f_joint - F_c(v), the drive has no mass. Friction is that of bristles
-which hold up to F_c and give way by 10 um (elasto-plastic; Dupont, Hayward,
-Armstrong, Altpeter, IEEE Trans. Autom. Control 47, 2002, with nothing slipping
-below the full deflection).
+without creep, as where the drive is rigidly joined: see `coulomb_friction`.
 """
 
-from brace_drake.effects.actuation.coulomb_friction import WITHOUT_CREEP_TRAVEL
+from brace_drake.effects.actuation.coulomb_friction import (
+    STUCK,
+    WITHOUT_CREEP_TRAVEL,
+    slip_share,
+)
 from brace_drake.effects.card import EffectParameter
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.lanes.elementary import exp
@@ -41,7 +43,23 @@ SOURCE = (
 
 
 @compiled_law
-def friction_held(dt, push, drag, level, z):
+def follow_share(push, level, z):
+    """Share of a move that the bristles follow, 0 to 1: the rest slips.
+
+    z' = v (1 - a |z| / z_s), see `coulomb_friction.slip_share`.
+
+    Args:
+        push: What moves the drive, N; it goes that way.
+        level: F_c, N.
+        z: Deflection of its bristles, m.
+    """
+    top = WITHOUT_CREEP_TRAVEL
+    speed = push - level / top * z
+    return 1.0 - slip_share(speed, z, top, STUCK) * abs(z) / top
+
+
+@compiled_law
+def friction_held(dt, push, drag, level, z, follow):
     """Dry friction of a drive without mass over a step, N.
 
     Args:
@@ -50,16 +68,18 @@ def friction_held(dt, push, drag, level, z):
         drag: What it is slowed by, N s/m, above 0.
         level: F_c, N.
         z: Deflection of its bristles, m.
+        follow: Share of a move that they follow.
     """
     stiffness = level / WITHOUT_CREEP_TRAVEL
+    part = follow * dt
     held = push - stiffness * z
-    force = stiffness * (z + dt * held / (drag + dt * stiffness))
+    force = stiffness * (z + part * held / (drag + part * stiffness))
     return min(max(force, -level), level)
 
 
 @compiled_law
 def deflect(z, move):
-    """Deflection of bristles after the drive has moved, m."""
+    """Deflection of bristles after they have followed a move, m."""
     top = WITHOUT_CREEP_TRAVEL
     return min(max(z + move, -top), top)
 
@@ -83,14 +103,15 @@ def yield_elastic(dt, u, l_dot, b, c, level, stretch, z):
     """
     # While the drive stands the spring follows the ring.
     push = u - (stretch - dt * l_dot) / c
-    force = friction_held(dt, push, b + dt / c, level, z)
+    follow = follow_share(push, level, z)
+    force = friction_held(dt, push, b + dt / c, level, z, follow)
     balanced = c * (u - force - b * l_dot)
     rate = dt / max(c * b, 1e-12)
     decay = exp(-rate)
     # The exact mean over the step keeps a stiff spring stable.
     mean = balanced + (stretch - balanced) * (1.0 - decay) / rate
     end = balanced + (stretch - balanced) * decay
-    return end, mean, deflect(z, dt * l_dot + end - stretch)
+    return end, mean, deflect(z, follow * (dt * l_dot + end - stretch))
 
 
 @compiled_law
@@ -103,10 +124,11 @@ def run_in_gap(dt, u, l_dot, b, half, level, place, z):
         half: Of the gap's width, m.
         place: g = l_drive - l, m.
     """
-    force = friction_held(dt, u, b, level, z)
+    follow = follow_share(u, level, z)
+    force = friction_held(dt, u, b, level, z, follow)
     free = place + dt * ((u - force) / b - l_dot)
     end = min(max(free, -half), half)
-    after = deflect(z, dt * l_dot + end - place)
+    after = deflect(z, follow * (dt * l_dot + end - place))
     passed = b * (free - end) / dt
     # The bristles move with the end of the gap, not as if it were free.
     held = force - level / WITHOUT_CREEP_TRAVEL * after

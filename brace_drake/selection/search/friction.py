@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import behind_joints
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
@@ -29,8 +30,9 @@ from brace_drake.selection.search.within import refit_within
 def fit_friction(
     lines: Linearisation, criterion: Criterion, effects: Sequence[Effect]
 ) -> list[CandidateFit]:
-    """A fit with dry friction that a tolerance allows for, in each of its
-    forms, where something is left; refined.
+    """A fit with dry friction that a tolerance allows for, in the form that
+    begins best and in others from where that one ends, where something is
+    left; refined.
 
     Args:
         lines: At the fit that is looked at.
@@ -46,14 +48,19 @@ def fit_friction(
         if not card.dithered:
             continue
         start = np.minimum(values * max(t, 1.0), card.upper)
-        behind = _behind_joints(lines, card, start)
         forms = [e for e in effects if e.name == card.name]
-        searched = (
-            [c for c in behind if c.step(lines, thresholds.STEPS, own=True)]
-            if behind
-            else _in_each_form(lines, forms, start)
-        )
-        found += [c.fit() for c in searched]
+        behind = _behind_joints(lines, card, start)
+        begun = behind or [with_one_more(lines, form, start) for form in forms]
+        # Replays are dear where drives stick: what a round at its very best
+        # does not bring below what was there is not searched.
+        most = thresholds.GAINED / thresholds.BEST_ROUND * lines.excess
+        able = [c for c in begun if c is not None and c.excess < most]
+        best = min(able, key=lambda c: c.excess, default=None)
+        if best is None or not best.step(lines, thresholds.STEPS, own=True):
+            continue
+        found.append(best.fit())
+        if not behind:
+            found += [c.fit() for c in other_choices(lines, found[-1])]
     best = min(found, key=lambda f: f.excess, default=lines.base)
     # It takes of what is left, not of what tolerances are stretched to.
     if best.excess > thresholds.GAINED * max(0.0, lines.excess):
@@ -63,35 +70,20 @@ def fit_friction(
     return [fit] if fit.excess < lines.base.excess else []
 
 
-def _in_each_form(
-    lines: Linearisation, forms: Sequence[Effect], start: np.ndarray
-) -> list[Candidate]:
-    """The fit with friction, searched in the form that begins best, and in
-    others from where that one ends.
-    """
-    begun = [with_one_more(lines, form, start) for form in forms]
-    able = [c for c in begun if c is not None]
-    best = min(able, key=lambda c: c.excess, default=None)
-    if best is None or not best.step(lines, thresholds.STEPS, own=True):
-        return []
-    return [best, *other_choices(lines, best.fit())]
-
-
 def _behind_joints(
     lines: Linearisation, card: Effect, start: np.ndarray
 ) -> list[Candidate]:
     """The fit with forms of its effects that contain the friction: what sticks
     behind a joint that gives way does not stick to the ring.
     """
-    base, found = lines.base, []
-    forms = lines.evaluator.effects
-    for place, (effect, values) in enumerate(base.uses):
-        for form in forms:
-            if form.name != effect.name or card.name not in form.contains:
-                continue
-            if len(form.parameters) != len(values) + len(start):
-                continue
-            both, mine = list(base.effects), list(base.values)
-            both[place], mine[place] = form, np.append(values, start)
-            found.append(make_candidate(lines, both, mine, base.subject))
-    return [c for c in found if c is not None]
+    base, forms = lines.base, lines.evaluator.effects
+    begun = [
+        make_candidate(
+            lines,
+            [effect for effect, _ in uses],
+            [values for _, values in uses],
+            base.subject,
+        )
+        for uses in behind_joints(base.uses, card, start, forms)
+    ]
+    return [c for c in begun if c is not None]

@@ -218,7 +218,7 @@ class Linearisation:
         """Jacobian of a candidate with the fit's columns kept."""
         sensitivities = self.beside(problem.tolerances).sensitivities
         n = sensitivities.shape[1]
-        out = np.zeros((len(residual), len(z)))
+        out = np.zeros((len(residual), len(z)), order="F")
         out[: self.rows, :n] = sensitivities
         prior = problem.prior_jacobian()
         out[len(out) - len(prior) :] = prior
