@@ -115,7 +115,13 @@ STICKING = replace(
     equation="f = e / C, b l_drive' = u - f - F_c(l_drive'), e = l_drive - l;"
     " the encoder reads l_drive",
     source=f"{CARD.source}; {loose_drive.SOURCE}",
-    parameters=(*CARD.parameters, DRIVE_DRY_FRICTION),
+    parameters=(
+        # What either strength does hides the other: no way leads from a stiff
+        # leg to a soft one.
+        replace(CARD.parameters[0], starts=(1e-5, 1e-4)),
+        DRIVE_VISCOUS,
+        DRIVE_DRY_FRICTION,
+    ),
     laws={"drive": _law_sticking, "sensing": _sensing_sticking},
     dithered=True,
     contains=("coulomb_friction", "stribeck_friction"),
