@@ -99,6 +99,14 @@ class LinearTolerances:
         along = self.basis.T @ residual
         return residual + self._spanned(self.root @ along - along)
 
+    def whiten_each(self, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """`whiten` of several residuals (rows,) of a twin with `uses`.
+
+        At once: alone, each would read the basis from memory anew.
+        """
+        rows = self.around_zero(np.stack(residuals).T)
+        return list(self.whiten(rows).T)
+
     def _spanned(self, along: np.ndarray) -> np.ndarray:
         """Vectors of the basis (k,) or (k, m) in all rows, column by column in
         memory.

@@ -264,24 +264,15 @@ class CandidateProblem:
         evaluator.replays += len(points)
         found = evaluator.weighted_residuals(split, step)
         went = [rows for rows in found if rows is not None]
-        white = iter(self._whitened_at_once(went) if went else ())
+        if went and self.tolerances is not None:
+            went = self.tolerances.whiten_each(went)
+        white = iter(went)
         return [
             None
             if rows is None
             else np.concatenate([next(white), self.prior_rows(z)])
             for z, rows in zip(points, found, strict=True)
         ]
-
-    def _whitened_at_once(
-        self, residuals: Sequence[np.ndarray]
-    ) -> Sequence[np.ndarray]:
-        """Weighted residuals whitened of tolerances: at once, as for each alone
-        the basis would be read from memory anew.
-        """
-        if self.tolerances is None:
-            return residuals
-        rows = self.tolerances.around_zero(np.stack(residuals).T)
-        return self.tolerances.whiten(rows).T
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:
         """Rows of all runs whitened of tolerances; the prior's as they are."""
