@@ -51,10 +51,7 @@ def fit_friction(
         forms = [e for e in effects if e.name == card.name]
         behind = _behind_joints(lines, card, start)
         begun = behind or [with_one_more(lines, form, start) for form in forms]
-        # Replays are dear where drives stick: what a round at its very best
-        # does not bring below what was there is not searched.
-        most = thresholds.GAINED / thresholds.BEST_ROUND * lines.excess
-        able = [c for c in begun if c is not None and c.excess < most]
+        able = [c for c in begun if c is not None]
         best = min(able, key=lambda c: c.excess, default=None)
         if best is None or not best.step(lines, thresholds.STEPS, own=True):
             continue
