@@ -15,7 +15,7 @@ runs with `split: validation`, `seconds` the CPU time of the case.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 from brace_drake.core.errors import suggest
@@ -50,10 +50,7 @@ def read_plain(path: Path) -> tuple[str, dict[str, dict]]:
 def _answer(where: str, row: object) -> dict:
     if not isinstance(row, dict):
         raise AnswerError(f"{where}: not a map of {', '.join(_KEYS)}")
-    for key in row:
-        if key not in _KEYS:
-            hint = suggest(key, _KEYS)
-            raise AnswerError(f"{where}: no key {key!r}{hint}")
+    _refuse_unknown(f"{where}: no key", row, _KEYS)
     if not {"effects", "outside"} & set(row):
         raise AnswerError(f"{where}: says neither effects nor outside")
     effects = row.get("effects", [])
@@ -82,11 +79,14 @@ def _names(
 ) -> list[str]:
     if not isinstance(value, list):
         raise AnswerError(f"{where}: {key} is {value!r}, not a list of names")
-    for name in value:
-        if name not in known:
-            hint = suggest(name, known)
-            raise AnswerError(f"{where}: {key}: no {name!r}{hint}")
+    _refuse_unknown(f"{where}: {key}: no", value, known)
     return value
+
+
+def _refuse_unknown(what: str, names: Iterable, known: Collection[str]) -> None:
+    for name in names:
+        if name not in known:
+            raise AnswerError(f"{what} {name!r}{suggest(name, known)}")
 
 
 def _number(
