@@ -53,6 +53,9 @@ LONG = (
     "axis_follower",
     "recording_faults",
 )
+# Niceness of what gives way to the link. Beside other jobs of the machine it
+# gets half of what each of them gets (at 10 it would be a tenth).
+NICENESS = 3
 # A process ends after so many files, and with it what they left in memory.
 FILES_PER_PROCESS = 15
 
@@ -244,14 +247,15 @@ def run_all(
     others = deque(n for n in ordered if n not in beside and n not in first)
     with ThreadPoolExecutor(2 + processes) as threads:
         told = threads.submit(lambda: [run_command(c) for c in commands])
-        outcomes = run_line(first, 10) if first else []
+        outcomes = run_line(first, NICENESS) if first else []
         lines = [threads.submit(run_line, beside, 0)]
         lines += [
-            threads.submit(run_line, others, 10) for _ in range(processes - 1)
+            threads.submit(run_line, others, NICENESS)
+            for _ in range(processes - 1)
         ]
         # One process gives its place to the commands.
         outcomes += told.result()
-        lines.append(threads.submit(run_line, others, 10))
+        lines.append(threads.submit(run_line, others, NICENESS))
         for line in lines:
             outcomes += line.result()
     return outcomes
