@@ -24,7 +24,11 @@ from brace_drake.selection.level import make_criterion
 from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.friction import fit_friction
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.within import refit_within, search_beside
+from brace_drake.selection.search.within import (
+    refit_within,
+    search_beside,
+    weigh_alone,
+)
 from tests.shared_data import EXAMPLE
 
 
@@ -61,6 +65,29 @@ class TestTolerances(unittest.TestCase):
         self.assertAlmostEqual(whitened @ whitened / noise, joint, places=9)
         again = known.beside_noise(1.0)
         np.testing.assert_allclose(again.root, self.known.root, atol=1e-12)
+
+    def test_weighed_beside_what_is_left_a_number_does_not_trade_an_effect(
+        self,
+    ):
+        # A number acts nearly as an effect does, and what another effect
+        # leaves lies along the difference.
+        rows = np.eye(4)
+        column = 10.0 * rows[0] + rows[1]
+        size, other = 100.0, 30.0
+        residual = size * rows[0] + other * rows[1]
+        known = known_tolerances(column[:, None])
+        estimates = []
+        for noise in (1.0, other**2):
+            weighed = known.beside_noise(noise)
+            way = weighed.whiten(rows[0])
+            left = weighed.whiten(residual)
+            estimates.append(way @ left / (way @ way))
+        # Of (x, t) that make (size - x - 10 t)^2 + (other - t)^2 + v t^2 least
+        # t is other / (1 + v) and x is size - 10 t.
+        expected = [size - 10.0 * other / (1.0 + v) for v in (1.0, other**2)]
+        np.testing.assert_allclose(estimates, expected)
+        self.assertLess(expected[0], 0.0)
+        self.assertAlmostEqual(expected[1] / size, 1.0, delta=0.01)
 
     def test_colouring_takes_whitening_back(self):
         residual = self.rng.normal(size=(60, 3))
@@ -226,6 +253,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         lines = Linearisation(evaluator, base)
         candidate = with_one_more(lines, gain, np.array([0.02]))
         self.assertTrue(candidate.step(lines, 5))
+        weigh_alone(evaluator)
         found = refit_within(evaluator, candidate.fit(), nuisances)
         self.assertIsNotNone(found.tolerances.off)
         self.assertLess(found.stretch, thresholds.WITHIN)

@@ -1,10 +1,10 @@
 """Fits whose tolerances are weighed beside what is left along them.
 
-Drives that stick by chance leave more along the numbers known to a tolerance
-than the noise of the readings: weighed against that alone, numbers would be put
-off by many tolerances to take a part of it. The variance of what is left is
-estimated from each fit's own residual (empirical Bayes; Gelman et al., Bayesian
-Data Analysis, section 5.1).
+What an effect does that the twin has not leaves more along the numbers known to
+a tolerance than the noise of the readings: weighed against that alone, numbers
+are put off by many tolerances to take a part of it. The variance of what is
+left is estimated from each fit's own residual (empirical Bayes; Gelman et al.,
+Bayesian Data Analysis, section 5.1).
 """
 
 from __future__ import annotations
@@ -50,7 +50,8 @@ def reweigh(
         return out
 
     old = fit.solution
-    new = replace(old, residual=seen(old.residual), jacobian=seen(old.jacobian))
+    jacobian = None if old.jacobian is None else seen(old.jacobian)
+    new = replace(old, residual=seen(old.residual), jacobian=jacobian)
     more = float(new.residual[:n] @ new.residual[:n])
     more -= float(old.residual[:n] @ old.residual[:n])
     return replace(

@@ -42,6 +42,7 @@ from brace_drake.selection.search.within import (
     refit_within,
     search_beside,
     set_out,
+    weigh_alone,
 )
 
 
@@ -94,6 +95,10 @@ def search_causes(
     part = _part(say, thresholds.MOST_EFFECTS)
     for base in bases:
         known += _beside(evaluator, criterion, base, many, known, part)
+    # Where one of them is the best, few may take what it leaves.
+    best = _best(criterion, none, known)
+    if best.is_flexible:
+        known += _beside(evaluator, criterion, best, few, known, part)
     return known
 
 
@@ -182,11 +187,13 @@ def _forward(
     # Those of dozens of parameters are dear: one after the other.
     is_dear = any(e.is_flexible for e in fresh)
     for candidates in by_effect(screened) if is_dear else [screened]:
+        evaluator.tolerances = lines.whole_tolerances
         search_best(lines, candidates, say)
         fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
         fits += best_fits(candidates)
         richer = search_richer(lines, fits, more)
         fits = best_fits([*candidates, *richer])
+        weigh_alone(evaluator)
         fits = refine(evaluator, fits, lines.remaining)
         found += improve_choices(lines, fits)
         if _is_told(lines, criterion, known, found):
@@ -236,7 +243,6 @@ def _is_told(
             here = Linearisation(evaluator, fit)
             untried = _untried(here, [*known, *found])
             found += fit_friction(here, criterion, untried)
-        evaluator.tolerances = lines.whole_tolerances
     end = _best(criterion, base, [*known, *found])
     return not with_level(evaluator, criterion, end).may_pay(end)
 

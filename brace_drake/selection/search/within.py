@@ -36,17 +36,27 @@ def set_out(evaluator: Evaluator, fit: CandidateFit) -> None:
 def search_beside(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """A fit as a search sets out from it, with its tolerances taken.
 
-    Where numbers along it are stretched they are put back to their nominal
-    values, on the straight lines that they have here: they have taken what may
-    be an effect's, and where they stand they would keep it.
+    Numbers that are stretched along it have taken what may be an effect's, and
+    would keep it. They are put back to their nominal values, on the straight
+    lines that they have here, and weighed beside what the fit leaves: of that,
+    too, a part may lie along them.
     """
     set_out(evaluator, fit)
-    known = fit.tolerances
-    bends = known is not None and known.off is not None
-    if not bends or fit.stretch <= thresholds.WITHIN:
+    if fit.tolerances is None or fit.stretch <= thresholds.WITHIN:
         return fit
-    evaluator.tolerances = evaluator.tolerances.at_zero
-    return try_refine(evaluator, replace(fit, tolerances=known.at_zero))
+    noise = noise_left(evaluator, fit)
+    evaluator.tolerances = evaluator.tolerances.at_zero.beside_noise(noise)
+    fit = reweigh(evaluator, fit, noise)
+    fit = replace(fit, tolerances=fit.tolerances.at_zero)
+    return try_refine(evaluator, fit)
+
+
+def weigh_alone(evaluator: Evaluator) -> None:
+    """Takes tolerances as they weigh beside the noise of the readings alone:
+    so fits are led to their end, and compared.
+    """
+    known = evaluator.tolerances
+    evaluator.tolerances = known and known.beside_noise(1.0)
 
 
 def refit_within(
@@ -95,9 +105,6 @@ def _refit_along(
     stands = known is not None and known.off is not None
     off = np.zeros(len(nuisances))
     for number in range(0 if stands else 1, _ROUNDS + 1):
-        if stands and best.tolerances.noise > 1.0:
-            best = reweigh(evaluator, best, noise_left(evaluator, best))
-            set_out(evaluator, best)
         if number > 0 and not _linearise(evaluator, best, nuisances, off):
             break
         moved = fit_numbers_along(evaluator, best, is_anew=number > 0)
