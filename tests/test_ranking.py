@@ -112,6 +112,17 @@ class TestRanking(unittest.TestCase):
             scores["force_scale"] - scores["force_gain"], share * cost
         )
 
+    def test_what_an_unknown_law_stretches_is_no_reason_for_an_effect(self):
+        # Both leave nearly the same, without the effect numbers are stretched.
+        for left, first in ((0.0, "force_scale"), (0.5, "nominal")):
+            nominal = replace(fit_of("", left + 0.02), stretch=9.0)
+            effect = fit_of("force_scale", left)
+            criterion = Criterion(nominal, COUNT, is_last=True)
+            found = rank(criterion, [nominal, effect])
+            self.assertEqual(found[0].fit.name, first)
+            verdict = decide(criterion, [effect])
+            self.assertEqual(verdict.outside_library, left > 0.0)
+
     def test_what_is_left_may_lie_along_the_number(self):
         # As large a change by an unknown law says nothing of the number.
         fit = needing(fit_of("force_scale", 0.0), 2.5)

@@ -49,6 +49,7 @@ class Criterion:
         chance: Of that the last.
         nuisances: Numbers known to a tolerance.
         is_last: Whether a verdict is decided by it, and no search goes on.
+        is_foreign: Whether even the best explanation leaves an unknown law.
     """
 
     nominal: CandidateFit
@@ -58,6 +59,7 @@ class Criterion:
     chance: float = 0.0
     nuisances: tuple[Nuisance, ...] = ()
     is_last: bool = False
+    is_foreign: bool = False
 
     def misfit(self, fit: CandidateFit) -> float:
         """What a fit leaves above the floor on the runs that it was fitted
@@ -117,8 +119,10 @@ class Criterion:
 
     def known(self, fit: CandidateFit) -> float:
         """How far what a fit leaves is known, 0 to 1: of no more than a right
-        twin leaves, all is.
+        twin leaves, all is; beside an unknown law nothing.
         """
+        if self.is_foreign:
+            return 0.0
         most = thresholds.BEYOND_LEVEL * self.level
         return min(1.0, most / self.left(fit))
 

@@ -10,6 +10,7 @@ density of these says which is the likelier.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -33,13 +34,20 @@ def rank(criterion: Criterion, fits: Sequence[CandidateFit]) -> list[Ranked]:
     """Of refined fits that name the same effects, whatever their form, the
     best, and their scores, best first. Those whose many parameters are no draw
     from one law are none.
+
+    Where a verdict is decided and even the best leaves an unknown law, that has
+    stretched numbers too: then what they are stretched to counts for none.
     """
     best: dict[frozenset[str], CandidateFit] = {}
     known = [f for f in fits if f.refined and f.is_scattered]
     for fit in sorted(known, key=criterion.score):
         best.setdefault(criterion.named(fit), fit)
     ranked = [Ranked(f, criterion.score(f)) for f in best.values()]
-    return _without_ties(criterion, ranked)
+    ranked = _without_ties(criterion, ranked)
+    decides = criterion.is_last and not criterion.is_foreign
+    if decides and ranked and criterion.is_material(ranked[0].fit):
+        return rank(replace(criterion, is_foreign=True), fits)
+    return ranked
 
 
 def best_of_kinds(
