@@ -123,6 +123,17 @@ class TestRanking(unittest.TestCase):
             verdict = decide(criterion, [effect])
             self.assertEqual(verdict.outside_library, left > 0.0)
 
+    def test_a_number_beyond_its_tolerance_may_be_an_effect(self):
+        # At four tolerances an effect in its place would cost ln 4 and save
+        # 4 ln(4 / 3), for which twice the difference are the log odds.
+        sure = []
+        for stretch in (3.0, 4.0):
+            nominal = replace(fit_of("", 0.0), stretch=stretch)
+            criterion = Criterion(nominal, COUNT, is_last=True)
+            sure.append(decide(criterion, []).probability)
+        odds = (4.0 / (4.0 / 3.0) ** 4) ** 2
+        self.assertAlmostEqual(sure[1] / sure[0], odds / (1.0 + odds))
+
     def test_what_is_left_may_lie_along_the_number(self):
         # As large a change by an unknown law says nothing of the number.
         fit = needing(fit_of("force_scale", 0.0), 2.5)

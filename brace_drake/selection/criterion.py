@@ -111,11 +111,15 @@ class Criterion:
         right twin leaves is of an unknown law, which stretches numbers too. A
         search goes on from what stretches them less.
         """
+        return float(self.left(fit, self.trust) * np.exp(self.strain(fit)))
+
+    def strain(self, fit: CandidateFit) -> float:
+        """What the numbers that a fit stretches add to its score."""
         tail = thresholds.TAIL
         if self.is_last:
             tail *= self.known(fit)
-        stretch = max(1.0, self.stretch(fit) / thresholds.WITHIN)
-        return float(self.left(fit, self.trust) * stretch**tail)
+        stretch = self.stretch(fit) / thresholds.WITHIN
+        return float(tail * np.log(max(1.0, stretch)))
 
     def known(self, fit: CandidateFit) -> float:
         """How far what a fit leaves is known, 0 to 1: of no more than a right
