@@ -76,6 +76,9 @@ AT_ONCE = 4
 # and beyond so many places not searched; beside drives that stick, of whose
 # chance any effect takes a part, already what leaves less.
 HOPELESS, HOPELESS_ROUGH, HOPELESS_PLACES = 0.95, 0.8, 2
+# Effects of dozens of parameters, of which a step was taken, are not searched
+# where that is predicted to leave this share.
+HOPELESS_OF_MANY = 0.98
 # A start is tried at another strength, this often, where it is more than that
 # many times too strong or too weak.
 RESCALED, ENOUGH, WEAKEST = 2, 0.4, 0.05

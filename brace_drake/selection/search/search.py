@@ -12,6 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from brace_drake.core.errors import BraceError
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
@@ -187,6 +189,10 @@ def _forward(
     # Those of dozens of parameters are dear: one after the other.
     is_dear = any(e.is_flexible for e in fresh)
     for candidates in by_effect(screened) if is_dear else [screened]:
+        least = min((c.predicted for c in candidates), default=np.inf)
+        if is_dear and least > thresholds.HOPELESS_OF_MANY * lines.remaining:
+            found += best_fits(candidates)
+            continue
         evaluator.tolerances = lines.whole_tolerances
         search_best(lines, candidates, say)
         fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
