@@ -95,6 +95,9 @@ END, END_ROUGH = 1e-3, 1e-2
 SHORTLIST, GAINED, NUM_SHORTLIST = 1.5, 0.9, 3
 # About as near as screening comes where it is compared.
 SHORTLIST_TRUST = 0.03
+# Tolerances are weighed anew, so often, beside what leaves this share along
+# them.
+REWEIGHED, QUIETER = 2, 0.5
 # Other values of discrete parameters that are searched, and steps of each.
 OTHER_CHOICES, CHOICE_STEPS = 2, 4
 # A nested effect sets out at these shares of the special case's strength, its

@@ -62,9 +62,18 @@ def fit_friction(
     # It takes of what is left, not of what tolerances are stretched to.
     if best.excess > thresholds.GAINED * max(0.0, lines.excess):
         return []
-    # What it does bends what tolerances do.
-    fit = refit_within(lines.evaluator, best, criterion.nuisances)
-    return [fit] if fit.excess < lines.base.excess else []
+    # What it does bends what tolerances do; while they are weighed beside what
+    # is left, the forms look much alike.
+    near = [best]
+    if lines.evaluator.tolerances.noise > 1.0:
+        most = thresholds.SHORTLIST * best.excess
+        near += [
+            f for f in found if f.effects != best.effects and f.excess <= most
+        ]
+    fits = [
+        refit_within(lines.evaluator, fit, criterion.nuisances) for fit in near
+    ]
+    return [f for f in fits if f.excess < lines.base.excess]
 
 
 def _behind_joints(

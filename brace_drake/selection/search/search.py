@@ -41,10 +41,10 @@ from brace_drake.selection.search.shortlist import (
     try_refine,
 )
 from brace_drake.selection.search.within import (
+    refit_alone,
     refit_within,
     search_beside,
     set_out,
-    weigh_alone,
 )
 
 
@@ -112,10 +112,13 @@ def _beam(
     Of effects by the dozen none: they cover what others do. None again of which
     larger ones were made before.
     """
-    ended = refined(known)
+    ended = sorted(refined(known), key=criterion.score)
+    best: dict[frozenset[str], CandidateFit] = {}
+    for fit in ended:
+        best.setdefault(_keys(fit.effects), fit)
     able = [
         f
-        for f in ended
+        for f in refined([*best.values()])
         if 0 < len(criterion.findings(f)) <= number
         and not f.is_flexible
         and not any(_has(larger, f) for larger in ended)
@@ -199,9 +202,9 @@ def _forward(
         fits += best_fits(candidates)
         richer = search_richer(lines, fits, more)
         fits = best_fits([*candidates, *richer])
-        weigh_alone(evaluator)
         fits = refine(evaluator, fits, lines.remaining)
-        found += improve_choices(lines, fits)
+        fits = improve_choices(lines, fits)
+        found += [*fits, *refit_alone(evaluator, fits)]
         if _is_told(lines, criterion, known, found):
             break
     return found
@@ -244,11 +247,12 @@ def _is_told(
     for place in rivals(criterion, base, best, found):
         set_out(evaluator, found[place])
         fit = refit_within(evaluator, found[place], criterion.nuisances)
-        found[place] = fit
+        found[place], led = fit, [fit]
         if with_level(evaluator, criterion, fit).may_pay(fit):
             here = Linearisation(evaluator, fit)
             untried = _untried(here, [*known, *found])
-            found += fit_friction(here, criterion, untried)
+            led += fit_friction(here, criterion, untried)
+        found += [*led[1:], *refit_alone(evaluator, led)]
     end = _best(criterion, base, [*known, *found])
     return not with_level(evaluator, criterion, end).may_pay(end)
 

@@ -13,7 +13,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.held_out import check_fit
-from brace_drake.identification.numbers.reweigh import reweigh
+from brace_drake.identification.numbers.reweigh import noise_left, reweigh
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate
@@ -67,24 +67,43 @@ def refine(
         if fit.is_searched and not fit.refined and (i == 0 or left(fit) <= bar)
     ]
     tasks = [partial(try_refine, evaluator, ranked[i]) for i in listed]
-    ends = evaluator.together(tasks)
+    known = evaluator.tolerances
+    if known is None or known.noise == 1.0:
+        ends = evaluator.together(tasks)
+    else:
+        # Each has the tolerances weighed beside what it leaves.
+        ends = [task() for task in tasks]
     for i, end in zip(listed, ends, strict=True):
         ranked[i] = end
     return ranked
 
 
 def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
-    """Leads a search to its end, tolerances weighed as the evaluator has them;
-    the fit as it is where its twin breaks.
+    """Leads a search to its end; the fit as it is where its twin breaks.
+
+    It begins with tolerances weighed as the evaluator has them. Where that is
+    beside what another fit has left along them, they are then weighed beside
+    what this one does.
     """
-    here, there = evaluator.tolerances, fit.tolerances
-    if here is not None and there is not None and here.noise != there.noise:
-        fit = reweigh(evaluator, fit, here.noise)
+    known, there = evaluator.tolerances, fit.tolerances
+    if known is not None and there is not None and known.noise != there.noise:
+        fit = reweigh(evaluator, fit, known.noise)
     try:
         fit = fit_effects(evaluator, fit.effects, fit, is_compared=True)
+        for _ in range(thresholds.REWEIGHED):
+            if fit.tolerances is None or fit.tolerances.noise == 1.0:
+                break
+            noise = noise_left(evaluator, fit)
+            if noise > thresholds.QUIETER * fit.tolerances.noise:
+                break
+            fit = reweigh(evaluator, fit, noise)
+            evaluator.tolerances = known.beside_noise(noise)
+            fit = fit_effects(evaluator, fit.effects, fit, is_compared=True)
     except (BraceError, ValueError):
         # A candidate whose twin cannot even run explains nothing.
         return fit
+    finally:
+        evaluator.tolerances = known
     return check_fit(evaluator, fit)
 
 

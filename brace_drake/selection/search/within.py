@@ -51,12 +51,21 @@ def search_beside(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     return try_refine(evaluator, fit)
 
 
-def weigh_alone(evaluator: Evaluator) -> None:
-    """Takes tolerances as they weigh beside the noise of the readings alone:
-    so fits are led to their end, and compared.
+def refit_alone(
+    evaluator: Evaluator, fits: Sequence[CandidateFit]
+) -> list[CandidateFit]:
+    """Those of refined fits whose tolerances were weighed beside what was left,
+    led on with these weighed beside the noise of the readings alone: so a
+    verdict has them. What still lacks an effect stretches them more.
     """
-    known = evaluator.tolerances
-    evaluator.tolerances = known and known.beside_noise(1.0)
+    before, found = evaluator.tolerances, []
+    for fit in fits:
+        known = fit.tolerances
+        if fit.refined and known is not None and known.noise > 1.0:
+            evaluator.tolerances = (known.whole or known).beside_noise(1.0)
+            found.append(try_refine(evaluator, fit))
+    evaluator.tolerances = before
+    return found
 
 
 def refit_within(
@@ -105,6 +114,9 @@ def _refit_along(
     stands = known is not None and known.off is not None
     off = np.zeros(len(nuisances))
     for number in range(0 if stands else 1, _ROUNDS + 1):
+        if stands and best.tolerances.noise > 1.0:
+            best = reweigh(evaluator, best, noise_left(evaluator, best))
+            set_out(evaluator, best)
         if number > 0 and not _linearise(evaluator, best, nuisances, off):
             break
         moved = fit_numbers_along(evaluator, best, is_anew=number > 0)
