@@ -58,10 +58,11 @@ def fit_friction(
         found.append(best.fit())
         if not behind:
             found += [c.fit() for c in other_choices(lines, found[-1])]
-    best = min(found, key=lambda f: f.excess, default=lines.base)
     # It takes of what is left, not of what tolerances are stretched to.
-    if best.excess > thresholds.GAINED * max(0.0, lines.excess):
+    found = [f for f in found if f.excess < lines.excess]
+    if not found:
         return []
+    best = min(found, key=lambda f: f.excess)
     # What it does bends what tolerances do; while they are weighed beside what
     # is left, the forms look much alike.
     near = [best]

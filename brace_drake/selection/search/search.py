@@ -12,8 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from brace_drake.core.errors import BraceError
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
@@ -39,6 +37,7 @@ from brace_drake.selection.search.shortlist import (
     refine,
     rivals,
     try_refine,
+    weighed_alike,
 )
 from brace_drake.selection.search.within import (
     refit_alone,
@@ -192,13 +191,14 @@ def _forward(
     # Those of dozens of parameters are dear: one after the other.
     is_dear = any(e.is_flexible for e in fresh)
     for candidates in by_effect(screened) if is_dear else [screened]:
-        least = min((c.predicted for c in candidates), default=np.inf)
-        if is_dear and least > thresholds.HOPELESS_OF_MANY * lines.remaining:
+        most = thresholds.HOPELESS_OF_MANY * lines.remaining
+        if is_dear and candidates[0].predicted > most:
             found += best_fits(candidates)
             continue
         evaluator.tolerances = lines.whole_tolerances
         search_best(lines, candidates, say)
         fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
+        fits = [weighed_alike(evaluator, f) for f in fits]
         fits += best_fits(candidates)
         richer = search_richer(lines, fits, more)
         fits = best_fits([*candidates, *richer])

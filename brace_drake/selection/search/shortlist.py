@@ -78,6 +78,16 @@ def refine(
     return ranked
 
 
+def weighed_alike(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
+    """A fit where it stands, with tolerances weighed as the evaluator has
+    them.
+    """
+    here, there = evaluator.tolerances, fit.tolerances
+    if here is None or there is None or here.noise == there.noise:
+        return fit
+    return reweigh(evaluator, fit, here.noise)
+
+
 def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     """Leads a search to its end; the fit as it is where its twin breaks.
 
@@ -85,9 +95,7 @@ def try_refine(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     beside what another fit has left along them, they are then weighed beside
     what this one does.
     """
-    known, there = evaluator.tolerances, fit.tolerances
-    if known is not None and there is not None and known.noise != there.noise:
-        fit = reweigh(evaluator, fit, known.noise)
+    known, fit = evaluator.tolerances, weighed_alike(evaluator, fit)
     try:
         fit = fit_effects(evaluator, fit.effects, fit, is_compared=True)
         for _ in range(thresholds.REWEIGHED):
