@@ -1,11 +1,11 @@
 """The search for causes: forward and backward over sets of effects.
 
 From the nominal twin, then from the best sets so far, every further effect is
-screened by a linearised replay. The best predicted ones are searched, and the
-best of these fitted to their end. A set is also tried without each of its
-effects. The search ends where one effect more does not improve the criterion,
-or nothing is left (stepwise selection with a beam; Hastie, Tibshirani,
-Friedman, The Elements of Statistical Learning, section 3.3).
+screened by a linearised replay. The best predicted ones are searched, the best
+of these fitted to their end. A set is also tried without each of its effects.
+The search ends where one more improves nothing, or nothing is left (stepwise
+selection with a beam; Hastie, Tibshirani, Friedman, The Elements of Statistical
+Learning, section 3.3).
 """
 
 from __future__ import annotations
@@ -96,9 +96,11 @@ def search_causes(
     part = _part(say, thresholds.MOST_EFFECTS)
     for base in bases:
         known += _beside(evaluator, criterion, base, many, known, part)
-    # Where one of them is the best, few may take what it leaves.
+    # Where one of them is the best, others may be needless or take the rest.
     best = _best(criterion, none, known)
     if best.is_flexible:
+        number = len(criterion.findings(best))
+        known += _backward(evaluator, criterion, known, number)
         known += _beside(evaluator, criterion, best, few, known, part)
     return known
 
@@ -108,8 +110,7 @@ def _beam(
 ) -> list[CandidateFit]:
     """The sets that leave least, of which larger ones are made.
 
-    Of effects by the dozen none: they cover what others do. None again of which
-    larger ones were made before.
+    None of effects by the dozen, which cover what others do, and none again.
     """
     ended = sorted(refined(known), key=criterion.score)
     best: dict[frozenset[str], CandidateFit] = {}
@@ -179,8 +180,7 @@ def _forward(
         lines: Where the search sets out from.
         criterion: Of the campaign.
         effects: Those that may be added.
-        known: Fits before; sets that were led to their end are not made
-            again.
+        known: Fits before; sets led to their end are not made again.
         say: Progress.
     """
     evaluator, base = lines.evaluator, lines.base
