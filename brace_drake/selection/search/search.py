@@ -108,9 +108,8 @@ def search_causes(
 def _beam(
     criterion: Criterion, known: Sequence[CandidateFit], number: int
 ) -> list[CandidateFit]:
-    """The sets that leave least, of which larger ones are made.
-
-    None of effects by the dozen, which cover what others do, and none again.
+    """The sets that leave least, of which larger ones are made; none of effects
+    by the dozen, and none again.
     """
     ended = sorted(refined(known), key=criterion.score)
     best: dict[frozenset[str], CandidateFit] = {}
@@ -247,12 +246,13 @@ def _is_told(
     for place in rivals(criterion, base, best, found):
         set_out(evaluator, found[place])
         fit = refit_within(evaluator, found[place], criterion.nuisances)
-        found[place], led = fit, [fit]
+        led = [fit] if fit.excess != found[place].excess else []
+        found[place], friction = fit, []
         if with_level(evaluator, criterion, fit).may_pay(fit):
             here = Linearisation(evaluator, fit)
             untried = _untried(here, [*known, *found])
-            led += fit_friction(here, criterion, untried)
-        found += [*led[1:], *refit_alone(evaluator, led)]
+            friction = fit_friction(here, criterion, untried)
+        found += [*friction, *refit_alone(evaluator, [*led, *friction])]
     end = _best(criterion, base, [*known, *found])
     return not with_level(evaluator, criterion, end).may_pay(end)
 
