@@ -62,17 +62,15 @@ def fit_friction(
     found = [f for f in found if f.excess < lines.excess]
     if not found:
         return []
-    best = min(found, key=lambda f: f.excess)
-    # What it does bends what tolerances do; while they are weighed beside what
-    # is left, the forms look much alike.
-    near = [best]
+    most = least = min(f.excess for f in found)
     if lines.evaluator.tolerances.noise > 1.0:
-        most = thresholds.SHORTLIST * best.excess
-        near += [
-            f for f in found if f.effects != best.effects and f.excess <= most
-        ]
+        # Weighed beside what is left, forms look much alike.
+        most = max(least, thresholds.SHORTLIST * least)
+    # What it does bends what tolerances do.
     fits = [
-        refit_within(lines.evaluator, fit, criterion.nuisances) for fit in near
+        refit_within(lines.evaluator, fit, criterion.nuisances)
+        for fit in found
+        if fit.excess <= most
     ]
     return [f for f in fits if f.excess < lines.base.excess]
 

@@ -246,7 +246,7 @@ def _is_told(
     for place in rivals(criterion, base, best, found):
         set_out(evaluator, found[place])
         fit = refit_within(evaluator, found[place], criterion.nuisances)
-        led = [fit] if fit.excess != found[place].excess else []
+        led = [] if fit.solution is found[place].solution else [fit]
         found[place], friction = fit, []
         if with_level(evaluator, criterion, fit).may_pay(fit):
             here = Linearisation(evaluator, fit)

@@ -46,7 +46,6 @@ def search_beside(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
         return fit
     noise = noise_left(evaluator, fit)
     evaluator.tolerances = evaluator.tolerances.at_zero.beside_noise(noise)
-    fit = reweigh(evaluator, fit, noise)
     fit = replace(fit, tolerances=fit.tolerances.at_zero)
     return try_refine(evaluator, fit)
 
@@ -62,7 +61,8 @@ def refit_alone(
     for fit in fits:
         known = fit.tolerances
         if fit.refined and known is not None and known.noise > 1.0:
-            evaluator.tolerances = (known.whole or known).beside_noise(1.0)
+            set_out(evaluator, fit)
+            evaluator.tolerances = evaluator.tolerances.beside_noise(1.0)
             found.append(try_refine(evaluator, fit))
     evaluator.tolerances = before
     return found
