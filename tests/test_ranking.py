@@ -122,6 +122,10 @@ class TestRanking(unittest.TestCase):
             self.assertEqual(found[0].fit.name, first)
             verdict = decide(criterion, [effect])
             self.assertEqual(verdict.outside_library, left > 0.0)
+        # Nor is it one to doubt that law.
+        calm = Criterion(replace(nominal, stretch=0.0), COUNT, is_last=True)
+        expected = decide(calm, [effect]).probability
+        self.assertAlmostEqual(verdict.probability, expected)
 
     def test_a_number_beyond_its_tolerance_may_be_an_effect(self):
         # At four tolerances an effect in its place would cost ln 4 and save

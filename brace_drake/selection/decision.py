@@ -73,8 +73,9 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
     """
     ranked = rank(criterion, [criterion.nominal, *fits])
     best = ranked[0].fit
-    odds = _probabilities(criterion, ranked)
     outside = criterion.is_material(best)
+    # Beside an unknown law, what numbers are stretched to says nothing.
+    odds = _probabilities(ranked, 0.0 if outside else criterion.strain(best))
     sure = odds[0] * _sure_of_rest(criterion, best, outside)
     sure = with_less_known(_limited(sure), criterion.recorded)
     named = criterion.findings(best)
@@ -99,21 +100,16 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
     return Verdict(True, best, outside, tuple(tied), sure, supported, left)
 
 
-def _probabilities(
-    criterion: Criterion, ranked: Sequence[Ranked]
-) -> list[float]:
+def _probabilities(ranked: Sequence[Ranked], strain: float) -> list[float]:
     """Of each explanation, from the differences of their scores (pseudo-BMA;
     Yao, Vehtari, Simpson, Gelman, Bayesian Analysis 13, 2018).
 
-    What the best one stretches numbers to may be one effect more, searched or
-    not.
+    What the best one stretches numbers to, which adds `strain` to its score,
+    may be one effect more, searched or not.
     """
-    best, *_ = ranked
-    weights = [
-        math.exp(-thresholds.ODDS * (r.score - best.score)) for r in ranked
-    ]
+    least = ranked[0].score
+    weights = [math.exp(-thresholds.ODDS * (r.score - least)) for r in ranked]
     others = sum(weights[1:])
-    strain = criterion.strain(best.fit)
     if strain > 0.0:
         more = thresholds.COST_OF_EFFECT - strain
         others = max(others, math.exp(-thresholds.ODDS * more))
