@@ -1,7 +1,11 @@
 """Sphinx: guides in MyST, reference from docstrings, warnings are errors."""
 
+import gc
 import sys
 from pathlib import Path
+
+# The collector would walk through all pages again and again: half of a build.
+gc.disable()
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
