@@ -79,6 +79,17 @@ class TestCriterion(unittest.TestCase):
         use = (other, other.starts()[0])
         self.assertFalse(is_within(use, None, nuisances))
 
+    def test_all_that_friction_adds_at_rest_is_held_against_its_tolerance(self):
+        coulomb, stribeck = map(
+            find_effect, ("coulomb_friction", "stribeck_friction")
+        )
+        use = ((coulomb, np.array([0.03])),)
+        number = Nuisance("friction_N", "N", "actuation", 0.03, use)
+        # Three deviations are within.
+        for extra, within in ((0.05, True), (0.07, False)):
+            friction = stribeck, np.array([0.03, extra, 0.002])
+            self.assertEqual(is_within(friction, None, [number]), within)
+
     def test_probabilities_of_all_explanations_are_one(self):
         verdict = decide(self.criterion, [fit_of("relaxation", 0.05, 0.05)])
         self.assertTrue(0.5 < verdict.probability <= 1.0)

@@ -41,13 +41,20 @@ def is_within(
         nuisances: Numbers known to a tolerance.
     """
     effect, values = use
-    deviations = [n.deviation for n in nuisances if n.is_of(effect)]
-    if not deviations or effect.contains:
+    numbers = [n for n in nuisances if n.is_of(effect)]
+    if not numbers or effect.contains:
         return False
+    deviations = [n.deviation for n in numbers]
     if effect.spread is not None:
         # The spread of so many draws is known to 1 / sqrt(2 n) of itself.
         known = 1.0 / np.sqrt(2.0 * effect.is_continuous.sum())
         most = (1.0 + thresholds.WITHIN * known) * max(deviations)
         return bool(spread <= most)
     strengths = np.abs(values[: len(effect.parameters)][effect.is_strength])
-    return bool(strengths.max() <= thresholds.WITHIN * max(deviations))
+    size = strengths.max()
+    if not any(e.name == effect.name for n in numbers for e, _ in n.uses):
+        # A richer form of the number: what it adds to it counts as well.
+        kinds = zip(effect.parameters, effect.is_strength, strict=True)
+        units = {p.unit for p, is_strength in kinds if is_strength}
+        size = strengths.sum() if units == {numbers[0].unit} else np.inf
+    return bool(size <= thresholds.WITHIN * max(deviations))
