@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from brace_drake.link.host.ports import OpenPort
 from brace_drake.link.operation.journal import Journal
 from brace_drake.link.operation.recorder import SETTLE, Recorder
 from brace_drake.link.operation.rows import columns_of
+from brace_drake.link.protocol.codec import Decoder, make_codec
 from brace_drake.link.protocol.limits import DEFAULT
 from brace_drake.link.protocol.sequence import SequenceWatch
 from brace_drake.link.protocol.words import Cause, DeviceState
@@ -56,6 +58,22 @@ class Pty:
     def __exit__(self, *_):
         os.close(self.master)
         os.close(self._slave)
+
+
+class TestFullLine(unittest.TestCase):
+    def test_a_line_that_is_not_read_for_a_while_loses_frames_and_goes_on(self):
+        beat = {"echo_us": 0}
+        with Pty() as pty, Link(pty.path) as link:
+            begun = time.monotonic()
+            while time.monotonic() - begun < 1.0:
+                link.Send("HEARTBEAT", beat)
+            self.assertIsNone(link.error)
+            while select.select([pty.master], [], [], 0.0)[0]:
+                os.read(pty.master, 65536)
+            sent = link.Send("HEARTBEAT", beat)
+            decoder = Decoder(make_codec(1))
+            heard = decoder.feed(os.read(pty.master, 65536))
+            self.assertEqual([p.sequence for p in heard], [sent])
 
 
 class TestPorts(unittest.TestCase):

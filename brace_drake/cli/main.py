@@ -4,6 +4,7 @@ from __future__ import annotations
 
 # All that takes time to import comes where Ctrl-C is caught.
 import os
+import signal
 import sys
 
 # Two threads of ours and BLAS's own would fight over the cores; this must be
@@ -116,7 +117,6 @@ class _Stop:
     def Begin(self) -> None:
         """Listens, unless Ctrl-C is ignored or heard by somebody else."""
         import atexit
-        import signal
 
         for name in ("SIGINT", "SIGTERM", "SIGHUP"):
             number = getattr(signal, name, signal.SIGINT)
@@ -134,8 +134,6 @@ class _Stop:
 
     def End(self) -> None:
         """Listens no more; at the end of a process nothing more is raised."""
-        import signal
-
         if self._hook is not None:
             sys.unraisablehook = self._hook
         if self.asked and hasattr(signal, "setitimer"):
@@ -145,8 +143,6 @@ class _Stop:
 
     def Tell(self) -> int:
         """The one line, and the status."""
-        import signal
-
         while not self._told:
             try:
                 for number in self._before:
@@ -160,8 +156,6 @@ class _Stop:
         return 130
 
     def _Hear(self, *_) -> None:
-        import signal
-
         self.asked = True
         if hasattr(signal, "setitimer"):
             signal.signal(signal.SIGALRM, self._Remind)

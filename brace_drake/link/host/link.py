@@ -12,7 +12,12 @@ import serial
 
 from brace_drake.core.errors import LimitsError, LinkError
 from brace_drake.link.host.inbox import Inbox
-from brace_drake.link.host.ports import OpenPort, describe_stranger, gone
+from brace_drake.link.host.ports import (
+    OpenPort,
+    describe_stranger,
+    gone,
+    write_frame,
+)
 from brace_drake.link.protocol.codec import Decoder, Packet, make_codec
 from brace_drake.link.protocol.limits import (
     SHARED,
@@ -91,8 +96,7 @@ class Link:
                     self._codec = make_codec(self.hello.stages)
                     self._decoder.follows_hello = False
                     return
-                # The answer to somebody before us.
-                self._inbox.Forget(*names)
+                self._inbox.Forget(*names)  # For somebody before us.
             self._CheckAlive()
         raise LinkError(f"{self.path}: {describe_stranger(self._decoder)}")
 
@@ -185,10 +189,7 @@ class Link:
             sequence = self._sequence = (self._sequence + 1) & 0xFFFF
             stamp = time.perf_counter_ns() // 1000
             frame = self._codec.encode(name, values, sequence, stamp, session)
-            try:
-                self._port.write(frame)
-            except (OSError, TypeError) as error:
-                raise gone(self.path, error) from error
+            write_frame(self._port, self.path, frame)
         return sequence
 
     @property
@@ -257,8 +258,7 @@ class Link:
         try:
             while not self._closed.is_set():
                 data = self._port.read(max(1, self._port.in_waiting))
-                now = time.perf_counter_ns()
-                self._Accept(data, now)
+                self._Accept(data, now := time.perf_counter_ns())
                 if self.session and now - self._beat > _HEARTBEAT * 1e9:
                     self._beat = now
                     self.Send("HEARTBEAT", {"echo_us": 0})

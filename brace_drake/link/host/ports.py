@@ -57,6 +57,23 @@ def _others() -> str:
     return "there are " + ", ".join(ports) if ports else "there is none"
 
 
+def write_frame(port: serial.SerialBase, path: str, frame: bytes) -> None:
+    """Writes a frame; one that is not taken for a second is lost.
+
+    pyserial tells so too where all was taken, by a process that then waited a
+    second for its turn.
+
+    Raises:
+        LinkError: The port is gone.
+    """
+    try:
+        port.write(frame)
+    except serial.SerialTimeoutException:
+        return
+    except (OSError, TypeError) as error:
+        raise gone(path, error) from error
+
+
 def gone(path: str, error: Exception) -> LinkError:
     """An error of a port that was open, as one of the link."""
     if isinstance(error, LinkError):
