@@ -91,7 +91,7 @@ def _Run(given: list[str]) -> int:
         _PrintNoMore()
         return 0
     except OSError as error:
-        # A disk that is full or gone, as no part of ours has foreseen it.
+        # A disk that is full or gone, where no part of ours has caught it.
         _PrintNoMore()
         return _Tell(str(error))
     finally:

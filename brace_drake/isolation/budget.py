@@ -140,7 +140,7 @@ def gap_cells(
 
     def shares_of(weights):
         power, count = np.tensordot(weights, cells, 1)
-        # A sum of n squares of noise strays from n by sqrt(2 n).
+        # A sum of n squares of noise deviates from n by sqrt(2 n).
         spread = 4.0 * np.sqrt(2.0 * count)
         excess = np.where(power - count > spread, power - count, 0.0)
         total = excess.sum()

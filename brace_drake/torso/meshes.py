@@ -77,6 +77,6 @@ def LoadSurface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     try:
         mesh = trimesh.load_mesh(path, process=False, maintain_order=True)
         return np.asarray(mesh.vertices), np.asarray(mesh.faces)
-    # What trimesh raises on a broken file is not foreseen.
+    # On a broken file trimesh may raise any exception.
     except Exception as error:
         raise TorsoError(f"{path}: no surface in OBJ: {error}") from error

@@ -106,7 +106,7 @@ def _read(path: Path) -> trimesh.Trimesh:
         mesh = trimesh.load(
             path, force="mesh", process=False, skip_materials=True
         )
-    # What a reader of five formats raises on a broken file is not foreseen.
+    # On a broken file a reader of five formats may raise any exception.
     except Exception as error:
         raise TorsoError(f"{path}: cannot be read: {error}") from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:

@@ -29,7 +29,7 @@ def ReadArrays(path: str | Path) -> dict[str, np.ndarray]:
             return _read(archive)
     except ReadError:
         raise
-    # What zip files and their decoders raise is not foreseen.
+    # Zip files and their decoders may raise any exception.
     except Exception as problem:
         raise ReadError("no file of arrays") from problem
 
@@ -45,7 +45,7 @@ def ReadArray(path: str | Path) -> np.ndarray:
         return _parse(data, Path(path).name)
     except ReadError:
         raise
-    # What a damaged header makes numpy raise is not foreseen.
+    # On a damaged header numpy may raise any exception.
     except Exception as problem:
         raise ReadError("no array of numpy") from problem
 

@@ -163,7 +163,7 @@ def LoadCheckpoint(folder: Path) -> dict:
         with torch.serialization.safe_globals(_ARRAYS):
             state = torch.load(path, weights_only=True)
         found = state.get("format", 1)
-    # What torch raises on a broken file is not foreseen.
+    # On a broken file torch may raise any exception.
     except Exception as error:
         raise PolicyError(f"{path}: no checkpoint of a training run") from error
     if found != _FORMAT:

@@ -98,7 +98,7 @@ def _main(task: str) -> int:
         words = str(error)
     except MemoryError:
         words = "takes more memory than is meant for it"
-    # What a reader of another's format raises on a broken file is not foreseen.
+    # On a broken file a reader of another's format may raise any exception.
     except Exception as error:
         words = f"not {called}: {quoted(reason(error))}"
     else:

@@ -36,7 +36,7 @@ def read_tdms(path: Path, group: str | None) -> Arrays:
         return columns
     except ReadError:
         raise
-    # What a reader of another's format raises on a broken file is not foreseen.
+    # On a broken file a reader of another's format may raise any exception.
     except Exception as error:
         raise ReadError(f"not a TDMS file: {reason(error)}") from error
 
