@@ -1,9 +1,11 @@
-"""Words that are out stay out of pages, help, messages and names."""
+"""Words that are out stay out of pages, help, messages, comments and names."""
 
 import argparse
 import ast
+import io
 import json
 import re
+import tokenize
 import unittest
 from pathlib import Path
 
@@ -13,6 +15,7 @@ from tests.test_documentation import MADE, PAGES, parsers
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "brace_drake"
 TABLE = ROOT / "tests" / "data" / "words_out.txt"
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 OTHER_PAGES = (ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md")
 # Names of fields that files and packages of others use.
 KEPT_NAMES = {"impostors", "cube"}
@@ -45,12 +48,41 @@ def found_in(text):
     ]
 
 
+def strings_in(source):
+    """Strings of a program, docstrings among them, with their lines."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.lineno, node.value
+
+
 def prose_of(path):
     """Docstrings and messages of a module, with their lines."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            if re.search(r"\S\s\S", node.value):
-                yield node.lineno, node.value
+    for line, text in strings_in(path.read_text()):
+        if re.search(r"\S\s\S", text):
+            yield line, text
+
+
+def comments_in(source):
+    """Comments of a program, with their lines; neighbours are one text."""
+    line, text, last = 0, [], 0
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type != tokenize.COMMENT:
+            continue
+        if text and token.start[0] != last + 1:
+            yield line, " ".join(text)
+            text = []
+        last = token.start[0]
+        line = line if text else last
+        text.append(token.string.lstrip("#: "))
+    if text:
+        yield line, " ".join(text)
+
+
+def cells_of(path, kind):
+    """Texts of a notebook's cells of a kind, markdown or code."""
+    for cell in json.loads(path.read_text())["cells"]:
+        if cell["cell_type"] == kind:
+            yield "".join(cell["source"])
 
 
 def names_of(path):
@@ -98,16 +130,32 @@ class TestWords(unittest.TestCase):
         self.assertEqual(shown.split(), ["gap"])
         self.assertEqual(words_of("MakeDecoyRun"), "Make Decoy Run")
 
+    def test_strings_and_comments_are_found(self):
+        source = (
+            "# It is led\n# back.\nx = f'a {x} stray'  # No end.\n\n# Apart."
+        )
+        self.assertEqual(
+            list(comments_in(source)),
+            [(1, "It is led back. No end."), (5, "Apart.")],
+        )
+        self.assertEqual(list(strings_in(source)), [(3, "a "), (3, " stray")])
+
     def test_pages_are_plain(self):
         for page in (*PAGES, *OTHER_PAGES):
             if not MADE & set(page.relative_to(ROOT).parts):
                 self.assert_plain(page.read_text(), page=page.name)
 
     def test_notebooks_are_plain(self):
-        for path in sorted((ROOT / "notebooks").glob("*.ipynb")):
-            for cell in json.loads(path.read_text())["cells"]:
-                if cell["cell_type"] == "markdown":
-                    self.assert_plain("".join(cell["source"]), page=path.name)
+        self.assertTrue(NOTEBOOKS)
+        for path in NOTEBOOKS:
+            for text in cells_of(path, "markdown"):
+                self.assert_plain(text, page=path.name)
+
+    def test_comments_and_strings_of_notebooks_are_plain(self):
+        for path in NOTEBOOKS:
+            for source in cells_of(path, "code"):
+                for line, text in (*strings_in(source), *comments_in(source)):
+                    self.assert_plain(text, page=path.name, line=line)
 
     def test_the_help_is_plain(self):
         for name, parser in parsers(make_parser()):
@@ -124,6 +172,12 @@ class TestWords(unittest.TestCase):
     def test_docstrings_and_messages_are_plain(self):
         for path in sorted(PACKAGE.rglob("*.py")):
             for line, text in prose_of(path):
+                place = f"{path.relative_to(ROOT)}:{line}"
+                self.assert_plain(text, place=place)
+
+    def test_comments_are_plain(self):
+        for path in sorted(PACKAGE.rglob("*.py")):
+            for line, text in comments_in(path.read_text()):
                 place = f"{path.relative_to(ROOT)}:{line}"
                 self.assert_plain(text, place=place)
 
