@@ -1,10 +1,12 @@
 """What is searched and fitted: chosen by a caller, or by a scenario's file."""
 
 import unittest
+from dataclasses import replace
 from types import SimpleNamespace
 
 from brace_drake.core.errors import EffectError, FitError, ScenarioError
-from brace_drake.devices.choice import Choice, parse_choice, split_names
+from brace_drake.devices.choice import Choice, split_names
+from brace_drake.devices.nominal_scenario import parse_choice
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.registry import effects_for
 
@@ -53,6 +55,12 @@ class TestSubject(unittest.TestCase):
         self.assertEqual((own.lower, own.nominal, own.upper), (200, 200, 900))
         self.assertEqual(own.unit_step, 100.0)
 
+    def test_a_prior_moves_the_start_and_has_its_tolerance(self):
+        known, other = limited(priors={"stiffness_N_m": (120.0, 8.0)})
+        self.assertEqual((known.nominal, known.deviation), (120.0, 8.0))
+        self.assertEqual(known.unit_step, 100.0)
+        self.assertEqual(other, OFFSET)
+
     def test_what_cannot_be_is_refused(self):
         name = "stiffness_N_m"
         for words, choice in (
@@ -64,6 +72,10 @@ class TestSubject(unittest.TestCase):
             ("the lower one first", {"bounds": {name: (5.0, 5.0)}}),
             ("held, and has bounds",
              {"fixed": {name: None}, "bounds": {name: (1.0, 2.0)}}),
+            ("held, and has a prior",
+             {"fixed": {name: None}, "priors": {name: (100.0, 2.0)}}),
+            ("70 to 150 N/m", {"priors": {name: (200.0, 2.0)}}),
+            ("above 0 N/m", {"priors": {name: (100.0, 0.0)}}),
             ("held, and free", {"fixed": {name: None}, "free": (name,)}),
             ("none is fitted", {"fixed": {name: None, "offset_m": None}}),
         ):  # fmt: skip
@@ -75,8 +87,10 @@ class TestSubject(unittest.TestCase):
         file = Choice(
             fixed={"a": 1.0, "b": 2.0}, bounds={"c": (0.0, 1.0)}, free=("d",)
         )
+        file = replace(file, priors={"c": (0.5, 0.1), "d": (1.0, 0.1)})
         mine = Choice(bounds={"a": (3.0, 4.0)}, fixed={"c": None})
         both = mine.over(file)
+        self.assertEqual(both.priors, {"d": (1.0, 0.1)})
         self.assertEqual(both.fixed, {"b": 2.0, "c": None})
         self.assertEqual(both.bounds, {"a": (3.0, 4.0)})
         self.assertEqual(both.free, ("d",))
@@ -111,6 +125,30 @@ class TestEffects(unittest.TestCase):
         )
         self.assertIn("saturation (command)", left)
 
+    def test_a_parameter_of_an_effect_is_bounded_and_starts_within(self):
+        bounds = {"coulomb_friction.coulomb_N": (1.0, 2.0)}
+        cards = Choice(bounds=bounds).effects_of(twin())
+        mine = [c for c in cards if c.name == "coulomb_friction"]
+        self.assertTrue(mine)
+        for card in mine:
+            self.assertEqual((card.lower[0], card.upper[0]), (1.0, 2.0))
+            self.assertEqual(card.parameters[0].starts, (1.5,))
+        others = [c for c in cards if c.name != "coulomb_friction"]
+        known = effects_for(BENCH)
+        self.assertTrue(all(c is known[c.key] for c in others))
+
+    def test_bounds_that_no_effect_has_are_refused(self):
+        for words, name, bounds in (
+            ("did you mean coulomb_N", "coulomb_friction.columb_N", (0, 1)),
+            ("did you mean coulomb_friction", "coulomb.coulomb_N", (0, 1)),
+            ("within 0 to 60 N", "coulomb_friction.coulomb_N", (-1, 1)),
+            ("the lower one first", "coulomb_friction.coulomb_N", (2, 1)),
+            ("no continuous number", "weak_leg.leg", (1, 2)),
+        ):
+            with self.subTest(words=words):
+                with self.assertRaisesRegex(EffectError, words):
+                    self.keys(bounds={name: bounds})
+
     def test_unknown_names_and_an_empty_search_are_refused(self):
         with self.assertRaisesRegex(EffectError, "did you mean hysteresis"):
             self.keys(without=("hysteresys",))
@@ -129,11 +167,13 @@ class TestWords(unittest.TestCase):
             "free": ["a"],
             "fixed": {"b": 1, "c": None},
             "bounds": {"d": [0, 1.5]},
+            "priors": {"e": {"value": 2, "tolerance": 0.5}},
         }
         found = parse_choice(data, "s.yaml")
         self.assertEqual(found.free, ("a",))
         self.assertEqual(found.fixed, {"b": 1.0, "c": None})
         self.assertEqual(found.bounds, {"d": (0.0, 1.5)})
+        self.assertEqual(found.priors, {"e": (2.0, 0.5)})
 
     def test_what_the_block_cannot_hold_is_told_with_file_and_key(self):
         for key, value, allowed in (
@@ -142,6 +182,7 @@ class TestWords(unittest.TestCase):
             ("fixed", {"a": "x"}, "a map of numbers"),
             ("fixed", {"a": True}, "a map of numbers"),
             ("bounds", {"a": [1.0]}, r"a map of \[lower, upper\]"),
+            ("priors", {"a": {"value": 1.0}}, "a map of {value: NUMBER"),
         ):
             data = {key: value} if key else value
             with self.subTest(key=key):

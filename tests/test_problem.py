@@ -1,12 +1,15 @@
 """Scaled parameters of a candidate against their plain values."""
 
 import unittest
+from dataclasses import replace
 from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.registry import find_effect
+from brace_drake.identification.fits import search
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.sensitivities import calc_sensitivities
 
@@ -67,6 +70,29 @@ class TestProblem(unittest.TestCase):
         phases = [card.in_run(uses[0][1], r)[len(values)] for r in range(3)]
         scale = problem.scales[problem.places_in_run(card, 1)[0]]
         np.testing.assert_allclose(phases, [0.0, 0.5 * scale, 0.0])
+
+    def test_a_prior_of_the_subject_weighs_as_bayes_rule_says(self):
+        evaluator = LinearEvaluator()
+        (mass,) = evaluator.twin.subject
+        # Runs alone say 44 kg, what is known beforehand 40.
+        told, known = 44.0, replace(mass, deviation=0.3)
+        slope = 0.1 * np.tile(np.arange(1.0, 6.0), 3)
+        evaluator.twin.subject = (known,)
+        with mock.patch.object(
+            evaluator,
+            "weighted_residuals",
+            lambda points, step: [(s[0] - told) * slope for s, _ in points],
+        ):
+            problem = CandidateProblem(evaluator, ())
+            solution = search(problem, problem.join(np.array([60.0]), ()))
+        weights = slope @ slope, 1.0 / known.deviation**2
+        mean = (weights[0] * told + weights[1] * 40.0) / sum(weights)
+        (found,), _ = problem.split(solution.z)
+        self.assertAlmostEqual(found, mean, places=6)
+        # The prior is a row below those of the runs.
+        self.assertEqual(len(solution.residual), len(slope) + 1)
+        off = (mean - 40.0) / known.deviation
+        self.assertAlmostEqual(solution.residual[-1], off, places=6)
 
     def test_columns_of_a_linear_residual_are_exact_for_every_run(self):
         card = find_effect("breathing")

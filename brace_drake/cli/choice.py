@@ -8,7 +8,7 @@ import argparse
 def AddChoice(
     parser: argparse.ArgumentParser, has_effects: bool = True
 ) -> None:
-    """Adds --fix, --free and --bounds, and --effects and --without."""
+    """Adds --fix, --free, --bounds and --prior, --effects and --without."""
     if has_effects:
         parser.add_argument(
             "--effects",
@@ -38,8 +38,16 @@ def AddChoice(
         metavar="NAME=LO:HI",
         action="append",
         type=_bounds,
-        help="fit a subject parameter within these limits; SI units; may be"
-        " repeated",
+        help="fit a parameter within these limits: the subject's by its name,"
+        " an effect's as EFFECT.NAME; SI units; may be repeated",
+    )
+    parser.add_argument(
+        "--prior",
+        metavar="NAME=VALUE:TOL",
+        action="append",
+        type=_prior,
+        help="what is known of a subject parameter beforehand: a value and its"
+        " standard deviation; SI units; may be repeated",
     )
 
 
@@ -49,6 +57,7 @@ def choice_options(args: argparse.Namespace) -> dict:
         "free": args.free,
         "fixed": dict(args.fix or ()),
         "bounds": dict(args.bounds or ()),
+        "priors": dict(args.prior or ()),
     }
     if hasattr(args, "effects"):
         found |= {"effects": args.effects, "without": args.without}
@@ -63,11 +72,19 @@ def _held(text: str) -> tuple[str, float | None]:
 
 
 def _bounds(text: str) -> tuple[str, tuple[float, float]]:
-    name, _, limits = text.partition("=")
-    low, colon, high = limits.partition(":")
+    return _two(text, "NAME=LO:HI")
+
+
+def _prior(text: str) -> tuple[str, tuple[float, float]]:
+    return _two(text, "NAME=VALUE:TOL")
+
+
+def _two(text: str, form: str) -> tuple[str, tuple[float, float]]:
+    name, _, numbers = text.partition("=")
+    first, colon, second = numbers.partition(":")
     if not name or not colon:
-        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=LO:HI")
-    return name.strip(), (_number(low, text), _number(high, text))
+        raise argparse.ArgumentTypeError(f"{text!r} is not {form}")
+    return name.strip(), (_number(first, text), _number(second, text))
 
 
 def _number(value: str, text: str) -> float:

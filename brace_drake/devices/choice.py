@@ -1,12 +1,7 @@
 """What a fit may move, and which effects a search may try.
 
 All is free and all is tried, unless a caller or the block `estimation` of a
-scenario file says otherwise:
-
-    estimation:
-      free: [contact_stiffness_N_m, preload_m]
-      fixed: {torso_mass_kg: 31.5}
-      bounds: {preload_m: [0.0005, 0.002]}
+scenario file says otherwise, see `nominal_scenario.parse_choice`.
 """
 
 from __future__ import annotations
@@ -18,14 +13,12 @@ from dataclasses import dataclass, field, replace
 from brace_drake.core.errors import (
     EffectError,
     FitError,
-    ScenarioError,
     quoted,
     suggest,
 )
 from brace_drake.devices.declaration import Device
 from brace_drake.devices.subject import SubjectParameter
-from brace_drake.effects.card import Effect
-from brace_drake.scenario.load import ESTIMATION
+from brace_drake.effects.card import Effect, EffectParameter
 
 
 @dataclass(frozen=True)
@@ -38,7 +31,10 @@ class Choice:
         free: Parameters that are fitted; None: all that are not fixed.
         fixed: Parameters that are held, in SI units; None in place of a value:
             at the scenario's.
-        bounds: Lower and upper limit of parameters, in SI units.
+        bounds: Lower and upper limit of parameters, in SI units: of the
+            subject by name, of an effect as EFFECT.NAME.
+        priors: Value and tolerance of the subject's parameters, in SI units:
+            mean and standard deviation of a normal prior.
     """
 
     effects: tuple[str, ...] | None = None
@@ -46,6 +42,7 @@ class Choice:
     free: tuple[str, ...] | None = None
     fixed: Mapping[str, float | None] = field(default_factory=dict)
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    priors: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def limits_search(self) -> bool:
@@ -54,15 +51,19 @@ class Choice:
 
     def over(self, other: Choice) -> Choice:
         """This choice where it says something, else the other."""
-        mine = {*self.fixed, *self.bounds, *(self.free or ())}
+        mine = {*self.fixed, *self.bounds, *self.priors, *(self.free or ())}
         fixed = {n: v for n, v in other.fixed.items() if n not in mine}
-        bounds = {n: v for n, v in other.bounds.items() if n not in self.fixed}
+        bounds, priors = (
+            {n: v for n, v in of.items() if n not in self.fixed}
+            for of in (other.bounds, other.priors)
+        )
         return Choice(
             other.effects if self.effects is None else self.effects,
             self.without or other.without,
             other.free if self.free is None else self.free,
             {**fixed, **self.fixed},
             {**bounds, **self.bounds},
+            {**priors, **self.priors},
         )
 
     def describe(self) -> dict:
@@ -73,14 +74,16 @@ class Choice:
             "free": None if self.free is None else list(self.free),
             "fixed": dict(self.fixed),
             "bounds": {n: list(b) for n, b in self.bounds.items()},
+            "priors": {n: list(p) for n, p in self.priors.items()},
         }
         return {name: row for name, row in rows.items() if row}
 
     def effects_of(self, twin) -> list[Effect]:
-        """The effects of a twin that are searched.
+        """The effects of a twin that are searched, within their bounds.
 
         Raises:
-            EffectError: One is unknown there, or none is left.
+            EffectError: One is unknown there, or none is left; or bounds that
+                are not allowed.
         """
         cards = twin.effects()
         wanted = _keys(self.effects, cards, twin.device)
@@ -92,10 +95,16 @@ class Choice:
         ]
         if self.limits_search and not left:
             raise EffectError("no effect is left to search")
+        for name, bounds in self.bounds.items():
+            effect, dot, parameter = name.rpartition(".")
+            if dot:
+                keys = _keys([effect], cards, twin.device)
+                left = _bounded(left, keys, parameter, bounds)
         return left
 
     def limit_device(self, device: Device) -> None:
-        """Holds and bounds the subject's parameters of a device's twins.
+        """Holds and bounds the subject's parameters of a device's twins,
+        with priors.
 
         Raises:
             FitError: See `limit_subject`.
@@ -107,7 +116,7 @@ class Choice:
             device.imposed.subject = tuple(limited.get(p.name, p) for p in own)
 
     def limit_subject(self, twin) -> None:
-        """Holds and bounds the subject's parameters of a twin.
+        """Holds and bounds the subject's parameters of a twin, with priors.
 
         Raises:
             FitError: One line: a parameter that is not there, a value that is
@@ -115,7 +124,8 @@ class Choice:
         """
         subject = twin.subject
         names = [p.name for p in subject]
-        for name in (*(self.free or ()), *self.fixed, *self.bounds):
+        own = [n for n in self.bounds if "." not in n]
+        for name in (*(self.free or ()), *self.fixed, *own, *self.priors):
             if name not in names:
                 hint = suggest(name, names)
                 there = " There" if hint else "; there"
@@ -133,6 +143,9 @@ class Choice:
         both = [n for n in self.fixed if n in self.bounds]
         if both:
             raise FitError(f"{both[0]} is held, and has bounds; allowed: one")
+        both = [n for n in self.fixed if n in self.priors]
+        if both:
+            raise FitError(f"{both[0]} is held, and has a prior; allowed: one")
         both = [n for n in self.fixed if n in (self.free or ())]
         if both:
             raise FitError(f"{both[0]} is held, and free; allowed: one")
@@ -151,13 +164,82 @@ class Choice:
             start = min(max(p.nominal, low), high)
             limits = {"nominal": start, "lower": low, "upper": high}
             p = replace(p, **limits, scale=scale)
+        if p.name in self.priors:
+            p = replace(_with_prior(p, *self.priors[p.name]), scale=scale)
         is_free = self.free is None or p.name in self.free
         if is_free and p.name not in self.fixed:
             return p
         given = self.fixed.get(p.name)
         value = p.nominal if given is None else float(given)
         _check_value(p, value, "the value")
-        return replace(p, nominal=value, lower=value, upper=value, scale=scale)
+        held = replace(p, lower=value, nominal=value, upper=value, scale=scale)
+        return replace(held, deviation=0.0)
+
+
+def _with_prior(
+    p: SubjectParameter, value: float, tolerance: float
+) -> SubjectParameter:
+    if not p.lower <= value <= p.upper:
+        raise FitError(
+            f"{p.name}: the prior's value is {value:g}; allowed: {p.lower:g}"
+            f" to {p.upper:g} {p.unit}, or other bounds"
+        )
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise FitError(
+            f"{p.name}: the prior's tolerance is {tolerance:g}; allowed: above"
+            f" 0 {p.unit}"
+        )
+    return replace(p, nominal=value, deviation=tolerance)
+
+
+def _bounded(
+    cards: Iterable[Effect],
+    keys: Collection[str],
+    name: str,
+    bounds: tuple[float, float],
+) -> list[Effect]:
+    """Cards, those of some keys with bounds of one parameter.
+
+    Raises:
+        EffectError: None has the parameter, or not within such bounds.
+    """
+    found, names = [], []
+    for card in cards:
+        mine = card.parameters if card.key in keys else ()
+        names += [p.name for p in mine]
+        if any(p.name == name for p in mine):
+            limited = [
+                _with_bounds(card, p, *bounds) if p.name == name else p
+                for p in mine
+            ]
+            card = replace(card, parameters=tuple(limited))
+        found.append(card)
+    if name not in names:
+        hint = suggest(name, names) if names else ""
+        there = ", ".join(dict.fromkeys(names)) or "none, it is not searched"
+        raise EffectError(
+            f"bounds: no parameter {quoted(name)} of {min(keys)}{hint};"
+            f" allowed: {there}"
+        )
+    return found
+
+
+def _with_bounds(
+    card: Effect, p: EffectParameter, low: float, high: float
+) -> EffectParameter:
+    """A parameter of an effect within closer limits."""
+    is_within = p.lower <= low < high <= p.upper
+    if p.choices or not is_within:
+        allowed = f"two numbers within {p.lower:g} to {p.upper:g} {p.unit}"
+        if p.choices:
+            allowed = "none, it is no continuous number"
+        raise EffectError(
+            f"bounds of {card.name}.{p.name} are {low:g} to {high:g};"
+            f" allowed: {allowed}, the lower one first"
+        )
+    starts = tuple(s for s in p.starts if low < s < high)
+    starts = starts or (0.5 * (low + high),)
+    return replace(p, lower=low, upper=high, starts=starts)
 
 
 def _check_value(p: SubjectParameter, value: float, what: str) -> None:
@@ -190,66 +272,6 @@ def _keys(
             )
         found |= own
     return found
-
-
-def parse_choice(data: object, source: str) -> Choice:
-    """The block `estimation` of a scenario file.
-
-    Args:
-        data: As YAML has it.
-        source: The file, for errors.
-
-    Raises:
-        ScenarioError: One line: file, key, value, what is allowed.
-    """
-    if not isinstance(data, dict):
-        raise _wrong(source, "", data, "a map of keys")
-    readers = {"free": _names, "fixed": _values, "bounds": _bounds}
-    found = {}
-    for key, value in data.items():
-        if key not in readers:
-            hint = suggest(key, readers)
-            path = f"{ESTIMATION}.{key}"
-            raise ScenarioError(f"{source}: {path}: no such key{hint}")
-        found[key] = readers[key](source, key, value)
-    return Choice(**found)
-
-
-def _names(source: str, key: str, value: object) -> tuple[str, ...]:
-    is_list = isinstance(value, list) and all(isinstance(v, str) for v in value)
-    if not is_list or not value:
-        raise _wrong(source, key, value, "a list of names")
-    return tuple(value)
-
-
-def _values(source: str, key: str, value: object) -> dict[str, float | None]:
-    if not isinstance(value, dict) or not all(
-        v is None or _is_number(v) for v in value.values()
-    ):
-        raise _wrong(source, key, value, "a map of numbers by name")
-    return {str(n): v if v is None else float(v) for n, v in value.items()}
-
-
-def _bounds(
-    source: str, key: str, value: object
-) -> dict[str, tuple[float, float]]:
-    if not isinstance(value, dict) or not all(
-        isinstance(v, list) and len(v) == 2 and all(map(_is_number, v))
-        for v in value.values()
-    ):
-        raise _wrong(source, key, value, "a map of [lower, upper] by name")
-    return {str(n): (float(v[0]), float(v[1])) for n, v in value.items()}
-
-
-def _is_number(value: object) -> bool:
-    return type(value) in (int, float)
-
-
-def _wrong(source: str, key: str, value: object, allowed: str) -> ScenarioError:
-    path = f"{ESTIMATION}.{key}" if key else ESTIMATION
-    return ScenarioError(
-        f"{source}: {path} is {quoted(value)}; allowed: {allowed}"
-    )
 
 
 def split_names(text: str) -> tuple[str, ...]:

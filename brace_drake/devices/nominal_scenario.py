@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from brace_drake.core.errors import ScenarioError
+from brace_drake.core.errors import ScenarioError, quoted, suggest
 from brace_drake.core.reading import ReadBytes, in_file, parse_yaml
-from brace_drake.devices.choice import Choice, parse_choice
+from brace_drake.devices.choice import Choice
 from brace_drake.recording.manifest import MANIFEST
 from brace_drake.recording.recording import Campaign
 from brace_drake.scenario.load import ESTIMATION, make_scenario, scenario_text
@@ -106,3 +106,92 @@ def scenario_hash(scenario: Any) -> str | None:
     except (TypeError, ValueError, AttributeError):
         return None
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def parse_choice(data: object, source: str) -> Choice:
+    """The block `estimation` of a scenario file, with one or more of these:
+
+        estimation:
+          free: [contact_stiffness_N_m, preload_m]
+          fixed: {posture_damping_y_N_s_m: 300}
+          bounds: {preload_m: [5e-4, 2e-3], coulomb_friction.coulomb_N: [0, 2]}
+          priors: {torso_mass_kg: {value: 31.5, tolerance: 2}}
+
+    Args:
+        data: As YAML has it.
+        source: The file, for errors.
+
+    Raises:
+        ScenarioError: One line: file, key, value, what is allowed.
+    """
+    if not isinstance(data, dict):
+        raise _wrong(source, "", data, "a map of keys")
+    readers = {
+        "free": _names,
+        "fixed": _values,
+        "bounds": _bounds,
+        "priors": _priors,
+    }
+    found = {}
+    for key, value in data.items():
+        if key not in readers:
+            hint = suggest(key, readers)
+            path = f"{ESTIMATION}.{key}"
+            raise ScenarioError(f"{source}: {path}: no such key{hint}")
+        found[key] = readers[key](source, key, value)
+    return Choice(**found)
+
+
+def _names(source: str, key: str, value: object) -> tuple[str, ...]:
+    is_list = isinstance(value, list) and all(isinstance(v, str) for v in value)
+    if not is_list or not value:
+        raise _wrong(source, key, value, "a list of names")
+    return tuple(value)
+
+
+def _values(source: str, key: str, value: object) -> dict[str, float | None]:
+    if not isinstance(value, dict) or not all(
+        v is None or _is_number(v) for v in value.values()
+    ):
+        raise _wrong(source, key, value, "a map of numbers by name")
+    return {str(n): v if v is None else float(v) for n, v in value.items()}
+
+
+def _bounds(
+    source: str, key: str, value: object
+) -> dict[str, tuple[float, float]]:
+    if not isinstance(value, dict) or not all(
+        isinstance(v, list) and len(v) == 2 and all(map(_is_number, v))
+        for v in value.values()
+    ):
+        raise _wrong(source, key, value, "a map of [lower, upper] by name")
+    return {str(n): (float(v[0]), float(v[1])) for n, v in value.items()}
+
+
+def _priors(
+    source: str, key: str, value: object
+) -> dict[str, tuple[float, float]]:
+    keys = "value", "tolerance"
+    if not isinstance(value, dict) or not all(
+        isinstance(v, dict)
+        and set(v) == set(keys)
+        and all(map(_is_number, v.values()))
+        for v in value.values()
+    ):
+        allowed = "a map of {value: NUMBER, tolerance: NUMBER} by name"
+        raise _wrong(source, key, value, allowed)
+    return {
+        str(n): (float(v["value"]), float(v["tolerance"]))
+        for n, v in value.items()
+    }
+
+
+def _is_number(value: object) -> bool:
+    return type(value) in (int, float)
+
+
+def _wrong(source: str, key: str, value: object, allowed: str) -> ScenarioError:
+    path = f"{ESTIMATION}.{key}" if key else ESTIMATION
+    return ScenarioError(
+        f"{source}: {path} is {quoted(value)}; allowed: {allowed}"
+    )

@@ -21,6 +21,8 @@ class SubjectParameter:
         nominal: Value of the scenario.
         lower, upper: Physical limits.
         scale: Natural step of the value where its nominal value is 0.
+        deviation: Standard deviation of a normal prior around the nominal
+            value; 0 where it has none.
     """
 
     name: str
@@ -29,6 +31,7 @@ class SubjectParameter:
     lower: float
     upper: float
     scale: float = 0.0
+    deviation: float = 0.0
 
     @property
     def is_fixed(self) -> bool:

@@ -39,8 +39,8 @@ class CandidateProblem:
     z holds the subject's parameters in units of their nominal values, then
     each effect's in units of its starts or limits: the continuous ones, then
     its run parameters run by run. A normal prior, of parameters with a
-    deviation of their own or with a common spread, adds a row z_i / s_i to
-    the residual.
+    deviation of their own or with a common spread, adds a row (z_i - m_i) /
+    s_i to the residual.
 
     Attributes:
         num_subject, num_free: Parameters of the subject, and beyond.
@@ -84,15 +84,14 @@ class CandidateProblem:
             if not (has_room and self.is_rough):
                 self.tolerances = self.tolerances.at_zero
             self.off = self.tolerances.uses
-        self._templates = [np.array(v, dtype=float) for v in values]
-        self._moved = []
+        self._templates, self._moved = [np.array(v, float) for v in values], []
         subject = evaluator.twin.subject
         self.num_subject = len(subject)
         self.fixed = frozenset(i for i, p in enumerate(subject) if p.is_fixed)
         low, high = [p.lower for p in subject], [p.upper for p in subject]
-        weights = [0.0] * len(subject)
         radius = [_SUBJECT_RADIUS] * len(subject)
         units = [p.unit_step for p in subject]
+        known = [(p.nominal, p.deviation) for p in subject]
         groups = [[i] for i in range(len(subject))]
         for effect in effects:
             parameters = self._continuous(effect, groups)
@@ -101,14 +100,16 @@ class CandidateProblem:
                 units.append(scale)
                 low.append(p.lower)
                 high.append(p.upper)
-                weights.append(scale / p.deviation if p.deviation else 0.0)
+                known.append((0.0, p.deviation or 0.0))
                 radius.append(
                     _SHAPE_RADIUS if p.off is None else _EFFECT_RADIUS
                 )
         self.scales = np.array(units)
         self.lower = np.array(low) / self.scales
         self.upper = np.array(high) / self.scales
-        self._weights = np.array(weights)
+        means, deviations = np.array(known).reshape(-1, 2).T / self.scales
+        self._means, self._weights = means, np.zeros(len(means))
+        np.divide(1.0, deviations, self._weights, where=deviations > 0.0)
         self.radius = np.array(radius)
         self.steps = np.full(len(units), _EFFECT_STEP)
         self.steps[: self.num_subject] = _SUBJECT_STEP
@@ -231,7 +232,7 @@ class CandidateProblem:
     def prior_rows(self, z: np.ndarray) -> np.ndarray:
         """The prior's rows of the residual."""
         used = self._weights > 0.0
-        return z[used] * self._weights[used]
+        return (z - self._means)[used] * self._weights[used]
 
     def prior_jacobian(self) -> np.ndarray:
         """Derivatives of the prior's rows (num_prior, n)."""

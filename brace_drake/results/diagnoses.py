@@ -216,6 +216,7 @@ def diagnose(
     free: Names | None = None,
     fixed: Mapping[str, float | None] | Names | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
     jobs: int | None = None,
     cluster: str | None = None,
     seed: int = 0,
@@ -236,7 +237,10 @@ def diagnose(
             fixed ones.
         fixed: Those that are held, by name, in SI units; None as a value: at
             the scenario's.
-        bounds: Lower and upper limits by name, in SI units.
+        bounds: Lower and upper limits by name, in SI units; of an effect's
+            parameter as EFFECT.NAME.
+        priors: Value and tolerance by name, in SI units: mean and standard
+            deviation of a normal prior.
         jobs: Threads, all cores by default; results do not depend on it.
         cluster: Address of a Dask scheduler whose workers do the work.
         seed: Of all random draws.
@@ -250,7 +254,7 @@ def diagnose(
     """
     # Numba and Drake are slow to import: only once the input is good.
     loaded = as_campaign(campaign)
-    choice = make_choice(effects, without, free, fixed, bounds)
+    choice = make_choice(effects, without, free, fixed, bounds, priors)
     from brace_drake import diagnosis
 
     with open_jobs(jobs, cluster) as workers, tell(progress) as say:

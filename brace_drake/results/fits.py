@@ -86,6 +86,7 @@ def fit(
     free: Names | None = None,
     fixed: Mapping[str, float | None] | Names | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
     solver: str = "snopt",
     jobs: int | None = None,
     cluster: str | None = None,
@@ -104,6 +105,8 @@ def fit(
         fixed: Parameters that are held, by name, in SI units; None as a value:
             at the scenario's.
         bounds: Lower and upper limits by name, in SI units.
+        priors: Value and tolerance by name, in SI units: mean and standard
+            deviation of a normal prior.
         solver: snopt, ipopt or nlopt.
         jobs: Threads, all cores by default; results do not depend on it.
         cluster: Address of a Dask scheduler whose workers do the work.
@@ -119,7 +122,7 @@ def fit(
     from brace_drake.identification.subject.campaign_fit import fit_campaign
 
     loaded = as_campaign(campaign)
-    choice = make_choice(free=free, fixed=fixed, bounds=bounds)
+    choice = make_choice(free=free, fixed=fixed, bounds=bounds, priors=priors)
     with open_jobs(jobs, cluster) as workers:
         run = _told(fit_campaign, progress)
         return FitResult(

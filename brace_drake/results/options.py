@@ -22,6 +22,7 @@ def make_choice(
     free: Names | None = None,
     fixed: Mapping[str, float | None] | Names | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
+    priors: Mapping[str, tuple[float, float]] | None = None,
 ) -> Choice:
     """What is searched and fitted, from a caller's words.
 
@@ -29,6 +30,7 @@ def make_choice(
         effects, without, free: Names, as one text with commas or several.
         fixed: Values by name; None as a value, or names alone: the scenario's.
         bounds: Lower and upper limit by name.
+        priors: Value and tolerance by name.
 
     Raises:
         FitError: Values or limits are no numbers.
@@ -40,7 +42,8 @@ def make_choice(
         as_names(without) or (),
         as_names(free),
         {n: _value(n, v) for n, v in (fixed or {}).items()},
-        {n: _limits(n, b) for n, b in (bounds or {}).items()},
+        {n: _two("bounds", n, b) for n, b in (bounds or {}).items()},
+        {n: _two("priors", n, p) for n, p in (priors or {}).items()},
     )
 
 
@@ -53,14 +56,14 @@ def _value(name: str, value: Any) -> float | None:
         ) from error
 
 
-def _limits(name: str, limits: Any) -> tuple[float, float]:
+def _two(what: str, name: str, given: Any) -> tuple[float, float]:
     try:
-        low, high = map(float, limits)
+        first, second = map(float, given)
     except (TypeError, ValueError) as error:
         raise FitError(
-            f"bounds: {name} is {quoted(limits)}; allowed: two numbers"
+            f"{what}: {name} is {quoted(given)}; allowed: two numbers"
         ) from error
-    return low, high
+    return first, second
 
 
 @contextlib.contextmanager

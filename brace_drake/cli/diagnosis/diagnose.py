@@ -180,6 +180,8 @@ def _command(campaign, out: Path, args: argparse.Namespace) -> str:
         words += ["--fix", name if value is None else f"{name}={value!r}"]
     for name, (low, high) in args.bounds or ():
         words += ["--bounds", f"{name}={low!r}:{high!r}"]
+    for name, (value, tolerance) in args.prior or ():
+        words += ["--prior", f"{name}={value!r}:{tolerance!r}"]
     if args.seed:
         words += ["--seed", str(args.seed)]
     return shlex.join(words)
