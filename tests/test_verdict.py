@@ -79,6 +79,17 @@ class TestCriterion(unittest.TestCase):
         use = (other, other.starts()[0])
         self.assertFalse(is_within(use, None, nuisances))
 
+    def test_no_effect_closes_more_than_all_of_the_gap(self):
+        fits = [
+            fit_of("relaxation+force_bias", 0.0, 0.0),
+            # Beside this one the gap would be wider than without any.
+            fit_of("relaxation", 40.0, 40.0),
+        ]
+        verdict = decide(self.criterion, fits)
+        self.assertEqual(set(verdict.effects), {"relaxation", "force_bias"})
+        for support in verdict.supported:
+            self.assertAlmostEqual(support.closes, 1.0, places=2)
+
     def test_all_that_friction_adds_at_rest_is_held_against_its_tolerance(self):
         coulomb, stribeck = map(
             find_effect, ("coulomb_friction", "stribeck_friction")

@@ -19,7 +19,8 @@ class Support:
     Attributes:
         name: Of the effect.
         probability: That it is there, whatever else may be.
-        closes: Share of the gap's amplitude that comes back without it.
+        closes: Share of the gap's amplitude that comes back without it, of
+            what is closed with all.
     """
 
     name: str
@@ -141,7 +142,7 @@ def _support(criterion, best, effect, ranked, odds) -> Support:
     others = criterion.named(best) - {effect.name}
     same = (r.fit for r in ranked if criterion.named(r.fit) == others)
     without = next(same, criterion.nominal)
-    closes = criterion.closed(best) - criterion.closed(without)
+    closes = criterion.closed(best) - max(0.0, criterion.closed(without))
     return Support(effect.name, _limited(sure), max(0.0, closes))
 
 

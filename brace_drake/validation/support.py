@@ -24,6 +24,8 @@ from brace_drake.validation.shrinkage import repair_new_runs
 class Closed:
     """Share of the gap that comes back where one effect is left out.
 
+    At most all of it: the twin that has none of the effects lacks it too.
+
     Attributes:
         share: Of what lies between the gap and the floor.
         interval: 95 %, by resampling blocks of time; None without.
@@ -79,6 +81,7 @@ def _between(compared, runs, which: str, seed: int) -> Closed:
     """How far the repair brings runs on, from where one effect lacks."""
 
     def share(whole, lacks, after):
+        lacks = min(lacks, whole)
         return (lacks - after) / (whole - 1.0) if whole > 1.0 else None
 
     gaps = (
