@@ -10,6 +10,11 @@ from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording_faults import check_recording
 from brace_drake.recording_faults.check import without_false_repeats
 from brace_drake.recording_faults.library.channels.outliers import outliers_of
+from brace_drake.recording_faults.library.runs.copied_run import find_copies
+from brace_drake.recording_faults.statistics import (
+    local_error,
+    robust_deviation,
+)
 
 RATE, SAMPLES = 200.0, 1200
 
@@ -168,6 +173,63 @@ class TestManifest(unittest.TestCase):
         self.assertEqual(found.fault.name, "copied_run")
         self.assertEqual(found.runs, ("check.csv",))
         self.assertIn("does not count as validation", found.detail)
+
+    def test_a_copy_that_was_altered_is_told_by_its_noise(self):
+        other = np.random.default_rng(7)
+
+        def average(a, b):
+            return 0.5 * (a + b)
+
+        ways = {
+            "scaled": lambda x, y: 1.0001 * x,
+            "half a sample late": lambda x, y: average(x, np.roll(x, 1)),
+            "with a tenth more noise": lambda x, y: x + 0.1 * shake(x),
+            "with as much noise again": lambda x, y: x + shake(x),
+            "the mean of two runs": average,
+            "of fewer digits": lambda x, y: np.round(x, 4),
+            "upside down": lambda x, y: -x,
+        }
+
+        def shake(x):
+            size = robust_deviation(local_error(x)) / np.sqrt(70.0 / 36.0)
+            return size * other.standard_normal(len(x))
+
+        for title, alter in ways.items():
+            columns = {
+                name: x
+                if name == "time_s" or "ring2_y" in name or "desired" in name
+                else alter(x, self.again.channels[name])
+                for name, x in self.push.channels.items()
+            }
+            copy = replace(
+                self.push, file="copy.csv", split="validation", channels=columns
+            )
+            with self.subTest(way=title):
+                runs = self.push, self.other, copy
+                campaign = campaign_of(*runs)
+                found = find_copies(runs, campaign.known_channels)
+                told = [f.detail for f in found]
+                self.assertEqual([f.runs for f in found], [("copy.csv",)], told)
+                self.assertIn("noise is that of push.csv", told[0])
+
+    def test_a_hum_and_a_jolt_that_runs_share_are_no_copy(self):
+        t = self.push.time_s
+        hum = 0.2 * np.sin(2.0 * np.pi * 47.0 * t)
+        jolt = 5.0 * (abs(t - 3.0) < 0.01)
+        for shared in (hum, jolt):
+            runs = [
+                changed(
+                    run,
+                    **{
+                        name: x + shared
+                        for name, x in run.channels.items()
+                        if "force_x" in name or "torso_x" in name
+                    },
+                )
+                for run in (self.push, self.other)
+            ]
+            known = campaign_of(*runs).known_channels
+            self.assertEqual(find_copies(runs, known), [])
 
 
 if __name__ == "__main__":
