@@ -137,6 +137,19 @@ class TestYaml(unittest.TestCase):
         self.assert_refused("? [a]\n: 1", "as a key")
         self.assert_refused("a: &x [1]\n*x : 2", "as a key")
 
+    def test_a_key_is_a_word_or_a_whole_number(self):
+        # In Python 1, 1.0 and true are one key.
+        words = '1: a\n"1": b\n"true": c\n"1.0": d\n"": e'
+        found = {1: "a", "1": "b", "true": "c", "1.0": "d", "": "e"}
+        self.assertEqual(parse_yaml(words), found)
+        for key, word in (
+            *(("true", "true or false"), ("on", "true or false")),
+            *(("~", "null"), ("1.0", "1.0"), (".nan", "nan")),
+        ):
+            for text in (f"1: a\n{key}: b", f"x: &k {key}\n*k : b"):
+                with self.subTest(text):
+                    self.assert_refused(text, "line 2", "key that is", word)
+
     def test_what_is_no_yaml_of_ours(self):
         for text, word in (
             ("a: !!python/object/apply:os.system [x]", "tag"),

@@ -1,8 +1,9 @@
 """YAML, bounded, and without its surprises.
 
 Maps, lists, words, decimal numbers, true and false. Dates, times and numbers
-of other bases are words. A key is there once. Aliases may stand for what has an
-anchor, as long as all that they stand for stays within bounds.
+of other bases are words. A key is a word or a whole number, and is there once.
+Aliases may stand for what has an anchor, as long as all that they stand for
+stays within bounds.
 """
 
 from __future__ import annotations
@@ -169,10 +170,10 @@ class _Builder:
         if len(self._open) == DEEPEST:
             raise ReadError(f"more than {DEEPEST} levels within another")
         above = self._open[-1] if self._open else None
-        if above and isinstance(above.node, dict) and not above.has_key:
-            raise ReadError("a map or a list as a key; allowed: a word")
         is_map = isinstance(event, yaml.MappingStartEvent)
         node: dict | list = {} if is_map else []
+        if above and isinstance(above.node, dict) and not above.has_key:
+            _check_key(node)
         _check_tag(event.tag, node)
         self._open.append(_Open(node, event.anchor, self._nodes - 1))
 
@@ -190,8 +191,7 @@ class _Builder:
         if isinstance(above.node, list):
             above.node.append(value)
         elif not above.has_key:
-            if isinstance(value, dict | list):
-                raise ReadError("a map or a list as a key; allowed: a word")
+            _check_key(value)
             if value in above.node:
                 raise ReadError(f"key {quoted(value)} is there twice")
             above.key, above.has_key = value, True
@@ -201,6 +201,18 @@ class _Builder:
                 above.merged += _bases(value)
             else:
                 above.node[above.key] = value
+
+
+def _check_key(value: object) -> None:
+    """A key is a word or a whole number: in Python 1, 1.0 and true are one."""
+    if isinstance(value, dict | list):
+        raise ReadError("a map or a list as a key; allowed: a word")
+    if not isinstance(value, str) and type(value) is not int:
+        kind = {bool: "true or false", type(None): "null"}
+        raise ReadError(
+            f"a key that is {kind.get(type(value), quoted(value))}; allowed: a"
+            " word or a whole number; quotes make a word of anything"
+        )
 
 
 def _bases(value: object) -> list[dict]:
