@@ -121,6 +121,21 @@ class Folder(unittest.TestCase):
 
 
 class TestFullDisk(Folder):
+    def test_no_pipe_and_no_link_gives_its_place_to_a_result(self):
+        pipe, link = self.folder / "pipe", self.folder / "link"
+        os.mkfifo(pipe)
+        with self.assertRaisesRegex(OutputError, "no regular file"):
+            WriteText(pipe, "text")
+        self.assertTrue(pipe.is_fifo())
+        link.symlink_to("target")
+        WriteText(link, "text")
+        self.assertTrue(link.is_symlink())
+        self.assertEqual((self.folder / "target").read_text(), "text")
+        link.unlink()
+        link.symlink_to("link")
+        with self.assertRaises(OutputError):
+            WriteText(link, "text")
+
     def test_a_file_keeps_what_it_held(self):
         path = self.folder / "result.json"
         WriteText(path, "old")

@@ -91,10 +91,12 @@ def WriteText(path: Path, text: str) -> None:
 def WriteBytes(path: Path, data: bytes) -> None:
     """Writes a file that appears only when it is complete, and on the disk.
 
+    A symbolic link stays, and its file is written.
+
     Raises:
-        OutputError: It cannot be written.
+        OutputError: It cannot be written, or it is a device or a pipe.
     """
-    path = Path(path)
+    path = _file_of(Path(path))
     draft = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
     try:
         with draft.open("wb") as file:
@@ -111,6 +113,21 @@ def WriteBytes(path: Path, data: bytes) -> None:
         # Gone where all went well; on a read-only disk it never was.
         with contextlib.suppress(OSError):
             draft.unlink(missing_ok=True)
+
+
+def _file_of(path: Path) -> Path:
+    """Where a file is to be written; what is renamed would take the place of
+    a link, or of a device.
+    """
+    try:
+        target = path.resolve() if path.is_symlink() else path
+        is_other = target.exists() and not target.is_file()
+    except (OSError, RuntimeError) as error:
+        why = getattr(error, "strerror", None) or "links to itself"
+        raise OutputError(f"{path}: cannot be written: {why}") from error
+    if is_other and not target.is_dir():
+        raise OutputError(f"{path}: is no regular file")
+    return target
 
 
 def WriteJson(path: Path, document: dict) -> None:
