@@ -3,6 +3,7 @@
 import itertools
 import unittest
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 
@@ -154,6 +155,15 @@ class TestBench(unittest.TestCase):
                 shares = {r["block"]: r["share"] for r in rows}
                 self.assertAlmostEqual(sum(shares.values()), 1.0, places=9)
                 self.assertEqual(max(shares, key=shares.get), effect.block)
+
+    def test_a_loose_prior_of_the_subject_changes_no_share(self):
+        use = find_effect("force_bias"), np.array([0.4])
+        subject = self.twin.subject
+        loose = [replace(p, deviation=1e3 * p.nominal) for p in subject]
+        with mock.patch.object(self.twin, "subject", tuple(loose)):
+            known = self.rows(use)
+        for row, free in zip(known, self.rows(use), strict=True):
+            self.assertAlmostEqual(row["share"], free["share"], places=4)
 
     def rows(self, use):
         prepared = []

@@ -5,10 +5,11 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 from brace_drake.core.errors import EffectError, FitError, ScenarioError
-from brace_drake.devices.choice import Choice, split_names
+from brace_drake.devices.choice import Choice
 from brace_drake.devices.nominal_scenario import parse_choice
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.registry import effects_for
+from brace_drake.results.options import split_names
 
 STIFFNESS = SubjectParameter("stiffness_N_m", "N/m", 100.0, 70.0, 150.0)
 OFFSET = SubjectParameter("offset_m", "m", 0.0, -0.1, 0.1, scale=0.01)
@@ -60,6 +61,12 @@ class TestSubject(unittest.TestCase):
         self.assertEqual((known.nominal, known.deviation), (120.0, 8.0))
         self.assertEqual(known.unit_step, 100.0)
         self.assertEqual(other, OFFSET)
+
+    def test_a_prior_that_the_runs_contradict_is_told(self):
+        choice = Choice(priors={"stiffness_N_m": (120.0, 8.0)})
+        self.assertEqual(choice.contradicted({"stiffness_N_m": 140.0}), [])
+        (told,) = choice.contradicted({"stiffness_N_m": 152.0})
+        self.assertIn("4.0 standard deviations", told)
 
     def test_what_cannot_be_is_refused(self):
         name = "stiffness_N_m"

@@ -20,6 +20,9 @@ from brace_drake.devices.declaration import Device
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.card import Effect, EffectParameter
 
+# Standard deviations that a prior is off by chance once in 400 cases.
+_FAR = 3.0
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -43,6 +46,22 @@ class Choice:
     fixed: Mapping[str, float | None] = field(default_factory=dict)
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     priors: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def contradicted(self, values: Mapping[str, float]) -> list[str]:
+        """Priors that lie far from what was fitted, each in words.
+
+        Args:
+            values: Fitted parameters by name, in SI units.
+        """
+        found = []
+        for name, (value, tolerance) in self.priors.items():
+            off = abs(values[name] - value) / tolerance
+            if off > _FAR:
+                found.append(
+                    f"{name} is {off:.1f} standard deviations of its prior,"
+                    f" {value:g} +- {tolerance:g}, off: one of both is wrong"
+                )
+        return found
 
     @property
     def limits_search(self) -> bool:
@@ -272,21 +291,3 @@ def _keys(
             )
         found |= own
     return found
-
-
-def split_names(text: str) -> tuple[str, ...]:
-    """Names with commas between; those within parentheses are of a name."""
-    names, depth, begin = [], 0, 0
-    for place, sign in enumerate([*text, ","]):
-        depth += (sign == "(") - (sign == ")")
-        if sign == "," and (depth <= 0 or place == len(text)):
-            names.append(text[begin:place].strip())
-            begin = place + 1
-    return tuple(n for n in names if n)
-
-
-def as_names(given: str | Collection[str] | None) -> tuple[str, ...] | None:
-    """One text with commas, or several names, as names."""
-    if given is None:
-        return None
-    return split_names(given) if isinstance(given, str) else tuple(given)

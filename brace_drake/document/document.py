@@ -189,6 +189,9 @@ def _warnings(d: Diagnosis) -> list[str]:
         for p in d.estimates.parameters
         if p.standard_error is None and not p.fixed
     ]
+    found += d.choice.contradicted(
+        {p.name: p.value for p in d.estimates.parameters}
+    )
     if d.choice.limits_search:
         found.append(
             "the search was limited to"

@@ -37,7 +37,8 @@ def attribute_errors(
     if not errors:
         return []
     parts = [slice(a, b) for a, b in itertools.pairwise([0, *evaluator.ends])]
-    residual, jacobian = nominal.solution.residual, nominal.solution.jacobian
+    last, solution = evaluator.ends[-1], nominal.solution
+    residual, jacobian = solution.residual[:last], solution.jacobian[:last]
     known, tolerated = nominal.tolerances, np.zeros((len(residual), 0))
     if known is not None:
         # Errors are not whitened of tolerances: these stand beside them.

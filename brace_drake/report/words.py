@@ -105,6 +105,8 @@ def percent_interval(
     than all is noise, and is told as all.
     """
     shares = [100.0 * min(to_number(v), 1.0) for v in (middle, low, high)]
+    if shares[1] >= 100.0:
+        return "100 %", ""
     width = shares[2] - shares[1]
     if not math.isfinite(width):
         return percent(middle), ""

@@ -8,6 +8,7 @@ from typing import Any
 
 from brace_drake.core.frames import pick_frames
 from brace_drake.core.progress import open_bar
+from brace_drake.devices.choice import Choice
 from brace_drake.recording.recording import Campaign
 from brace_drake.results.campaigns import as_campaign
 from brace_drake.results.document_result import DocumentResult
@@ -140,11 +141,15 @@ def fit(
 
 def fit_warnings(document: Mapping[str, Any]) -> list[str]:
     """What has to be known beside the parameters of fit.json."""
+    priors = document.get("choice", {}).get("priors", {})
+    values = {p["name"]: p["value"] for p in document["parameters"]}
+    found = Choice(priors=priors).contradicted(values)
     if document["mean_square"] <= _FAR:
-        return []
+        return found
     return [
+        *found,
         "far above 1: the twin lacks something, and its parameters follow"
-        " what it lacks; run brace-drake diagnose"
+        " what it lacks; run brace-drake diagnose",
     ]
 
 

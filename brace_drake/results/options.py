@@ -10,7 +10,7 @@ from typing import Any
 from brace_drake.core.errors import FitError, quoted
 from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.core.progress import share_bar
-from brace_drake.devices.choice import Choice, as_names
+from brace_drake.devices.choice import Choice
 
 Names = str | Collection[str]
 Progress = bool | Callable[[str, float], None]
@@ -64,6 +64,24 @@ def _two(what: str, name: str, given: Any) -> tuple[float, float]:
             f"{what}: {name} is {quoted(given)}; allowed: two numbers"
         ) from error
     return first, second
+
+
+def split_names(text: str) -> tuple[str, ...]:
+    """Names with commas between; those within parentheses are of a name."""
+    names, depth, begin = [], 0, 0
+    for place, sign in enumerate([*text, ","]):
+        depth += (sign == "(") - (sign == ")")
+        if sign == "," and (depth <= 0 or place == len(text)):
+            names.append(text[begin:place].strip())
+            begin = place + 1
+    return tuple(n for n in names if n)
+
+
+def as_names(given: str | Collection[str] | None) -> tuple[str, ...] | None:
+    """One text with commas, or several names, as names."""
+    if given is None:
+        return None
+    return split_names(given) if isinstance(given, str) else tuple(given)
 
 
 @contextlib.contextmanager

@@ -7,12 +7,12 @@ from typing import Any
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.core.frames import pick_frames
-from brace_drake.devices.choice import as_names
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.results.document_result import DocumentResult
 from brace_drake.results.options import (
     Names,
     Progress,
+    as_names,
     make_choice,
     open_jobs,
     tell,

@@ -84,7 +84,9 @@ def Run(args: argparse.Namespace) -> int:
     if args.json:
         PrintJson(document)
         return 0
-    print(document["verdict"]["sentence"])
+    verdict = document["verdict"]
+    print(verdict["sentence"])
+    print(f"certainty: {verdict['probability']:.0%}")
     print(scenario_note(campaign, document["provenance"]["scenario"]))
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")

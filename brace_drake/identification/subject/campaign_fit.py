@@ -106,4 +106,5 @@ def fit_campaign(
         "success": report.success,
         "seed": seed,
         "scenario": named.describe(twin.scenario),
+        "choice": choice.describe(),
     }

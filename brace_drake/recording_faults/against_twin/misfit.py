@@ -44,7 +44,7 @@ class SubjectFit:
 
     @property
     def misfit(self) -> float:
-        residual = self.solution.residual
+        residual = self.solution.residual[: self.evaluator.ends[-1]]
         return float(residual @ residual) / self.evaluator.count - self.level
 
 
