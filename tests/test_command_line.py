@@ -281,9 +281,31 @@ class TestBadArguments(unittest.TestCase):
             (("fit", "c", "d"), ("unrecognized arguments: d;",)),
             (("fit", "c", "--fix", "a=b"), ("'b' in 'a=b'", "not a number")),
             (("fit", "c", "--bounds", "a=3"), ("not NAME=LO:HI",)),
+            (("plan", "--motions", ",,,"), ("',,,' names nothing", "allowed")),
+            (("plan", "--effects", ""), ("'' names nothing", "allowed")),
+            (("diagnose", "c", "--out", "o", "--without", " "), ("nothing",)),
+            (("payoff", "--out", "o", "--force-limit", "nan"), ("above 0",)),
+            (("predict", "p", "--displacement-mm", "inf"), ("not a number",)),
         ):
             with self.subTest(command=command):
                 self.assert_refused(command, *words)
+
+    def test_every_whole_number_has_a_largest_that_is_told(self):
+        huge, seen = "9" * 30, 0
+        for name, command in commands():
+            for action in command._actions:
+                with contextlib.suppress(argparse.ArgumentTypeError, TypeError):
+                    if action.type is None or action.type("1") != 1:
+                        continue
+                    if not isinstance(action.type("1"), int):
+                        continue
+                    seen += 1
+                    with self.subTest(command=name, option=action.dest):
+                        with self.assertRaisesRegex(
+                            argparse.ArgumentTypeError, "at most [1-9]"
+                        ):
+                            action.type(huge)
+        self.assertGreater(seen, 30)
 
     def test_predict_names_the_factors_of_a_subject(self):
         from brace_drake.learning.subjects import FACTORS

@@ -319,6 +319,11 @@ class TestCommand(unittest.TestCase):
             (("--number", "stiffness", "--from", -1, "--to", 2), {}, "greater"),
             ((*usual, "--outcomes", "peak_forc_N"), {}, "did you mean peak_f"),
             ((*usual, "--count", 1), {}, "2 or more"),
+            (
+                (*usual, "--count", 1000, "--seeds", 101),
+                {},
+                "at most 100000",
+            ),
             (usual, {"motion": "push"}, "allowed for a pad bench"),
             (mass, {"scenario": bench, "motion": "psh"}, "did you mean push?"),
             (mass, {"scenario": bench}, "no column ring2_y_desired_m"),

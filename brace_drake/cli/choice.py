@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from brace_drake.cli.options import names
+
 
 def AddChoice(
     parser: argparse.ArgumentParser, has_effects: bool = True
@@ -12,16 +14,19 @@ def AddChoice(
     if has_effects:
         parser.add_argument(
             "--effects",
+            type=names,
             metavar="A,B,C",
             help="effects to search (default: all of the device)",
         )
         parser.add_argument(
             "--without",
+            type=names,
             metavar="A,B,C",
             help="effects to leave out of the search (default: none)",
         )
     parser.add_argument(
         "--free",
+        type=names,
         metavar="A,B,C",
         help="subject parameters to fit, all others are held (default: all)",
     )

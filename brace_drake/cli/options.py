@@ -10,10 +10,15 @@ import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from brace_drake.core.errors import PolicyError
+from brace_drake.core.errors import PolicyError, quoted
 from brace_drake.core.output import WriteJson
 from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.core.progress import share_bar
+
+# Counts beyond which no work ends, unless an option has closer limits; threads
+# that no machine has; what seeds every generator in use, numpy's old one too.
+_MOST, _MOST_JOBS, _MOST_SEED = 1_000_000, 1024, 2**32 - 1
+_MOST_REAL = 1e9
 
 
 def AddCommand(
@@ -51,7 +56,7 @@ def AddJobCount(parser: argparse.ArgumentParser, help_text: str) -> None:
     """Adds --jobs alone."""
     parser.add_argument(
         "--jobs",
-        type=positive,
+        type=count_to(_MOST_JOBS),
         default=os.cpu_count() or 1,
         metavar="N",
         help=help_text,
@@ -233,33 +238,62 @@ def check_training_extra() -> None:
 
 
 def positive(text: str) -> int:
-    """A whole number of at least 1."""
-    return _whole(text, 1)
+    """A whole number from 1 to what no command could work off."""
+    return _whole(text, 1, _MOST)
 
 
 def not_negative(text: str) -> int:
-    """A whole number of at least 0."""
-    return _whole(text, 0)
+    """A whole number from 0 to the largest that seeds random draws."""
+    return _whole(text, 0, _MOST_SEED)
 
 
-def _whole(text: str, least: int) -> int:
+def count_to(most: int, least: int = 1) -> Callable[[str], int]:
+    """Reads a whole number within limits, as the type of an option."""
+    return lambda text: _whole(text, least, most)
+
+
+def _whole(text: str, least: int, most: int) -> int:
     try:
         value = int(text)
     except ValueError:
         value = least - 1
-    if value < least:
+    if not least <= value <= most:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is not a whole number of at least {least}"
+            f"{quoted(text)} is not a whole number of at least {least} and at"
+            f" most {most}"
         )
     return value
 
 
-def positive_real(text: str) -> float:
-    """A finite number above 0."""
+def finite(text: str) -> float:
+    """A number that is neither infinite nor none."""
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{quoted(text)} is not a number")
     return value
+
+
+def positive_real(text: str) -> float:
+    """A number above 0, no larger than what a clock can wait for."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value <= _MOST_REAL:
+        raise argparse.ArgumentTypeError(
+            f"{quoted(text)} is not a number above 0 and at most {_MOST_REAL:g}"
+        )
+    return value
+
+
+def names(text: str) -> str:
+    """Names with commas between, one at least."""
+    if not text.replace(",", "").strip():
+        raise argparse.ArgumentTypeError(
+            f"{quoted(text)} names nothing; allowed: one name or several with"
+            " commas between, as in A,B,C"
+        )
+    return text

@@ -32,10 +32,13 @@ def WriteSweep(folder: Path, document: dict) -> None:
     Raises:
         OutputError: The place cannot be written.
     """
+    # All are made before any is written.
+    table, picture = format_csv(document), draw_png(document)
+    page = render_sweep(document)
     WriteJson(folder / "sweep.json", document)
-    WriteText(folder / "sweep.csv", format_csv(document))
-    WriteBytes(folder / "sweep.png", draw_png(document))
-    WriteText(folder / "sweep.html", render_sweep(document))
+    WriteText(folder / "sweep.csv", table)
+    WriteBytes(folder / "sweep.png", picture)
+    WriteText(folder / "sweep.html", page)
 
 
 def format_csv(document: dict) -> str:

@@ -20,6 +20,8 @@ from brace_drake.sweep.outcomes import choose_outcomes, outcomes_of, unit_of
 from brace_drake.sweep.runs import make_simulator, with_contact
 
 FORMAT = "brace-sweep/1"
+# Of a sweep, whose outcomes are all kept until it is written.
+_MOST_RUNS = 100_000
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,20 @@ def spaced(start: float, end: float, count: int, is_log: bool) -> list[float]:
             f"--log from {start:g} to {end:g}; allowed: both above 0"
         )
     return [float(v) for v in np.geomspace(start, end, count)]
+
+
+def check_runs(count: int, seeds: int) -> None:
+    """Refuses more runs than one sweep can hold.
+
+    Raises:
+        ScenarioError: It names the most.
+    """
+    runs = count * max(1, seeds)
+    if runs > _MOST_RUNS:
+        raise ScenarioError(
+            f"--count {count} with --seeds {seeds} are {runs} runs; allowed: at"
+            f" most {_MOST_RUNS}"
+        )
 
 
 def run_sweep(

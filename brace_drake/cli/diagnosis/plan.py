@@ -11,6 +11,7 @@ from brace_drake.cli.options import (
     AddJson,
     AddScenario,
     TellDocument,
+    names,
 )
 from brace_drake.core.output import HoldFolder
 
@@ -41,6 +42,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     source = parser.add_mutually_exclusive_group()
     source.add_argument(
         "--motions",
+        type=names,
         metavar="A,B,C",
         help="motions of the library (default: those of a common campaign)",
     )
@@ -51,11 +53,13 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--effects",
+        type=names,
         metavar="A,B,C",
         help="effects to put in (default: all of the library)",
     )
     parser.add_argument(
         "--without",
+        type=names,
         metavar="A,B,C",
         help="effects to leave out (default: none)",
     )

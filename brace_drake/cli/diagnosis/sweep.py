@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 
 from brace_drake.cli.options import (
@@ -12,9 +11,10 @@ from brace_drake.cli.options import (
     AddJson,
     AddMotion,
     PrintJson,
-    not_negative,
+    count_to,
+    finite,
+    names,
     open_workers_option,
-    positive,
 )
 from brace_drake.core.output import HoldFolder
 from brace_drake.core.progress import share_bar
@@ -30,6 +30,9 @@ Without --seeds readings are exact; with N of them each value is simulated N
 times with the instruments' noise. Writes sweep.json, sweep.csv, sweep.png and
 sweep.html. A value with which the twin breaks down has its reason in its row.
 """
+# Values, or runs of each; that together they are not too many is told by the
+# sweep.
+_MOST_VALUES = 10_000
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -58,13 +61,13 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
             f"--{name}",
             dest=what,
             required=True,
-            type=_number,
+            type=finite,
             metavar="VALUE",
             help=f"its {what} value, in the unit of the scenario",
         )
     parser.add_argument(
         "--count",
-        type=positive,
+        type=count_to(_MOST_VALUES),
         default=11,
         metavar="N",
         help="how many values (default: 11)",
@@ -80,13 +83,14 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--seeds",
-        type=not_negative,
+        type=count_to(_MOST_VALUES, 0),
         default=0,
         metavar="N",
         help="simulate with noise, N times each (default: exact readings)",
     )
     parser.add_argument(
         "--outcomes",
+        type=names,
         metavar="A,B,C",
         help="what is told, as peak_force_N (default: all)",
     )
@@ -100,26 +104,17 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.set_defaults(cluster=None)
 
 
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
-    return value
-
-
 def Run(args: argparse.Namespace) -> int:
     """Simulates, writes, and prints a table and the files."""
     from brace_drake.scenario.load import LoadScenario
     from brace_drake.sweep.numbers import find_number
     from brace_drake.sweep.page import WriteSweep, format_text
     from brace_drake.sweep.runs import LoadMotion, make_simulator
-    from brace_drake.sweep.sweep import Plan, run_sweep, spaced
+    from brace_drake.sweep.sweep import Plan, check_runs, run_sweep, spaced
 
     scenario = LoadScenario(args.scenario)
     make_simulator(scenario)
+    check_runs(args.count, args.seeds)
     plan = Plan(
         scenario,
         args.scenario,

@@ -15,8 +15,7 @@ from brace_drake.cli.machine.link_options import (
 from brace_drake.cli.options import (
     AddCommand,
     AddMotion,
-    not_negative,
-    positive,
+    count_to,
     positive_real,
 )
 from brace_drake.core.errors import BraceError, StoppedError
@@ -46,6 +45,8 @@ the change are in DIR/since. `brace-drake diagnose` takes both folders.
 _SHOW = 0.2
 # A recording begins at rest, s.
 _SETTLE = 4.0
+# Cycles of a recording, a day of the shortest; ports of a machine.
+_MOST_CYCLES, _MOST_PORT = 100_000, 65_535
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -94,7 +95,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--web-port",
-        type=not_negative,
+        type=count_to(_MOST_PORT, 0),
         default=0,
         metavar="N",
         help="port of the page (default: a free one)",
@@ -114,14 +115,14 @@ def _AddWatching(parser: argparse.ArgumentParser) -> None:
     )
     add(
         "--cycles",
-        type=positive,
+        type=count_to(_MOST_CYCLES),
         default=1,
         metavar="N",
         help="times that the motion is driven; needs --out (default: 1)",
     )
     add(
         "--usual",
-        type=not_negative,
+        type=count_to(_MOST_CYCLES, 0),
         metavar="N",
         help="cycles at the beginning that are taken as usual; 0: the twin is"
         " expected (default: 1 of several, 0 of one)",

@@ -8,8 +8,8 @@ from pathlib import Path
 from brace_drake.cli.options import (
     AddCommand,
     AddJobCount,
-    not_negative,
-    positive,
+    count_to,
+    finite,
 )
 from brace_drake.core.errors import BraceError
 from brace_drake.core.output import HoldFolder, WriteJson, WriteText
@@ -31,6 +31,8 @@ A benchmark is a frozen set of cases that anyone can make and any method answer:
   brace-drake withheld table cases --vault secret/vault.json \\
       --answers answers other_method.json
 """
+# Cases, of which each takes seconds; a seed may be long, as it is a secret.
+_MOST_CASES, _MOST_SEED = 10_000, 2**64 - 1
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -73,7 +75,10 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
     )
     which = parser.add_mutually_exclusive_group(required=True)
     which.add_argument(
-        "--cases", type=positive, metavar="N", help="how many to make"
+        "--cases",
+        type=count_to(_MOST_CASES),
+        metavar="N",
+        help="how many to make",
     )
     which.add_argument(
         "--benchmark",
@@ -92,7 +97,7 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--seed",
-        type=not_negative,
+        type=count_to(_MOST_SEED, 0),
         metavar="S",
         help="makes repeatable cases, which are then not blind (default:"
         " entropy of the operating system)",
@@ -100,7 +105,7 @@ def _add_make(parts: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--tolerances",
         nargs="?",
-        type=float,
+        type=finite,
         const=1.0,
         metavar="FACTOR",
         help="machines are off by draws of so many times their tolerances,"
@@ -185,7 +190,7 @@ def _add_table(parts: argparse._SubParsersAction) -> None:
 def _add_detectable(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--detectable",
-        type=float,
+        type=finite,
         default=0.3,
         metavar="F",
         help="noise floors above which a gap counts as detectable"

@@ -8,6 +8,7 @@ from pathlib import Path
 from brace_drake.cli.options import (
     AddCommand,
     AddJobs,
+    count_to,
     open_workers_option,
     positive,
 )
@@ -26,6 +27,8 @@ are exact and nothing is random. Writes table_1.csv (as in the paper),
 unseen.csv, pushes.csv, constants.csv, figure_8.png to figure_13.png,
 unseen.png, and all of it on one page, evaluation.html.
 """
+# Subjects; each takes several pushes of several controllers.
+_MOST_SUBJECTS = 10_000
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -49,14 +52,14 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add("--out", required=True, metavar="DIR", help="folder for the results")
     add(
         "--subjects",
-        type=positive,
+        type=count_to(_MOST_SUBJECTS),
         default=50,
         metavar="N",
         help="unseen subjects (default: 50)",
     )
     add(
         "--searched",
-        type=positive,
+        type=count_to(_MOST_SUBJECTS),
         default=20,
         metavar="N",
         help="others, on which a constant stiffness is tuned (default: 20)",

@@ -10,10 +10,12 @@ from brace_drake.cli.options import (
     AddCommand,
     AddJobs,
     check_training_extra,
+    count_to,
+    names,
     open_workers_option,
     positive,
+    positive_real,
 )
-from brace_drake.core.errors import BraceError
 
 _EPILOG = """\
 example:
@@ -42,6 +44,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add("--out", required=True, metavar="DIR", help="folder for the results")
     add(
         "--causes",
+        type=names,
         metavar="A,B",
         help="effects to hide and repair (default:"
         " coulomb_friction,command_delay,relaxation)",
@@ -61,7 +64,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     add(
         "--force-limit",
-        type=float,
+        type=positive_real,
         default=20.0,
         metavar="N",
         help="F_max of the reward (default: 20; the bench's subject is stiffer"
@@ -69,7 +72,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     add(
         "--pushes",
-        type=positive,
+        type=count_to(1000),
         default=3,
         metavar="N",
         help="pushes of each controller on each machine (default: 3)",
@@ -85,8 +88,6 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.learning.training.numbers import TrainingNumbers
     from brace_drake.learning.training.train import TrainPolicy
 
-    if not args.force_limit > 0.0:
-        raise BraceError(f"--force-limit {args.force_limit}; allowed: above 0")
     out = Path(args.out)
     numbers = TrainingNumbers(episodes=args.episodes, seed=args.seed)
     options = experiment.TransferOptions(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from brace_drake.cli.options import AddCommand
+from brace_drake.cli.options import AddCommand, finite
 from brace_drake.core.errors import PolicyError
 
 _EPILOG = """\
@@ -33,7 +33,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     add("policy", metavar="POLICY", help="file *.npz of a training run")
     add(
         "--displacement-mm",
-        type=float,
+        type=finite,
         metavar="Y",
         help="displacement of every ring along y, mm (default: that of the"
         " training)",

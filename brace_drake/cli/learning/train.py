@@ -8,6 +8,7 @@ from pathlib import Path
 from brace_drake.cli.options import (
     AddCommand,
     check_training_extra,
+    count_to,
     not_negative,
     positive,
 )
@@ -65,7 +66,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     add(
         "--envs",
-        type=positive,
+        type=count_to(1024),
         metavar="N",
         help="episodes side by side (default: 1)",
     )

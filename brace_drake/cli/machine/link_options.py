@@ -7,13 +7,16 @@ from collections.abc import Sequence
 
 from brace_drake.cli.options import (
     AddScenario,
+    count_to,
     names_file,
-    not_negative,
     positive,
 )
 from brace_drake.core.errors import CampaignError, ScenarioError
 from brace_drake.link.protocol.messages import BAUD
 from brace_drake.recording.columns import BENCH, BRACE
+
+# Bits a second, more than a USB port has; seconds, a day.
+_MOST_BAUD, _MOST_COUNTDOWN = 1_000_000_000, 86_400
 
 
 def AddDevice(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +30,7 @@ def AddDevice(parser: argparse.ArgumentParser) -> None:
     )
     add(
         "--baud",
-        type=positive,
+        type=count_to(_MOST_BAUD),
         default=BAUD,
         metavar="N",
         help=f"speed of the port, bits a second (default: {BAUD})",
@@ -63,7 +66,7 @@ def AddCountdown(parser: argparse.ArgumentParser) -> None:
     """Adds --countdown."""
     parser.add_argument(
         "--countdown",
-        type=not_negative,
+        type=count_to(_MOST_COUNTDOWN, 0),
         default=3,
         metavar="S",
         help="seconds until it moves (default: 3)",
