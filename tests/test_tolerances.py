@@ -84,6 +84,14 @@ class TestStated(unittest.TestCase):
                 self.assertEqual(differences(loaded, scenario), [])
                 self.assertEqual(loaded.tolerances.is_stated, is_stated)
 
+    def test_each_is_stated_or_has_the_default(self):
+        text = "{leg: {viscous: {tolerance: 2}}, tolerances: {anchor: 1e-4}}"
+        named = self.load(text).tolerances.named
+        self.assertEqual(named, {"leg_viscous", "anchor"})
+        path = scenario_path("bench.scenario.yaml")
+        self.assertEqual(LoadScenario(path).tolerances.named, set(asdict(DEFAULT)))
+        self.assertEqual(self.load("{}").tolerances.named, set())
+
     def test_a_number_with_a_tolerance_is_the_number(self):
         scenario = self.load("ring: {mass: {value: 0.9, tolerance: 0.02}}")
         self.assertEqual(scenario.ring.mass, 0.9)

@@ -23,12 +23,12 @@ class _Origin:
 
     Attributes:
         is_stated: Whether somebody has stated them, as the shipped files do;
-            a file without them leaves
-            them assumed.
+            a file without them leaves them assumed.
+        named: Those that were stated one by one; the others have defaults.
     """
 
-    # Without an annotation it is no key of a file.
-    __slots__ = ("is_stated",)
+    # Without an annotation they are no keys of a file.
+    __slots__ = ("is_stated", "named")
 
 
 @dataclass(slots=True)
@@ -52,6 +52,7 @@ class Tolerances(_Origin):
 
     def __post_init__(self):
         self.is_stated = True
+        self.named = frozenset()
 
 
 def split_tolerances(
@@ -92,6 +93,9 @@ def split_tolerances(
             allowed = f"{own:g}, which tolerances.{name} is"
             fail(source, f"{path}.tolerance", value, allowed)
         setattr(tolerances, name, value)
+    tolerances.named = scenario.tolerances.named.union(
+        block, (BESIDE[path] for path in beside)
+    )
     return plain, tolerances
 
 

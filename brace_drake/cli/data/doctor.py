@@ -131,13 +131,17 @@ def examine_tolerances(path: str) -> list[Finding]:
         text = f"none: the numbers of a {scenario.device} are fitted"
         return [Finding("tolerances", _OK, text)]
     if own.is_stated:
-        found = [Finding("tolerances", _OK, f"stated in {place}")]
+        text = f"stated in {place}, the defaults for what it leaves out"
+        if own.named >= {f.name for f in fields(own)}:
+            text = f"stated in {place}"
+        found = [Finding("tolerances", _OK, text)]
     else:
         text = f"assumed, as {place} states none"
         found = [Finding("tolerances", _OPTIONAL, text)]
     for f in fields(own):
         value, unit = getattr(own, f.name), f.metadata["limits"].unit
         text = f"{value:g} {unit}".rstrip() if value > 0.0 else "exact"
+        text += "" if f.name in own.named else ", the default"
         found.append(Finding(f"tolerances.{f.name}", _OK, text))
     return found
 
