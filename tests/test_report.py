@@ -187,6 +187,25 @@ class ReportTest(unittest.TestCase):
         self.assertNotIn('<span class="chip win">verdict', page)
         self.assertIn('<span class="chip">within tolerances', page)
 
+    def test_what_is_within_a_tolerance_beside_the_verdict_is_told(self):
+        use_hollow_figures(self)
+        diagnosis = make_diagnosis()
+        (chosen,) = [c for c in diagnosis["causes"] if c["chosen"]]
+        chosen["effect"] += "+coulomb_friction"
+        friction = {
+            **chosen["parameters"][0],
+            "name": "coulomb_N",
+            "unit": "N",
+            "value": 0.0224,
+            "standard_error": 0.0003,
+        }
+        chosen["parameters"] = [*chosen["parameters"], friction]
+        _, text = self.check_whole(diagnosis)
+        self.assertRegex(
+            text, r"dry friction in the legs \(coulomb 0\.0224\d* N\)"
+        )
+        self.assertIn("so it is no finding", text)
+
     def test_a_fault_of_the_recording_is_shown(self):
         use_hollow_figures(self)
         diagnosis = make_diagnosis()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from brace_drake.effects.registry import find_effect
+from brace_drake.report.cards import name_of, parts_of
 from brace_drake.report.words import (
     NOTHING,
     decimals_for,
@@ -50,6 +52,13 @@ def describe_certain(diagnosis: dict) -> dict:
     return {
         "supported": [_supported_row(row) for row in verdict["supported"]],
         "rest": _rest_text(verdict),
+        "within": [
+            _within_text(part, cause)
+            for cause in diagnosis["causes"]
+            if cause["chosen"] and verdict["gap"]
+            for part in parts_of(cause["effect"])
+            if name_of(part) not in verdict["effects"]
+        ],
         "law": _law_rows(law),
         "law_closed": "" if closed == NOTHING else closed,
         "law_interval": interval,
@@ -67,6 +76,20 @@ def _supported_row(row: dict) -> dict:
         "interval": interval,
         "parameters": [parameter_row(p) for p in row["parameters"]],
     }
+
+
+def _within_text(part: str, cause: dict) -> str:
+    """An effect of the repaired twin that is no finding."""
+    effect = find_effect(part)
+    own = [
+        p for p in cause["parameters"] if p["name"] in effect.parameter_names
+    ]
+    rows = map(parameter_row, own)
+    values = ", ".join(f"{r['name']} {r['value']} {r['unit']}" for r in rows)
+    return (
+        f"The repaired twin also has {effect.title} ({values}). That is within"
+        " the tolerance that the scenario allows, so it is no finding."
+    )
 
 
 def _law_rows(law: dict | None) -> list[dict]:
