@@ -65,7 +65,7 @@ STEPS, ROUNDS, WORTH_A_ROUND = 5, 4, 0.7
 BEST_ROUND = 0.1
 # A round that leaves what was predicted, so near, has come to its end; a
 # prediction of less than this share of what is left has failed.
-AS_PREDICTED, FAILED = 0.02, 0.5
+AS_PREDICTED, FAILED = 0.02, 0.8
 # Searched are so many candidates, and all predicted to leave at most this many
 # times what the best leaves; fewer once one has come to the floor; beyond them
 # those that take this share of the gap.
