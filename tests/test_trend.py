@@ -10,6 +10,8 @@ import os
 import shutil
 import tempfile
 import unittest
+import warnings
+from fractions import Fraction
 from pathlib import Path
 from unittest import mock
 
@@ -36,7 +38,7 @@ from brace_drake.trend.grouping import (
     make_timeline,
     split_sessions,
 )
-from brace_drake.trend.page import render_trend
+from brace_drake.trend.page import render_trend, trend_files
 from brace_drake.trend.presence import switch_probability
 from brace_drake.trend.series import GAP, Point, make_series
 from brace_drake.trend.sessions import session_of
@@ -44,6 +46,7 @@ from brace_drake.trend.statistics import (
     constancy,
     find_steps,
     fit_line,
+    fit_linear,
     fit_mean,
     holm,
     scatter_interval,
@@ -156,6 +159,55 @@ class TestStatistics(unittest.TestCase):
         ends = squares / stats.chi2.ppf([0.975, 0.025], 3) - s**2
         self.assertAlmostEqual(low, math.sqrt(ends[0]), 6)
         self.assertAlmostEqual(high, math.sqrt(ends[1]), 6)
+
+    def exact(self, z, x, s):
+        """Slope, variance, chi-square and trace, in rational numbers."""
+        z, x, s = ([Fraction(float(v)) for v in row] for row in (z, x, s))
+        w = [1 / v**2 for v in s]
+
+        def total(*rows):
+            return sum(math.prod(row) for row in zip(*rows, strict=True))
+
+        a, b, c = sum(w), total(w, z), total(w, z, z)
+        area = a * c - b * b
+        slope = (a * total(w, z, x) - b * total(w, x)) / area
+        start = (total(w, x) - slope * b) / a
+        rest = [v - start - slope * u for u, v in zip(z, x, strict=True)]
+        chi2 = total(w, rest, rest)
+        lever = [
+            k * (c - 2 * b * u + a * u * u) / area
+            for k, u in zip(w, z, strict=True)
+        ]
+        trace = sum(k * (1 - h) for k, h in zip(w, lever, strict=True))
+        return slope, a / area, chi2, trace
+
+    def test_errors_of_any_size_give_what_rational_numbers_give(self):
+        x = [64.0, 61.0, 70.0, 66.0]
+        for s in (
+            (2.0, 1.0, 3.0, 1e12),
+            (1e12, 1.0, 3.0, 2.0),
+            (2.0, 1.0, 1e-6, 3.0),
+            (1e-6, 1e12, 1.0, 1e6),
+        ):
+            for z in ((0, 0, 1, 1), (0, 1, 1, 1), (0.0, 0.3, 0.8, 1.0)):
+                with self.subTest(s=s, z=z):
+                    own = [np.array(v, dtype=float) for v in (z, x, s)]
+                    found = fit_linear(*own)
+                    slope, square, chi2, trace = self.exact(*own)
+                    self.assertTrue(
+                        math.isclose(found.stated.value, slope, rel_tol=1e-6)
+                    )
+                    error = math.sqrt(square)
+                    self.assertTrue(
+                        math.isclose(found.stated.error, error, rel_tol=1e-6)
+                    )
+                    self.assertAlmostEqual(
+                        found.chi2, float(chi2), delta=1e-6 * (1 + float(chi2))
+                    )
+                    scatter = math.sqrt(max(0, (chi2 - 2) / trace))
+                    self.assertAlmostEqual(
+                        found.scatter, scatter, delta=1e-6 * (1.0 + scatter)
+                    )
 
     def test_a_step_of_two_sessions_is_their_difference(self):
         step, _ = find_steps(self.x[:2], self.s[:2])
@@ -387,7 +439,15 @@ class TestTimeline(unittest.TestCase):
             (("verdict", "supported", [1]), "verdict.supported"),
             (("subject", "parameters", 3), "subject.parameters is 3"),
             (("shrink", "before_interval", [1]), "shrink.before_interval"),
+            (("shrink", "before_interval", [5, 1]), "shrink.before_interval"),
+            (("shrink", "before", -1.0), "shrink.before is -1.0"),
             (("provenance", "recorded", "soon"), "date is 'soon'"),
+            (("provenance", "recorded", "0001-01-01"), "date is '0001"),
+            (("provenance", "recorded", "9999-12-31"), "date is '9999"),
+            (
+                ("provenance", "recorded", "9999-12-31T23:59-14:00"),
+                "date is '9999",
+            ),
         )
         for (part, key, value), words in cases:
             document = make_diagnosis()
@@ -399,6 +459,36 @@ class TestTimeline(unittest.TestCase):
                     f"a/diagnosis.json: {words}", str(caught.exception)
                 )
                 self.assertIn("allowed", str(caught.exception))
+
+    def test_an_estimate_that_cannot_be_is_named_with_its_place(self):
+        place = "a/diagnosis.json: subject.parameters"
+        for change, words in (
+            ({"standard_error": -3.0}, "[0].standard_error is -3.0"),
+            ({"standard_error": 1e-300}, "[0].standard_error is 1e-300"),
+            ({"standard_error": 5e-324}, "[0].standard_error is 5e-324"),
+            ({"standard_error": 1e13}, "allowed: 0, or a number from 1e-12 to"),
+            ({"lower95": 9.0, "upper95": 1.0}, "[0].lower95 is 9; allowed"),
+            ({"name": "preload_m"}, ": name 'preload_m' is there twice"),
+        ):
+            document = make_diagnosis()
+            document["subject"]["parameters"][0] |= change
+            with self.subTest(change=change):
+                with self.assertRaises(CampaignError) as caught:
+                    session_of(document, Path("a"), "a/diagnosis.json")
+                self.assertTrue(str(caught.exception).startswith(place))
+                self.assertIn(words, str(caught.exception))
+
+    def test_an_effect_that_is_named_twice_is_refused(self):
+        document = make_diagnosis()
+        document["verdict"]["supported"] *= 2
+        with self.assertRaisesRegex(CampaignError, "'relaxation' is there tw"):
+            session_of(document, Path("a"), "a")
+
+    def test_a_parameter_in_another_unit_is_refused_with_both(self):
+        documents = [make_diagnosis() for _ in range(3)]
+        documents[2]["subject"]["parameters"][0]["unit"] = "kN/m"
+        file = Path("s2") / "diagnosis.json"
+        self.assert_refused(make_sessions(documents), str(file), "kN/m", "'N/m")
 
 
 class TestKept(unittest.TestCase):
@@ -552,8 +642,21 @@ class TestCommand(unittest.TestCase):
         names = sorted(p.name for p in out.iterdir())
         self.assertEqual(names, ["_b", "example"])
 
+    def test_nothing_is_written_where_the_page_cannot_be_made(self):
+        out = self.base / "half"
+        broken = mock.patch(
+            "brace_drake.trend.page.render_trend", side_effect=ValueError
+        )
+        with broken, self.assertRaises(ValueError):
+            run_command(*self.words, "--out", out)
+        self.assertEqual(list(out.iterdir()), [])
+
     def test_what_is_wrong_is_one_line_and_status_2(self):
         cases = (
+            (
+                (*self.folders[:2], "--dates", "0001-01-01T00:00+14:00,2026"),
+                "allowed: a date from 1900 to 2199",
+            ),
             ((self.base / "none",), "no such folder"),
             ((self.base,), "neither diagnosis.json nor campaign.yaml"),
             ((*self.folders[:2], "--dates", "2026-01-01"), "1 dates for 2"),
@@ -572,7 +675,7 @@ class TestCommand(unittest.TestCase):
             with self.assertRaises(SystemExit):
                 words = ("trend", "a", "--out", "b", "--level", "0")
                 make_parser().parse_args(words)
-        self.assertIn("not above 0", error.getvalue())
+        self.assertIn("from 1e-09 to below 1", error.getvalue())
 
 
 class TestDocument(unittest.TestCase):
@@ -603,6 +706,29 @@ class TestDocument(unittest.TestCase):
         told = [p["left_out"] for p in row["points"]]
         self.assertEqual(told, ["at its limit", "without an interval", ""])
         render_trend(document)
+
+    def test_the_widest_values_that_are_allowed_make_a_page(self):
+        for error, value, alarm in (
+            (1e-12, 1e12, [SCATTER]),
+            (1e12, 0.0, []),
+            (1e-12, 5e-324, [SCATTER]),
+        ):
+            documents = [make_diagnosis() for _ in range(5)]
+            dates = ("1900-01-01", "2026", "2027", "2028", "2199-12-31")
+            for document, date in zip(documents, dates, strict=True):
+                whole = date if "-" in date else f"{date}-01-01"
+                document["provenance"]["recorded"] = whole
+            last = documents[3]["subject"]["parameters"][0]
+            last |= {"standard_error": error, "value": value}
+            last |= {"lower95": value, "upper95": value}
+            with self.subTest(error=error, value=value):
+                with warnings.catch_warnings():
+                    warnings.simplefilter("error")
+                    timeline = make_timeline(make_sessions(documents))
+                    files = trend_files(MakeTrendDocument(timeline))
+                self.assertEqual(len(files), 3)
+                alarms = json.loads(files["trend.json"])["alarms"]
+                self.assertEqual([a["kind"] for a in alarms], alarm)
 
     def test_names_on_the_page_are_text(self):
         documents = [

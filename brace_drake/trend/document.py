@@ -169,7 +169,9 @@ def _tests_row(series: Series, judged: Judged, level: float) -> dict | None:
             "p_corrected": judged.p.get("trend"),
             "p_corrected_with_scatter": judged.p_scattered.get("trend"),
             # Of one degree of freedom it would be many times the value.
-            "detectable_change": abs(span) * detectable(found, freedom, level)
+            "detectable_change": _finite(
+                abs(span) * detectable(found, freedom, level)
+            )
             if line.freedom > 1
             else None,
         }

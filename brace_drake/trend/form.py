@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
-from brace_drake.recording.fields import HUGE, TEXT, Field, number_from
+from brace_drake.recording.fields import (
+    HUGE,
+    NOT_NEGATIVE,
+    TEXT,
+    Field,
+    number_from,
+)
 
 FORMAT = "brace-diagnosis/2"
+# No standard error is smaller: far below what an instrument can tell in SI
+# units, and its square is far from underflow.
+LEAST_ERROR = 1.0 / HUGE
 
 _NUMBER = number_from(-HUGE, HUGE)
 _MAYBE = _NUMBER._replace(required=False)
@@ -12,12 +21,19 @@ _SHARE = number_from(0.0, 1.0)
 _WORD = TEXT._replace(required=True)
 _FREE = Field("text", lambda v: isinstance(v, str))
 _TRUTH = Field("true or false", lambda v: isinstance(v, bool))
+_SIZE = NOT_NEGATIVE._replace(required=False)
+_ERROR = Field(
+    f"0, or a number from {LEAST_ERROR:g} to {HUGE:g}",
+    lambda v: NOT_NEGATIVE.accepts(v) and (v == 0 or v >= LEAST_ERROR),
+    required=False,
+)
 _PAIR = Field(
-    "two numbers",
+    "two numbers, the lower one first",
     lambda v: (
         isinstance(v, list)
         and len(v) == 2
         and all(_NUMBER.accepts(x) for x in v)
+        and v[0] <= v[1]
     ),
     required=False,
 )
@@ -61,7 +77,7 @@ PARAMETER = {
     "name": _WORD,
     "unit": _FREE,
     "value": _NUMBER,
-    "standard_error": _MAYBE,
+    "standard_error": _ERROR,
     "lower95": _MAYBE,
     "upper95": _MAYBE,
     "nominal": _MAYBE,
@@ -69,9 +85,9 @@ PARAMETER = {
 }
 SHRINK = {
     "runs": _WORDS,
-    "before": _MAYBE,
+    "before": _SIZE,
     "before_interval": _PAIR,
-    "after": _MAYBE,
+    "after": _SIZE,
     "closed": _MAYBE,
     "closed_interval": _PAIR,
 }

@@ -8,7 +8,7 @@ from datetime import datetime
 
 from brace_drake.core.errors import CampaignError, quoted
 from brace_drake.recording.columns import BENCH, BRACE
-from brace_drake.trend.sessions import Session, parse_date
+from brace_drake.trend.sessions import DIAGNOSIS, Session, parse_date
 
 # Their nominal numbers come from a scenario; others' from each recording.
 _OF_SCENARIO = (BENCH, BRACE)
@@ -56,14 +56,15 @@ def make_timeline(
         source: Where their dates come from; None: from the recordings.
 
     Raises:
-        CampaignError: Fewer than two, one that is there twice, or dates of
-            some of them only.
+        CampaignError: Fewer than two, one that is there twice, a parameter in
+            several units, or dates of some of them only.
     """
     if len(sessions) < 2:
         raise CampaignError(
             f"{_place(sessions)}one session; a trend needs two or more"
         )
     _check_different(sessions)
+    _check_units(sessions)
     source = f"dates of {source or 'the recordings'}"
     undated = [s for s in sessions if s.date is None]
     if undated and len(undated) < len(sessions):
@@ -96,6 +97,22 @@ def _check_different(sessions: Sequence[Session]) -> None:
                 f" {first[key].folder}; allowed: each once"
             )
         first[key] = session
+
+
+def _check_units(sessions: Sequence[Session]) -> None:
+    """Refuses a parameter that comes in several units."""
+    first: dict[tuple[str, str], tuple[str, Session]] = {}
+    for session in sessions:
+        for own in session.estimates():
+            unit, other = first.setdefault(
+                (own.of, own.name), (own.unit, session)
+            )
+            if unit != own.unit:
+                raise CampaignError(
+                    f"{session.folder / DIAGNOSIS}: unit of {own.name} is"
+                    f" {quoted(own.unit)}, that of {other.folder}"
+                    f" {quoted(unit)}; allowed: one unit in a trend"
+                )
 
 
 def split_sessions(sessions: Sequence[Session]) -> dict[str, list[Session]]:

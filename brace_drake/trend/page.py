@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from pathlib import Path
 
-from brace_drake.core.output import WriteJson, WriteText
+from brace_drake.core.output import WriteText
 from brace_drake.report.page import render_template
 from brace_drake.report.words import (
     NOTHING,
@@ -17,21 +19,28 @@ from brace_drake.trend.sentences import number_name
 from brace_drake.trend.table import format_csv, number_cells, verdict_word
 
 
-def WriteTrend(folder: Path, document: dict, has_page: bool = True) -> None:
-    """Writes a trend's files into a folder.
+def trend_files(document: dict, has_page: bool = True) -> dict[str, str]:
+    """A trend's files by name, as text, made before any is written.
 
     Args:
-        folder: That is there.
         document: Of `MakeTrendDocument`.
-        has_page: Whether trend.html is written too.
+        has_page: Whether there is a trend.html.
+    """
+    found = {
+        "trend.json": json.dumps(document, indent=1, allow_nan=False) + "\n",
+        "trend.csv": format_csv(document),
+    }
+    return found | ({"trend.html": render_trend(document)} if has_page else {})
+
+
+def WriteTrend(folder: Path, files: Mapping[str, str]) -> None:
+    """Writes what `trend_files` made into a folder that is there.
 
     Raises:
         OutputError: The place cannot be written.
     """
-    WriteJson(folder / "trend.json", document)
-    WriteText(folder / "trend.csv", format_csv(document))
-    if has_page:
-        WriteText(folder / "trend.html", render_trend(document))
+    for name, text in files.items():
+        WriteText(folder / name, text)
 
 
 def render_trend(document: dict) -> str:

@@ -8,8 +8,9 @@ from statistics import NormalDist
 
 import numpy as np
 
+from brace_drake.trend.form import LEAST_ERROR
 from brace_drake.trend.grouping import Timeline
-from brace_drake.trend.sessions import Estimate, Session
+from brace_drake.trend.sessions import Estimate
 from brace_drake.trend.statistics import (
     Fit,
     Step,
@@ -126,19 +127,13 @@ def parameter_series(
     """
     found: dict[tuple[str, str, str], list[Point]] = {}
     for i, session in enumerate(timeline.sessions):
-        for estimate in _estimates(session):
+        for estimate in session.estimates():
             key = estimate.of, estimate.name, estimate.unit
             point = _point(i, timeline.times[i], estimate, repeatability)
             found.setdefault(key, []).append(point)
     # Those of the subject come first, in the order of the diagnosis.
     keys = sorted(found, key=lambda k: k[0] != "subject")
     return [make_series(n, u, of, found[of, n, u]) for of, n, u in keys]
-
-
-def _estimates(session: Session):
-    yield from session.parameters
-    for effect in session.effects:
-        yield from effect.parameters
 
 
 def _point(i: int, time: float, e: Estimate, share: float) -> Point:
@@ -162,7 +157,7 @@ def gap_series(timeline: Timeline) -> Series:
         low, high = ends or (None, None)
         width = high - low if ends else 0.0
         error, why = None, "without an interval"
-        if width > 0.0:
+        if width / _WIDTH >= LEAST_ERROR:
             error, why = width / _WIDTH, ""
         points.append(Point(i, timeline.times[i], value, error, low, high, why))
     note = ""

@@ -14,6 +14,13 @@ from brace_drake.recording.fields import take
 from brace_drake.trend import form
 
 DIAGNOSIS = "diagnosis.json"
+# Years of a recording; no zone of the earth and no axis of time leaves those
+# that a date can have.
+_YEARS = range(1900, 2200)
+_DATE = (
+    f"a date from {_YEARS[0]} to {_YEARS[-1]}, as in 2026-03-31 or"
+    " 2026-03-31T14:30"
+)
 
 
 @dataclass(frozen=True)
@@ -110,6 +117,11 @@ class Session:
             return None
         return False
 
+    def estimates(self) -> tuple[Estimate, ...]:
+        """Those of the subject, then those of the effects that are named."""
+        own = (e.parameters for e in self.effects)
+        return (*self.parameters, *(p for some in own for p in some))
+
     def wrong(self, effect: str) -> float:
         """Probability that what it says of an effect is wrong."""
         own = [e.probability for e in self.effects if e.name == effect]
@@ -156,7 +168,7 @@ def session_of(document: Any, folder: Path, source: str) -> Session:
         gap=verdict["gap"],
         outside=verdict["outside_library"],
         faulty=bool(verdict.get("recording")),
-        effects=tuple(_effects(verdict["supported"], source)),
+        effects=_effects(verdict["supported"], source),
         ambiguous=tuple(verdict["ambiguous_with"]),
         parameters=parameters,
         shrink=_taken(shrink, form.SHRINK, source, "shrink.") if shrink else {},
@@ -179,18 +191,17 @@ def _taken(values, fields, source: str, at: str) -> dict[str, Any]:
     return taken
 
 
-def _effects(rows: Sequence[dict], source: str):
+def _effects(rows: Sequence[dict], source: str) -> tuple[NamedEffect, ...]:
+    found = []
     for i, row in enumerate(rows):
         at = f"verdict.supported[{i}]."
         taken = _taken(row, form.SUPPORTED, source, at)
         name = taken["effect"]
-        yield NamedEffect(
-            name,
-            taken["title"],
-            taken["probability"],
-            taken.get("closes"),
-            _estimates(taken["parameters"], name, source, f"{at}parameters"),
-        )
+        own = _estimates(taken["parameters"], name, source, f"{at}parameters")
+        share, closes = taken["probability"], taken.get("closes")
+        found.append(NamedEffect(name, taken["title"], share, closes, own))
+    _check_once([e.name for e in found], source, "verdict.supported: effect")
+    return tuple(found)
 
 
 def _estimates(rows, of: str, source: str, at: str) -> tuple[Estimate, ...]:
@@ -201,6 +212,7 @@ def _estimates(rows, of: str, source: str, at: str) -> tuple[Estimate, ...]:
     found = []
     for i, row in enumerate(rows):
         taken = _taken(row, form.PARAMETER, source, f"{at}[{i}].")
+        _check_interval(taken, source, f"{at}[{i}].")
         found.append(
             Estimate(
                 taken["name"],
@@ -214,7 +226,25 @@ def _estimates(rows, of: str, source: str, at: str) -> tuple[Estimate, ...]:
                 taken["at_limit"],
             )
         )
+    _check_once([e.name for e in found], source, f"{at}: name")
     return tuple(found)
+
+
+def _check_interval(taken: dict, source: str, at: str) -> None:
+    low, high = taken.get("lower95"), taken.get("upper95")
+    if low is not None and high is not None and low > high:
+        raise CampaignError(
+            f"{source}: {at}lower95 is {low:g}; allowed: a number up to"
+            f" upper95, {high:g}"
+        )
+
+
+def _check_once(names: Sequence[str], source: str, what: str) -> None:
+    twice = [name for i, name in enumerate(names) if name in names[:i]]
+    if twice:
+        raise CampaignError(
+            f"{source}: {what} {quoted(twice[0])} is there twice; allowed: once"
+        )
 
 
 def _scenario_of(provenance: dict) -> str:
@@ -239,10 +269,11 @@ def parse_date(text: object, source: str) -> datetime:
     try:
         found = datetime.fromisoformat(str(text).strip())
     except ValueError:
+        found = None
+    if found is None or found.year not in _YEARS:
         raise CampaignError(
-            f"{source}: date is {quoted(text)}; allowed: a date as in"
-            " 2026-03-31 or 2026-03-31T14:30"
-        ) from None
+            f"{source}: date is {quoted(text)}; allowed: {_DATE}"
+        )
     if found.tzinfo is not None:
         found = found.astimezone(UTC).replace(tzinfo=None)
     return found

@@ -62,28 +62,54 @@ class Fit:
     scattered: Coefficient | None
 
 
-def fit_linear(design: np.ndarray, x: np.ndarray, s: np.ndarray) -> Fit:
-    """Fits x (n,) with errors s (n,) by the columns of a design (n, p)."""
+def fit_linear(z: np.ndarray | None, x: np.ndarray, s: np.ndarray) -> Fit:
+    """Fits x (n,) with errors s (n,) by a constant, and by z (n,) where it is
+    given.
+
+    Sums are of squares about weighted means, and nothing is subtracted of
+    weights: errors may be of any two sizes.
+    """
+    n, p = len(x), 1 if z is None else 2
     weight = 1.0 / s**2
-    n, p = design.shape
-    normal = np.linalg.inv(design.T @ (weight[:, None] * design))
-    beta = normal @ (design.T @ (weight * x))
-    chi2 = float(weight @ (x - design @ beta) ** 2)
-    stated = _coefficient(beta[-1], math.sqrt(normal[-1, -1]), math.inf)
+    value, error, chi2 = _weighted(z, x, weight)
+    stated = _coefficient(value, error, math.inf)
     if n == p:
         return Fit(chi2, 0, stated, 0.0, None)
     # Moments: what chi2 has beyond its expectation.
-    trace = float(weight.sum()) - float(
-        np.trace(normal @ (design.T @ ((weight**2)[:, None] * design)))
-    )
+    trace = float(weight @ _not_forced(z, weight))
     square = max(0.0, (chi2 - (n - p)) / trace)
-    wide = 1.0 / (s**2 + square)
-    normal = np.linalg.inv(design.T @ (wide[:, None] * design))
-    beta = normal @ (design.T @ (wide * x))
-    rest = float(wide @ (x - design @ beta) ** 2) / (n - p)
-    error = math.sqrt(normal[-1, -1] * max(1.0, rest))
-    scattered = _coefficient(beta[-1], error, n - p)
+    value, error, rest = _weighted(z, x, 1.0 / (s**2 + square))
+    error *= math.sqrt(max(1.0, rest / (n - p)))
+    scattered = _coefficient(value, error, n - p)
     return Fit(chi2, n - p, stated, math.sqrt(square), scattered)
+
+
+def _weighted(z, x: np.ndarray, weight: np.ndarray) -> tuple:
+    """The last coefficient, its standard error, and chi-square."""
+    share = weight / weight.sum()
+    middle = share @ x
+    if z is None:
+        error = 1.0 / math.sqrt(weight.sum())
+        return float(middle), error, float(weight @ (x - middle) ** 2)
+    off = z - share @ z
+    square = float(weight @ off**2)
+    slope = float((weight * off) @ (x - middle)) / square
+    rest = x - middle - slope * off
+    return slope, 1.0 / math.sqrt(square), float(weight @ rest**2)
+
+
+def _not_forced(z, weight: np.ndarray) -> np.ndarray:
+    """One less the leverage of each point (n,): how far the others alone
+    determine the model.
+    """
+    others = np.where(np.eye(len(weight), dtype=bool), 0.0, weight)
+    left = others.sum(axis=1) / weight.sum()
+    if z is None:
+        return left
+    middle = others @ z / others.sum(axis=1)
+    squares = np.sum(others * (z - middle[:, None]) ** 2, axis=1)
+    off = z - weight @ z / weight.sum()
+    return left * squares / float(weight @ off**2)
 
 
 def _coefficient(value: float, error: float, freedom: float) -> Coefficient:
@@ -106,7 +132,7 @@ def _quantile(p: float, freedom: float) -> float:
 
 def fit_mean(x: np.ndarray, s: np.ndarray) -> Fit:
     """The weighted mean of estimates."""
-    return fit_linear(np.ones((len(x), 1)), x, s)
+    return fit_linear(None, x, s)
 
 
 def constancy(mean: Fit) -> tuple[float, float]:
@@ -139,7 +165,8 @@ def scatter_interval(x: np.ndarray, s: np.ndarray) -> tuple[float, float]:
         far = float(np.ptp(x) + s.max())
         for _ in range(60):
             if left(far, target) < 0.0:
-                return float(optimize.brentq(left, 0.0, far, args=(target,)))
+                found = optimize.brentq(left, 0.0, far, (target,), maxiter=1000)
+                return float(found)
             far *= 2.0
         return math.inf
 
@@ -153,9 +180,7 @@ def fit_line(t: np.ndarray, x: np.ndarray, s: np.ndarray) -> Fit | None:
     """
     if len(x) < 2 or np.ptp(t) == 0.0:
         return None
-    # Times about their mean, so that the normal equations stay well behaved.
-    shift = (t - t.mean()) / np.ptp(t)
-    found = fit_linear(np.column_stack([np.ones(len(t)), shift]), x, s)
+    found = fit_linear((t - t.mean()) / np.ptp(t), x, s)
     return _per_unit(found, float(np.ptp(t)))
 
 
@@ -194,7 +219,7 @@ def find_steps(x: np.ndarray, s: np.ndarray) -> tuple[Step, Step] | None:
     if n < 2:
         return None
     fits = {
-        k: fit_linear(np.column_stack([np.ones(n), np.arange(n) >= k]), x, s)
+        k: fit_linear((np.arange(n) >= k).astype(float), x, s)
         for k in range(1, n)
     }
     stated = {k: fit.stated.p for k, fit in fits.items()}
@@ -218,7 +243,8 @@ def detectable(coefficient: Coefficient, freedom: float, level: float) -> float:
     probability; the normal law where the freedom is infinite.
     """
     power = float(special.ndtri(0.8))
-    return coefficient.error * (_quantile(1.0 - level / 2.0, freedom) + power)
+    # Of the lower tail: the smallest levels are lost beside 1.
+    return coefficient.error * (power - _quantile(level / 2.0, freedom))
 
 
 def holm(p: list[float]) -> list[float]:

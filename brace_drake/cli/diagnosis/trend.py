@@ -34,6 +34,8 @@ comes out is kept, so that a second call is quick. The date of a campaign is
 Writes trend.json, trend.csv and trend.html. Where nothing changes, a page
 raises an alarm with the probability --level at most.
 """
+# No interval is known so far into its tails.
+_LEAST_LEVEL = 1e-9
 
 
 def AddParser(subparsers: argparse._SubParsersAction) -> None:
@@ -96,8 +98,10 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def _share(text: str) -> float:
     value = _share_or_none(text)
-    if value == 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not above 0")
+    if value < _LEAST_LEVEL:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number from {_LEAST_LEVEL:g} to below 1"
+        )
     return value
 
 
@@ -122,7 +126,7 @@ def Run(args: argparse.Namespace) -> int:
         parse_dates,
         split_sessions,
     )
-    from brace_drake.trend.page import WriteTrend
+    from brace_drake.trend.page import WriteTrend, trend_files
     from brace_drake.trend.table import format_text
 
     out = HoldFolder(Path(args.out))
@@ -138,16 +142,18 @@ def Run(args: argparse.Namespace) -> int:
         check_alike(sessions)
         groups = {"": sessions}
     source = "--dates" if args.dates else None
-    # All are tested before any is written: one too few refuses the whole.
+    # All are tested, and their files made, before any is written: one too few
+    # refuses the whole.
     documents = {
         name: MakeTrendDocument(
             make_timeline(group, source), args.level, args.repeatability
         )
         for name, group in groups.items()
     }
+    files = {n: trend_files(d, args.html) for n, d in documents.items()}
     for name, document in documents.items():
         folder = MakeFolder(out / name) if len(groups) > 1 else out
-        WriteTrend(folder, document, args.html)
+        WriteTrend(folder, files[name])
         if not args.json:
             print(format_text(document))
             print(f"trend: {folder / 'trend.json'}")
