@@ -17,9 +17,10 @@ from brace_drake.devices.motions.reference import (
     common_rate,
     format_reference,
 )
+from brace_drake.devices.motions.times import MOST_ROWS
 from brace_drake.effects.registry import find_effect
 from brace_drake.link.operation.campaign import LoadPlan
-from brace_drake.recording import LoadCampaign
+from brace_drake.recording import LoadCampaign, Problem
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.effects import describe_use
 from brace_drake.scenario.load import SaveScenario
@@ -185,6 +186,13 @@ class TestSimulate(unittest.TestCase):
         jump[50:, 1] = 0.5
         torn[50:, 1] += 0.01
         idle[:, 2] = 0.0
+        fine, long = rows[:90].copy(), rows[:90].copy()
+        fine[:, 0] *= 1e-6 / 0.005
+        fine[:, 1:] = 0.0
+        long[:, 0] *= 1000.0 / 0.005
+        many = np.zeros((MOST_ROWS + 1, 4))
+        many[:, 0] = np.arange(len(many)) * 0.002
+        short = rows[:9]
         leg = scenario_path("leg_bench.scenario.yaml")
         lacking = HEAD.replace("ring2_ay", "ring2_az")
         cases = (
@@ -220,6 +228,27 @@ class TestSimulate(unittest.TestCase):
                 write_reference(folder / "f.csv", rows=idle),
                 "allowed: its derivative",
             ),
+            (
+                self.file,
+                write_reference(folder / "g.csv", rows=fine),
+                "g.csv: time_s goes on by 1e-06 s; allowed: 0.0001 s or more",
+            ),
+            (
+                self.file,
+                write_reference(folder / "h.csv", rows=long),
+                "h.csv: time_s lasts 89000 s; allowed: 600 s or less",
+            ),
+            (
+                self.file,
+                write_reference(folder / "i.csv", rows=many),
+                "i.csv: 120001 rows; allowed: 120000 or fewer",
+            ),
+            (
+                self.file,
+                write_reference(folder / "j.csv", rows=short),
+                "j.csv: time_s lasts 0.04 s, which is 9 rows at 200 Hz;"
+                " allowed: 10 rows or more, 0.045 s",
+            ),
             (leg, "push", "this is a 'leg bench'"),
             (folder / "no.yaml", "push", "no.yaml: cannot be read"),
         )
@@ -237,6 +266,39 @@ class TestSimulate(unittest.TestCase):
                 self.assertEqual(error.count("\n"), 1)
                 self.assertIn(part, error)
         self.assertFalse((folder / "nothing").exists())
+
+    def test_the_shortest_motion_that_is_taken_makes_a_usable_campaign(self):
+        time, samples = smooth_push(0.5, -0.005)
+        rows = np.column_stack([time, samples])[:10]
+        motion = write_reference(self.folder / "shortest.csv", rows=rows)
+        (recorded,) = self.simulate("shortest", motion=motion).runs
+        self.assertEqual(len(recorded.time_s), 10)
+
+    def test_a_motion_by_the_clock_of_1970_is_the_motion_from_zero(self):
+        time, samples = smooth_push(0.5, -0.005)
+        rows = np.column_stack([time + 1.7e9, samples])
+        motion = write_reference(self.folder / "clock.csv", rows=rows)
+        (recorded,) = self.simulate("clock", motion=motion).runs
+        (own,) = self.simulate("zero").runs
+        name = "ring2_force_y_N"
+        # A microsecond of 6 kN/m at 0.02 m/s, and the file's last digit.
+        np.testing.assert_allclose(
+            recorded.channels[name], own.channels[name], rtol=0, atol=2e-4
+        )
+
+    def test_a_twin_that_does_what_check_refuses_is_no_success(self):
+        out = self.folder / "refused"
+        problem = Problem("error", "push.csv", "too strong")
+        with mock.patch(
+            "brace_drake.recording.CheckCampaign",
+            return_value=[problem],
+        ):
+            code, text, error = run_command(
+                "simulate", self.file, "--motion", self.reference, "--out", out
+            )
+        self.assertEqual((code, error.count("\n")), (2, 1))
+        self.assertIn("not usable, error: push.csv: too strong", error)
+        self.assertIn(str(out), text)
 
     def test_a_place_that_is_taken_is_refused_before_the_run(self):
         taken = self.folder / "taken"

@@ -41,11 +41,14 @@ example:
 The motion is a name of the library, or a file with the columns time_s,
 ring2_y_desired_m, ring2_vy_desired_m_s and ring2_ay_desired_m_s2. Rings 1 and 3
 of a brace may have such columns too; without them they stay where they start.
+A file has even steps of 1e-4 s or more, lasts 600 s at most, and has no more
+than 120000 rows; what is recorded of it must have 10 rows or more.
 The torso is absent if the file's name begins with "free", or if its column
 `contact` is 0. The result is a campaign with one run of the scenario's stages.
 Stage 2 alone records as the bench does. --plan records all runs of the plan,
 repeats and validation runs included. --tolerances also writes label.yaml:
-how far each number of the machine is off.
+how far each number of the machine is off. Ends with status 2 if the twin has
+done what `check` refuses; the campaign then is left to be looked at.
 """
 
 
@@ -96,7 +99,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 
 def Run(args: argparse.Namespace) -> int:
-    """Simulates and writes a campaign; prints where."""
+    """Simulates and writes a campaign; prints where; 2 where `check` refuses
+    it, else 0.
+    """
     from brace_drake.recording.columns import BENCH, BRACE
 
     refuse_playback(args)
@@ -108,6 +113,7 @@ def Run(args: argparse.Namespace) -> int:
             f" {scenario.device!r}"
         )
     from brace_drake.devices.bench.drawn import describe_draws
+    from brace_drake.devices.motions.times import check_recorded_rows
     from brace_drake.model.simulate import recorded_device, recorded_stages
     from brace_drake.recording import Campaign, WriteCampaign
     from brace_drake.recording.write import check_new_folder
@@ -119,6 +125,8 @@ def Run(args: argparse.Namespace) -> int:
         asked = [(load_motion(args.motion, rings=(1, 2, 3)), args.noise_seed)]
     else:
         asked = planned_motions(args.plan, args.noise_seed)
+    for run, _ in asked:
+        check_recorded_rows(run, scenario.sensors.log_period)
     recorded, told = [], []
     for run, seed in asked:
         made, end, live = _record(scenario, args, drawn, run, seed)
@@ -135,7 +143,7 @@ def Run(args: argparse.Namespace) -> int:
     WriteCampaign(
         Campaign(out, device, rate, subject, runs, stages=stages), out, label
     )
-    _warn_of_errors(out)
+    is_usable = _tell_errors(out)
     for made, text in zip(recorded, told, strict=True):
         print(f"campaign: {out}, {made.file}, {made.time_s[-1]:.3f} s")
         if text:
@@ -146,7 +154,7 @@ def Run(args: argparse.Namespace) -> int:
         states = _states(scenario, made, *end)
         title = f"{subject}, {made.file}"
         PlayStates(args, scenario, states, title, _torso_mesh(args), live)
-    return 0
+    return 0 if is_usable else 2
 
 
 def _load_scenario(path: str):
@@ -185,14 +193,15 @@ def _tell_draws(scenario, args, drawn: dict[str, float]) -> None:
         print(f"  {name:20}  {off:+10.3g}  {size:g}")
 
 
-def _warn_of_errors(out: Path) -> None:
-    """Says why a campaign that has just been recorded is of no use."""
+def _tell_errors(out: Path) -> bool:
+    """Whether a recorded campaign can be used; says why it cannot."""
     from brace_drake.recording import CheckCampaign
 
     for problem in CheckCampaign(out):
         if problem.severity == "error":
             print(f"brace-drake: not usable, {problem}", file=sys.stderr)
-            return
+            return False
+    return True
 
 
 def _stop_text(station, context) -> str:

@@ -15,6 +15,7 @@ from pydrake.trajectories import PiecewisePolynomial
 
 from brace_drake.core.errors import CampaignError, suggest
 from brace_drake.core.reading import ReadBytes, in_file
+from brace_drake.devices.motions.times import EVEN, check_times
 from brace_drake.recording import LoadCampaign, Run
 from brace_drake.recording.columns import (
     BENCH_RINGS,
@@ -27,8 +28,6 @@ from brace_drake.recording.samples import check_range
 from brace_drake.recording.table import Columns, parse_table
 from brace_drake.recording.write import format_table
 
-# Deviation of a step from the mean one, relative.
-_EVEN = 1e-3
 # How far y' may be from the slope of y: of the largest y', and m/s.
 _SPEED_SHARE, _SPEED = 0.1, 5e-4
 # Files with this at the start of their names are run without the torso.
@@ -168,7 +167,7 @@ def LoadReference(
         hint = suggest(missing[0], columns)
         raise CampaignError(f"{path}: no column {missing[0]}{hint}")
     channels = {name: np.asarray(columns[name], float) for name in needed}
-    _check_time(path, channels["time_s"])
+    check_times(path, channels["time_s"])
     for ring in moved:
         _check_motion(path, channels, reference_columns(ring))
     contact = not path.name.startswith(_FREE)
@@ -187,14 +186,6 @@ def format_reference(run: Run, columns: tuple[str, ...] = COLUMNS) -> str:
     channels = {name: run.channels[name] for name in ("time_s", *columns)}
     channels[_CONTACT] = np.full(len(run.time_s), int(run.contact))
     return format_table(replace(run, channels=channels))
-
-
-def _check_time(path: Path, time: np.ndarray) -> None:
-    steps = np.diff(time)
-    if len(time) < 2 or not steps.min() > 0.0:
-        raise CampaignError(f"{path}: time_s does not increase strictly")
-    if np.abs(steps / steps.mean() - 1.0).max() > _EVEN:
-        raise CampaignError(f"{path}: time_s is not evenly sampled")
 
 
 def _check_motion(
@@ -251,7 +242,7 @@ def common_rate(runs: tuple[Run, ...]) -> float:
     """
     rates = [1.0 / float(np.median(np.diff(r.time_s))) for r in runs]
     for run, rate in zip(runs, rates, strict=True):
-        if abs(rate / rates[0] - 1.0) > _EVEN:
+        if abs(rate / rates[0] - 1.0) > EVEN:
             raise CampaignError(
                 f"{run.file} is sampled at {rate:.4g} Hz, {runs[0].file} at"
                 f" {rates[0]:.4g} Hz; a plan needs one rate"
