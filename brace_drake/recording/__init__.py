@@ -1,7 +1,8 @@
 """Campaigns: folders of recordings, read, checked, written and imported.
 
-What a device records, in which unit and range, is declared in `columns`; what
-campaign.yaml may say, in `manifest`. `read` follows both and decides whether a
+What a device records, in which unit and range, is declared in `columns`, of an
+axis with the sets of which it needs one in `ways`; what campaign.yaml may say,
+in `manifest`. `read` follows both and decides whether a
 folder can be used; `importing` makes campaigns of a lab's own files.
 """
 

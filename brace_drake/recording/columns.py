@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from brace_drake.core.errors import closest
+from brace_drake.recording.ways import AXIS_WAYS
 
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
 # Units of numbers, as names end in them and as readers have them.
@@ -99,8 +100,10 @@ def near_misses(
     return found
 
 
-# A run lasts minutes: larger values are clock time, or milliseconds.
-_TIME = Channel("time_s", -1.0, 1e5, constant="always")
+# A run may begin at any time of a clock. Beyond these a float would round it to
+# microseconds, and they are no seconds: milliseconds since 1970 are 1e12.
+LATEST_S = 1e10
+_TIME = Channel("time_s", -LATEST_S, LATEST_S, constant="always")
 # Given to the device, not read from it.
 _GIVEN = {
     "constant": "always",
@@ -161,6 +164,8 @@ class Device:
         inputs: What names of extra inputs, of any unit, begin with; empty
             where there are none.
         has_ports: Whether a campaign says itself which columns there are.
+        ways: Columns of which all runs must have one set, as a device has them
+            that may be moved and read in several ways; empty for others.
     """
 
     channels: dict[str, Channel]
@@ -170,6 +175,7 @@ class Device:
     may_be_none: bool = False
     inputs: str = ""
     has_ports: bool = False
+    ways: tuple[tuple[str, ...], ...] = ()
 
     def has_channel(self, name: str) -> bool:
         """Whether a recording may have a channel of that name."""
@@ -238,35 +244,11 @@ DEVICES = {
         ),
         may_be_none=True,
         inputs="input_",
+        ways=tuple(way.columns for way in AXIS_WAYS),
     ),
     # Its campaign says which columns there are.
     DIAGRAM: Device({_TIME.name: _TIME}, has_ports=True),
 }
-
-
-def speed_column(kind: str) -> str:
-    """Column of an axis' speed; kind: linear or rotary."""
-    return "speed_rad_s" if kind == "rotary" else "speed_m_s"
-
-
-def axis_columns(kind: str, command: str = "motion") -> tuple[str, str]:
-    """Columns of an axis' position, and of the force that moves it or of what
-    it is commanded.
-
-    Args:
-        kind: linear or rotary.
-        command: motion where that is imposed and a force was measured, force
-            where that was commanded, else speed or position.
-    """
-    is_rotary = kind == "rotary"
-    unit = "rad" if is_rotary else "m"
-    moved_by = {
-        "motion": "torque_N_m" if is_rotary else "force_N",
-        "force": "torque_command_N_m" if is_rotary else "force_command_N",
-        "speed": f"speed_command_{unit}_s",
-        "position": f"position_command_{unit}",
-    }
-    return f"position_{unit}", moved_by[command]
 
 
 def device_channels(

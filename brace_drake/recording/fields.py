@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from typing import Any, NamedTuple
 
 from brace_drake.core.errors import is_plain
@@ -48,6 +49,32 @@ DURATION = number_from(0.0, 1e6, required=False)
 TEXT = Field(
     "text on one line",
     lambda v: isinstance(v, str) and v != "" and is_plain(v),
+    required=False,
+)
+
+
+def _tells_when(value: Any) -> bool:
+    if type(value) not in (str, int):
+        return False
+    try:
+        datetime.fromisoformat(str(value).strip())
+    except ValueError:
+        return False
+    return True
+
+
+def _is_flat(value: Any) -> bool:
+    """Whether a map has texts and numbers alone."""
+    return isinstance(value, dict) and all(
+        isinstance(key, str) and isinstance(item, str | int | float)
+        for key, item in value.items()
+    )
+
+
+# A device that is recorded by the package tells there what it is.
+RECORDED = Field(
+    "a date as in 2026-01-12 or 2026-01-12T14:30",
+    lambda v: _tells_when(v) or _is_flat(v),
     required=False,
 )
 SWITCH = Field("true or false", lambda v: isinstance(v, bool), required=False)

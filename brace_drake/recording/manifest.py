@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection
 from pathlib import Path
 from posixpath import isabs, normpath
 
@@ -15,6 +15,7 @@ from brace_drake.recording.fields import (
     NOT_NEGATIVE,
     POSITIVE,
     RATE,
+    RECORDED,
     SWITCH,
     TEXT,
     Fault,
@@ -44,6 +45,7 @@ _HEAD = {
         lambda v: TEXT.accepts(v) and not isabs(v.replace("\\", "/")),
         required=False,
     ),
+    "recorded": RECORDED,
 }
 _RUN = {
     "file": TEXT,
@@ -53,9 +55,16 @@ _RUN = {
     "split": Field(" or ".join(SPLITS), lambda v: v in SPLITS, required=False),
 }
 _NEEDED = ("file", "contact", "motion", "split")
-_KEYS = (
-    *_HEAD, "subject", "recorded", "nominal", "control", "stages", "diagram",
-)  # fmt: skip
+_KEYS = (*_HEAD, "subject", "nominal", "control", "stages", "diagram")
+# What a recorder notes of a run beside.
+NOTES = (
+    *("complete", "begun", "stopped", "lost_messages", "bad_frames"),
+    *("bridged_ticks", "unanswered_ticks", "latency_us_50_99_999"),
+)
+# Names that are not alike and mean the same.
+_MEANT = {"date": "recorded"}
+# Unknown keys beyond these are not named.
+_MOST_NAMES = 5
 
 
 def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
@@ -69,7 +78,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         content = parse_yaml(data)
     except ReadError as e:
         return None, [error(MANIFEST, str(e))]
-    problems = _misspelt(content, _KEYS)
+    problems = _unknown(content, _KEYS)
     head, faults = take(content, _HEAD)
     name = head.get("device", "")
     device = DEVICES.get(name, Device({}))
@@ -80,7 +89,7 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         if declared and not (section == "control" and not content.get(section)):
             numbers[section], found = take_numbers(content, section, device)
             faults += found
-            problems += _misspelt(content.get(section), declared, section)
+            problems += _unknown(content.get(section), declared, section)
     stages: list[int] = []
     if device.stages:
         taken, found = take(content, {"stages": _neighbours(device.stages)})
@@ -102,27 +111,58 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         stages=tuple(stages),
         ports=ports,
         scenario=ScenarioFile(head["scenario"]) if "scenario" in head else None,
-        recorded=str(content.get("recorded") or ""),
+        **_recorded(head),
         **numbers,
     )
     return campaign, problems
 
 
-def _misspelt(
-    content: object, known: Iterable[str], place: str = ""
+def _recorded(head: dict) -> dict:
+    """When a campaign was recorded, or what its device has told of itself."""
+    said = head.get("recorded", "")
+    if isinstance(said, dict):
+        return {"recorder": said}
+    return {"recorded": str(said)}
+
+
+def _unknown(
+    content: object,
+    known: Collection[str],
+    place: str = "",
+    noted: Collection[str] = (),
 ) -> list[Problem]:
-    """Keys that nobody knows, and that look like one that is not there."""
+    """Keys that nobody reads: each that looks like one that is not there, and
+    the others together.
+
+    Args:
+        content: A map; of anything else nothing is told.
+        known: Keys that are read.
+        place: Where it stands, in words.
+        noted: Keys that are not read, and are there on purpose.
+    """
     if not isinstance(content, dict):
         return []
-    absent = [key for key in known if key not in content]
-    unknown = [key for key in content if key not in known]
-    hints = {key: suggest(str(key).lower(), absent) for key in unknown}
     where = f"{place}: " if place else ""
-    return [
-        warning(MANIFEST, f"{where}no key {quoted(key)}{hint}")
-        for key, hint in hints.items()
-        if hint
-    ]
+    absent = [key for key in known if key not in content]
+    problems, others = [], []
+    for key in content:
+        if key in known or key in noted:
+            continue
+        word = str(key).lower()
+        word = _MEANT.get(word, word)
+        hint = suggest(word, absent)
+        if hint:
+            message = f"{where}no key {quoted(key)}{hint}"
+            problems.append(warning(MANIFEST, message))
+        else:
+            others.append(quoted(key))
+    if others:
+        more = len(others) - _MOST_NAMES
+        names = ", ".join(others[:_MOST_NAMES])
+        names += f" and {more} more" if more > 0 else ""
+        message = f"{where}no key {names}: ignored; allowed: {', '.join(known)}"
+        problems.append(warning(MANIFEST, message))
+    return problems
 
 
 def _needed(device: Device) -> tuple[str, ...]:
@@ -194,7 +234,7 @@ def _parse_runs(
                 message = f"{place} has no {', '.join(missing)}"
                 problems.append(error(MANIFEST, message))
             problems += [_error_of(fault, f"{place}: ") for fault in faults]
-        problems += _misspelt(item, _RUN, f"run {number}")
+        problems += _unknown(item, _RUN, f"run {number}", NOTES)
         values |= {"repeat_of": None, **taken}
         runs.append(Run(channels={}, settled_s=settled_s, **values))
     if runs:

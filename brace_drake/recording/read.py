@@ -17,6 +17,7 @@ import numpy as np
 from brace_drake.core.errors import CampaignError, ReadError, quoted
 from brace_drake.core.reading import ReadBytes
 from brace_drake.recording.columns import (
+    DEVICES,
     LEG_BENCH,
     Channel,
     near_misses,
@@ -30,8 +31,14 @@ from brace_drake.recording.manifest import (
     parse_manifest,
 )
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.recording.samples import Limits, check_channel, check_time
+from brace_drake.recording.samples import (
+    Limits,
+    check_channel,
+    check_time,
+    since_first_row,
+)
 from brace_drake.recording.table import Columns, parse_table
+from brace_drake.recording.ways import check_ways
 
 # Less shows no motion, and cannot be fitted.
 LEAST_ROWS = 10
@@ -115,6 +122,11 @@ def _examine(
             columns, found = _read_run(path, run, campaign, channels, limits)
             runs[normpath(run.file)] = replace(run, channels=columns)
             problems += found
+    if campaign.device in DEVICES:
+        # What cannot be taken apart has been told.
+        own = {r.file: r.channels for r in runs.values() if r.channels}
+        ways = DEVICES[campaign.device].ways
+        problems += check_ways(ways, own, MANIFEST)
     spoilt = {p.file for p in problems if p.severity == "error"}
     for run in runs.values():
         original = runs.get(normpath(run.repeat_of or ""), run)
@@ -202,7 +214,10 @@ def _read_run(
         problems += check_channel(
             columns, channels[name], run.contact, limits, file
         )
+    if "time_s" in columns:
+        columns["time_s"] = since_first_row(columns["time_s"])
     if there and not missing:
+        there = {name: columns[name] for name in there}
         problems += check_forces(campaign.device, there, run.contact, file)
     return columns, problems
 

@@ -48,7 +48,7 @@ class Run:
 
     @property
     def time_s(self) -> np.ndarray:
-        """Sample times, shape (N,), s."""
+        """Sample times, shape (N,), s; as loaded from 0 on."""
         return self.channels["time_s"]
 
     def stack(self, columns: list[str] | tuple[str, ...]) -> np.ndarray:
@@ -100,7 +100,9 @@ class Campaign:
     warnings: tuple[Problem, ...] = ()
     ports: Ports | None = None  # of a diagram
     scenario: ScenarioFile | None = None
-    recorded: str = ""  # when, as the manifest has it
+    recorded: str = ""  # when, a date as the manifest has it
+    # What a device has told of itself while it was recorded.
+    recorder: dict[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         splits = [f"{len(self.split(s))} {s}" for s in ("fit", "validation")]

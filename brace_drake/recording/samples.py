@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from brace_drake.recording.columns import Channel
+from brace_drake.recording.columns import LATEST_S, Channel
 from brace_drake.recording.dropouts import can_fill, lost_rows
 from brace_drake.recording.findings import Problem, at_rows, error, warning
 from brace_drake.recording.table import Columns
@@ -15,7 +15,8 @@ _RATE_TOLERANCE = 0.02
 _GAP_PERIODS = 1.5
 LEAST_STEP_S = 1e-7
 _FLAT_SAMPLES = 5
-_LATEST_S = 1e9
+# A run lasts minutes: what seems to last more than a day is in another unit.
+LONGEST_S = 1e5
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def check_time(time: np.ndarray, rate_hz: float, file: str) -> list[Problem]:
     """
     problems = []
     # Told with the channel's range: no order can be seen there.
-    if not np.all(np.abs(time[np.isfinite(time)]) < _LATEST_S):
+    if not np.all(np.abs(time[np.isfinite(time)]) <= LATEST_S):
         return problems
     time = np.where(np.isfinite(time), time, np.nan)
     steps = np.diff(time, prepend=np.nan)
@@ -66,6 +67,15 @@ def check_time(time: np.ndarray, rate_hz: float, file: str) -> list[Problem]:
         if 900.0 < period * rate_hz < 1100.0:
             message += ": is the time in milliseconds?"
         problems.append(error(file, message, "time_s"))
+    since = time - time[np.isfinite(time)][0]
+    if np.any(since > LONGEST_S):
+        late = since[int(np.argmax(since > LONGEST_S))]
+        message = (
+            f"{late:.6g} s after the first row; allowed: {LONGEST_S:g} s or"
+            " less; is the unit s?"
+        )
+        problems.append(at_rows(file, "time_s", since > LONGEST_S, message))
+        return problems
     # With a wrong rate_hz every step would be a gap: use the true period.
     gaps = steps > _GAP_PERIODS * max(period, 1.0 / rate_hz)
     # A row that is early leaves a gap behind it that is none.
@@ -76,6 +86,11 @@ def check_time(time: np.ndarray, rate_hz: float, file: str) -> list[Problem]:
         fills = bool(np.all(steps[1:] > 0)) and can_fill(lost_rows(time))
         problems.append(at_rows(file, "time_s", gaps, message, fills))
     return problems
+
+
+def since_first_row(time: np.ndarray) -> np.ndarray:
+    """Sample times (N,) from 0, as a run may begin at any time of a clock."""
+    return time - time[0] if np.isfinite(time[0]) else time
 
 
 def check_channel(

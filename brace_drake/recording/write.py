@@ -120,8 +120,8 @@ def describe(campaign: Campaign) -> dict:
         "rate_hz": float(campaign.rate_hz),
         "subject": campaign.subject,
     }
-    if campaign.recorded:
-        head["recorded"] = campaign.recorded
+    if campaign.recorded or campaign.recorder:
+        head["recorded"] = campaign.recorded or dict(campaign.recorder)
     for name in ("nominal", "control"):
         values = getattr(campaign, name)
         if values:

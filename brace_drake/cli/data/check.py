@@ -15,15 +15,16 @@ from brace_drake.cli.options import (
     scenario_note,
 )
 from brace_drake.core.errors import BraceError
-from brace_drake.recording import CheckCampaign, LoadCampaign
-from brace_drake.recording.findings import Problem, by_message, counted
+from brace_drake.recording import DEVICES, CheckCampaign, LoadCampaign
+from brace_drake.recording.findings import Problem, by_message, counted, error
 
 _EPILOG = """\
 example:
   brace-drake check campaigns/monday
 
-Prints one line per problem. Checks the files, and checks by the device's own
-laws that the channels agree, for example that commands follow from readings.
+Prints one line per problem. Checks the files, checks by the device's own laws
+that the channels agree, for example that commands follow from readings, and
+tells what would keep `fit` and `diagnose` from beginning.
 Ends with status 2 if there is an error, else with 0; warnings are allowed.
 """
 
@@ -71,8 +72,9 @@ def Run(args: argparse.Namespace) -> int:
 def _WithRecordingFaults(
     problems: list[Problem], path: str, scenario
 ) -> tuple[list[Problem], str]:
-    """Problems with the faults of the recording behind them; and which
-    scenario was used, empty where nobody has named one.
+    """Problems with the faults of the recording behind them, and with what no
+    twin can be made of; and which scenario was used, empty where nobody has
+    named one.
     """
     # Numba and Drake are slow to import: only once the files are good.
     from brace_drake.devices.device import MakeDevice
@@ -81,13 +83,17 @@ def _WithRecordingFaults(
 
     campaign = LoadCampaign(path)
     named = choose_scenario(campaign, scenario)
+    refused, device = [], None
     try:
         device = MakeDevice(campaign, named)
-    except BraceError:
-        # No twin of it, or no numbers for one: its files can still be asked.
+    except BraceError as e:
         if named.scenario is not None:
             raise
-        device = None
+        # Of a diagram nobody has said what makes it. The files of others can
+        # still be asked.
+        if not DEVICES[campaign.device].has_ports:
+            reason = str(e).removeprefix(f"{campaign.path}: ")
+            refused = [error(path, reason)]
     found = [
         problem
         for finding in check_recording(campaign, device)
@@ -99,4 +105,4 @@ def _WithRecordingFaults(
     note = ""
     if named.file is not None:
         note = scenario_note(campaign, named.describe(named.scenario))
-    return kept + found, note
+    return kept + found + refused, note

@@ -18,8 +18,9 @@ from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.alone.axis_response import BIAS, WORK, rollout_response
-from brace_drake.recording.columns import AXIS, axis_columns, speed_column
+from brace_drake.recording.columns import AXIS
 from brace_drake.recording.recording import Run
+from brace_drake.recording.ways import axis_columns, speed_column
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import white_noise
 

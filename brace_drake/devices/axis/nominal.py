@@ -10,13 +10,9 @@ from scipy.optimize import lsq_linear, minimize
 from brace_drake.core.errors import BraceError, CampaignError
 from brace_drake.devices.axis.follower import AxisFollower
 from brace_drake.devices.axis.motion import MakeAxisMotion
-from brace_drake.recording.columns import (
-    AXIS,
-    DEVICES,
-    axis_columns,
-    speed_column,
-)
+from brace_drake.recording.columns import AXIS, DEVICES
 from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.ways import AXIS_WAYS, AxisWay, describe_ways
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import (
     estimate_noise_by_band,
@@ -50,11 +46,9 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
         CampaignError: Runs are not of one kind, or have no column of motion
             or force.
     """
-    kind, command, answer = _kind_of(campaign)
+    way = _way_of(campaign)
     runs = campaign.split("fit")
-    position, moved_by = axis_columns(kind, command)
-    if answer == "speed":
-        position = speed_column(kind)
+    position, moved_by = way.columns
     for name in (position, moved_by):
         if not any(np.ptp(r.channels[name]) > 0.0 for r in runs):
             raise CampaignError(
@@ -63,9 +57,9 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
             )
     sigma = estimate_white_noise([r.channels[position] for r in runs])
     scenario = AxisScenario(
-        kind=kind,
-        command=command,
-        answer=answer,
+        kind=way.kind,
+        command=way.command,
+        answer=way.answer,
         position_noise=sigma,
         time_step=1.0 / campaign.rate_hz / _STEP_PARTS,
     )
@@ -159,28 +153,14 @@ def _left(scenario: AxisScenario, runs: Sequence[Run]) -> float:
     return float(sum(np.sum(e**2) for e in rest))
 
 
-def _kind_of(campaign: Campaign) -> tuple[str, str, str]:
-    """Linear or rotary, what it is given, and what of its motion was recorded,
-    by columns that all runs have; a command of motion comes before a force that
-    was measured beside it.
-    """
-    ways = [
-        (kind, command, "position")
-        for command in ("speed", "position", "motion", "force")
-        for kind in ("linear", "rotary")
-    ]
-    ways += [(kind, "speed", "speed") for kind in ("linear", "rotary")]
+def _way_of(campaign: Campaign) -> AxisWay:
+    """How a campaign's axis is moved and read, by columns of all runs."""
     shared = set.intersection(*(set(r.channels) for r in campaign.runs))
-    for way in ways:
-        if set(_columns_of(*way)) <= shared:
+    for way in AXIS_WAYS:
+        if {*way.columns} <= shared:
             return way
-    pairs = ", or ".join(" and ".join(_columns_of(*w)) for w in ways)
+    pairs = describe_ways([way.columns for way in AXIS_WAYS])
     raise CampaignError(f"{campaign.path}: an axis needs {pairs} in all runs")
-
-
-def _columns_of(kind: str, command: str, answer: str) -> tuple[str, str]:
-    position, moved_by = axis_columns(kind, command)
-    return speed_column(kind) if answer == "speed" else position, moved_by
 
 
 def _half_range(values: np.ndarray) -> float:

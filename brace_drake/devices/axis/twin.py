@@ -18,8 +18,9 @@ from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.stack import stack_effects
 from brace_drake.laws.alone.axis_rollout import GAINS, WORK, rollout_axis
 from brace_drake.laws.plug_in import idle
-from brace_drake.recording.columns import AXIS, axis_columns
+from brace_drake.recording.columns import AXIS
 from brace_drake.recording.recording import Run
+from brace_drake.recording.ways import axis_columns
 from brace_drake.scenario.axis import (
     AxisNumbers,
     AxisScenario,
