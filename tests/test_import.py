@@ -191,7 +191,7 @@ class TestImport(unittest.TestCase):
             ("none.csv", "", MAP, "none.csv: cannot be read: No such file"),
             ("a.pdf", "", MAP, "known are"),
             ("short.csv", "", MAP, "row 1 has 2 fields"),
-            ("one.csv", "", MAP, "one.csv: it has 1 samples"),
+            ("one.csv", "", MAP, "one.csv: it has 1 row; allowed: 10"),
             ("bad.mat", "", MAP, "not a MATLAB file"),
             ("a.csv", "", MAP.replace("Travel", "Trvel"), "mean Travel"),
             ("a.csv", "", MAP.replace("force_N", "force_n"), "mean force_N"),

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import BraceError, ReadError, quoted, reason
+from brace_drake.recording.importing.formats.cells import Table, Word
 from brace_drake.recording.importing.formats.excel import read_excel
 from brace_drake.recording.importing.formats.flatten import Arrays
 from brace_drake.recording.importing.formats.hdf5 import read_hdf5
@@ -34,7 +35,7 @@ _MEMORY = 4 << 30
 _BEGIN_S, _FOR_A_MB_S = 8.0, 8.0
 
 
-def read_apart(kind: str, path: Path, *more) -> Arrays:
+def read_apart(kind: str, path: Path, *more) -> Table:
     """Columns of a file by name, as a reader of `KINDS` has them.
 
     Args:
@@ -68,7 +69,9 @@ def read_apart(kind: str, path: Path, *more) -> Arrays:
         raise ReadError(f"not {KINDS[kind][2]}: its reader broke down")
     with np.load(io.BytesIO(done.stdout), allow_pickle=False) as found:
         names = json.loads(str(found["names"]))
-        return {name: found[f"c{i}"] for i, name in enumerate(names)}
+        columns = {name: found[f"c{i}"] for i, name in enumerate(names)}
+        words = json.loads(str(found["words"]))
+        return Table(columns, {n: Word(*w) for n, w in words.items()})
 
 
 def _megabytes(path: Path) -> float:
@@ -91,7 +94,7 @@ def _main(task: str) -> int:
     reader, package, called = KINDS[kind]
     _limit_memory()
     try:
-        columns = reader(Path(path), *more)
+        columns = Table(reader(Path(path), *more))
     except ImportError:
         words = f"needs {package}: pip install -e '.[lab]'"
     except BraceError as error:
@@ -105,6 +108,7 @@ def _main(task: str) -> int:
         memory = io.BytesIO()
         arrays = {f"c{i}": c for i, c in enumerate(columns.values())}
         arrays["names"] = np.array(json.dumps(list(columns)))
+        arrays["words"] = np.array(json.dumps(columns.words))
         np.savez(memory, allow_pickle=False, **arrays)
         sys.stdout.buffer.write(memory.getvalue())
         return 0

@@ -7,6 +7,8 @@ import itertools
 import numpy as np
 
 from brace_drake.core.errors import CampaignError
+from brace_drake.recording.importing.rules import rows_at
+from brace_drake.recording.read import LEAST_ROWS
 from brace_drake.recording.table import Columns
 
 # A step in time of so many usual ones is a gap: no motion is known in it.
@@ -30,7 +32,7 @@ def without_gaps(
 
     Raises:
         CampaignError: There is a gap, and it is not to be split, or no part
-            lasts a second.
+            lasts a second and has as many rows as a run needs.
     """
     time = columns["time_s"]
     steps = np.diff(time)
@@ -49,10 +51,18 @@ def without_gaps(
     parts = [
         {name: values[a:b] for name, values in columns.items()}
         for a, b in itertools.pairwise(bounds)
-        if time[b - 1] - time[a] >= _LEAST_S
+        if _is_enough(time[a:b], rate)
     ]
     if not parts:
         raise CampaignError(
-            f"{source}: gaps leave no part of {_LEAST_S:g} s or more"
+            f"{source}: gaps leave no part of {_LEAST_S:g} s and"
+            f" {LEAST_ROWS} rows or more"
         )
     return [{**p, "time_s": p["time_s"] - p["time_s"][0]} for p in parts]
+
+
+def _is_enough(time: np.ndarray, rate: float | None) -> bool:
+    """Whether a part's samples tell anything, at the rate it will have."""
+    duration = float(time[-1] - time[0])
+    rows = min(len(time), rows_at(rate, duration) if rate else len(time))
+    return duration >= _LEAST_S and rows >= LEAST_ROWS

@@ -13,7 +13,6 @@ import importlib
 import io
 import json
 import math
-from array import array
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -26,13 +25,17 @@ from brace_drake.core.errors import CampaignError, ReadError, quoted, reason
 from brace_drake.core.output import WriteBytes
 from brace_drake.core.reading import ReadBytes, decode, parse_json
 from brace_drake.core.reading.files import LARGEST, most_bytes
+from brace_drake.recording.importing.formats.cells import (
+    Samples,
+    Table,
+)
 from brace_drake.recording.importing.formats.flatten import (
     all_different,
-    numbers_in,
+    leaves_in,
 )
+from brace_drake.recording.importing.rules import check_columns
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
-from brace_drake.recording.table import Columns
 from brace_drake.recording.write import describe
 
 # Name of the metadata that holds a campaign, under the manifest's own name.
@@ -67,7 +70,8 @@ def WriteMcap(campaign: Campaign, path: str | Path) -> None:
 
 
 def _AddRun(writer, run: Run, shift: float) -> None:
-    names = tuple(run.channels)
+    # Columns of remarks are none of numbers.
+    names = tuple(n for n, v in run.channels.items() if v.dtype.kind in "fiub")
     schema = {
         "type": "object",
         "properties": {name: {"type": "number"} for name in names},
@@ -105,18 +109,25 @@ def LoadMcapCampaign(path: str | Path) -> Campaign:
     runs = []
     for run in campaign.runs:
         topic = _topic(run.file)
-        if "time_s" not in tables.get(topic, {}):
+        table = tables.get(topic, Table({}))
+        if "time_s" not in {*table, *table.words}:
             raise CampaignError(f"{path}: no topic {topic} with time_s")
-        channels = {n: v for n, v in tables[topic].items() if n != _LOG_TIME}
+        known = {"time_s", *campaign.known_channels} & table.words.keys()
+        check_columns(f"{path}: topic {topic}", table, sorted(known))
+        channels = {n: v for n, v in table.items() if n != _LOG_TIME}
         runs.append(replace(run, channels=channels))
     scenario = campaign.scenario
     if scenario is not None:
-        data = metadata[_CAMPAIGN].get(_SCENARIO, "").encode()
+        if _SCENARIO not in metadata[_CAMPAIGN]:
+            raise CampaignError(
+                f"{path}: scenario {scenario.name} is not there"
+            )
+        data = metadata[_CAMPAIGN][_SCENARIO].encode()
         scenario = replace(scenario, data=data)
     return replace(campaign, path=path, runs=tuple(runs), scenario=scenario)
 
 
-def LoadMcapTable(path: Path, options: dict) -> Columns:
+def LoadMcapTable(path: Path, options: dict) -> Table:
     """Numbers of a topic's JSON messages as columns, each (N,).
 
     Fields within fields are named a.b, items of lists a[0]; `log_time_s` is
@@ -158,45 +169,23 @@ def has_json_messages(path: Path) -> bool:
     return not has_topics
 
 
-class _Topic:
-    """Columns that messages are added to, NaN where one has no number."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self._columns: dict[str, array] = {}
-
-    def add(self, sample: dict[str, float]) -> None:
-        """Takes a message's numbers.
-
-        Raises:
-            ReadError: There are more than memory is meant for.
-        """
-        for name, value in sample.items():
-            column = self._columns.setdefault(name, array("d"))
-            self._fill(column)
-            column.append(value)
-        self.count += 1
-        if self.count * len(self._columns) > most_bytes(LARGEST) // 4:
-            raise ReadError("holds more numbers than memory is meant for")
-
-    def _fill(self, column: array) -> None:
-        if len(column) < self.count:
-            column.extend([math.nan] * (self.count - len(column)))
-
-    def table(self) -> Columns:
-        """The columns in the order of logging, their time from 0."""
-        for column in self._columns.values():
-            self._fill(column)
-        times = np.array(self._columns[_LOG_TIME])
-        order = np.argsort(times, kind="stable")
-        table = {n: np.array(c)[order] for n, c in self._columns.items()}
-        table[_LOG_TIME] = table[_LOG_TIME] - times[order[0]]
-        return table
+def _by_time(table: Table) -> Table:
+    """A topic's columns in the order of logging, their time from 0."""
+    times = table[_LOG_TIME]
+    order = np.argsort(times, kind="stable")
+    rows = np.argsort(order) + 1
+    columns = {name: values[order] for name, values in table.items()}
+    columns[_LOG_TIME] = columns[_LOG_TIME] - times[order[0]]
+    words = {
+        name: word._replace(row=int(rows[word.row - 1]))
+        for name, word in table.words.items()
+    }
+    return Table(columns, words)
 
 
-def _read_all(data: bytes) -> tuple[dict[str, Columns], dict[str, dict]]:
+def _read_all(data: bytes) -> tuple[dict[str, Table], dict[str, dict]]:
     """Tables of all topics of JSON messages, and metadata by name."""
-    topics: dict[str, _Topic] = {}
+    topics: dict[str, Samples] = {}
     channels, metadata = {}, {}
     for record in _records(data):
         kind = type(record).__name__
@@ -208,10 +197,11 @@ def _read_all(data: bytes) -> tuple[dict[str, Columns], dict[str, dict]]:
             channel = channels[record.channel_id]
             if channel.message_encoding == _ENCODING:
                 value = parse_json(record.data, may_be_nan=True)
-                sample = all_different(list(numbers_in("", value)))
+                sample = all_different(list(leaves_in("", value)))
                 sample[_LOG_TIME] = 1e-9 * record.log_time
-                topics.setdefault(channel.topic, _Topic()).add(sample)
-    return {name: topic.table() for name, topic in topics.items()}, metadata
+                topics.setdefault(channel.topic, Samples()).add(sample)
+    tables = {name: _by_time(topic.table()) for name, topic in topics.items()}
+    return tables, metadata
 
 
 def _records(data: bytes) -> Iterator[Any]:

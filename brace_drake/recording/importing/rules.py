@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, quoted, suggest
 from brace_drake.recording.fields import HUGE, TEXT, Field, number_from, take
+from brace_drake.recording.findings import counted
+from brace_drake.recording.importing.formats.cells import ALLOWED, Table
 from brace_drake.recording.importing.units import scale_of
+from brace_drake.recording.read import LEAST_ROWS
 from brace_drake.recording.table import Columns
 
 _LEAST_RATE_DEVIATION = 0.02
@@ -80,13 +83,45 @@ def _parse_sum(place: str, source: object) -> dict[str, float]:
     return {str(column): float(factor) for column, factor in taken.items()}
 
 
+def check_columns(
+    source: Path | str, table: Table, names: Iterable[str]
+) -> None:
+    """Columns are there, and hold numbers alone.
+
+    Raises:
+        CampaignError: One line: file, row, column, and what is allowed.
+    """
+    for name in names:
+        if name in table.words:
+            row, holds = table.words[name]
+            raise CampaignError(
+                f"{source}: row {row}: column {quoted(name)} is {holds};"
+                f" allowed: {ALLOWED}"
+            )
+        if name not in table:
+            there = quoted(list(table))[1:-1]
+            hint = f"; there are {there}; {table.advice}"
+            hint = suggest(name, table) or hint
+            raise CampaignError(f"{source}: no column {quoted(name)}{hint}")
+
+
+def check_rows(source: Path | str, rows: int) -> None:
+    """There are as many rows as a run needs.
+
+    Raises:
+        CampaignError: One line: file, rows, and what is allowed.
+    """
+    if rows < LEAST_ROWS:
+        raise CampaignError(
+            f"{source}: it has {counted(rows, 'row')}; allowed:"
+            f" {LEAST_ROWS} or more"
+        )
+
+
 def _add_up(
-    source: Path, table: Columns, factors: dict[str, float]
+    source: Path, table: Table, factors: dict[str, float]
 ) -> np.ndarray:
-    for column in factors:
-        if column not in table:
-            hint = suggest(column, table)
-            raise CampaignError(f"{source}: no column {quoted(column)}{hint}")
+    check_columns(source, table, factors)
     lengths = {len(table[column]) for column in factors}
     if len(lengths) > 1:
         raise CampaignError(
@@ -98,7 +133,7 @@ def _add_up(
 
 
 def read_channels(
-    source: Path, rules: dict[str, dict], table: Columns
+    source: Path, rules: dict[str, dict], table: Table
 ) -> Columns:
     """Channels of a file by their rules, the time from 0."""
     rows = len(next(iter(table.values())))
@@ -118,10 +153,7 @@ def read_channels(
             f"{source}: the columns differ in length: {sorted(lengths)}"
         )
     (samples,) = lengths
-    if samples < 2:
-        raise CampaignError(
-            f"{source}: it has {samples} samples; allowed: two or more"
-        )
+    check_rows(source, samples)
     for name, values in channels.items():
         bad = ~(np.abs(values) <= HUGE)
         if name != "time_s":
@@ -147,6 +179,11 @@ def _refuse_rows(
         )
 
 
+def rows_at(rate: float, duration: float) -> int:
+    """Rows that a run of a duration, s, has at a rate, Hz."""
+    return int(duration * rate + 1e-6) + 1
+
+
 def resample(source: Path, channels: Columns, rate: float) -> Columns:
     """Channels at even times, linearly between their samples."""
     time = channels["time_s"]
@@ -158,7 +195,12 @@ def resample(source: Path, channels: Columns, rate: float) -> Columns:
             f"{source}: sampled at {1.0 / np.median(steps):.4g} Hz, which"
             f" cannot be made {rate:g} Hz"
         )
-    samples = int(time[-1] * rate + 1e-6) + 1
+    samples = rows_at(rate, time[-1])
+    if samples < LEAST_ROWS:
+        raise CampaignError(
+            f"{source}: {time[-1]:g} s at {rate:g} Hz (rate_hz) are"
+            f" {counted(samples, 'row')}; allowed: {LEAST_ROWS} or more"
+        )
     if samples > 10 * len(time):
         raise CampaignError(
             f"{source}: {len(time)} samples over {time[-1]:g} s cannot be made"

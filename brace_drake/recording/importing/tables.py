@@ -10,6 +10,7 @@ from brace_drake.core.errors import CampaignError
 from brace_drake.core.reading import ReadBytes, check_file, in_file
 from brace_drake.recording.fields import TEXT, Field
 from brace_drake.recording.importing.apart import read_apart
+from brace_drake.recording.importing.formats.cells import Table
 from brace_drake.recording.importing.formats.flatten import as_columns
 from brace_drake.recording.importing.formats.json_rows import read_json
 from brace_drake.recording.importing.formats.matlab import (
@@ -48,7 +49,7 @@ OPTIONS = {
 _BAG = "metadata.yaml"
 
 
-def LoadTable(path: str | Path, options: dict) -> Columns:
+def LoadTable(path: str | Path, options: dict) -> Table:
     """Reads a file's columns, each (N,).
 
     Args:
@@ -71,12 +72,12 @@ def LoadTable(path: str | Path, options: dict) -> Columns:
         if not is_bag:
             check_file(path)
         columns = reader(path, options)
-    if not columns:
+    table = Table(columns, advice=_ADVICE.get(reader, _WHERE))
+    if not table:
         raise CampaignError(
-            f"{path}: no column of numbers there; of text, options.delimiter"
-            " and options.decimal say how numbers are written"
+            f"{path}: no column of numbers there; {table.advice}"
         )
-    return columns
+    return table
 
 
 def _read_text(path: Path, options: dict) -> Columns:
@@ -123,4 +124,12 @@ READERS: dict[str, Callable[..., Columns]] = {
     **dict.fromkeys((".h5", ".hdf5"), _grouped(partial(read_apart, "hdf5"))),
     **dict.fromkeys((".xlsx", ".xlsm"), _read_excel),
     **dict.fromkeys((".db3", ".bag"), _BAG_READER),
+}
+# What helps where a file has not the columns that it should have.
+_WHERE = "options.group says where in the file to look"
+_ADVICE = {
+    _read_text: "options.delimiter and options.decimal say how numbers are"
+    " written, options.skip_lines how many lines come before the names",
+    _read_excel: "options.skip_lines says how many rows come before the names,"
+    " options.group which sheet it is",
 }

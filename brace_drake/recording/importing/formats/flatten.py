@@ -34,8 +34,8 @@ def as_columns(arrays: Mapping[str, np.ndarray]) -> Arrays:
     return columns
 
 
-def numbers_in(name: str, value) -> Iterator[tuple[str, float]]:
-    """Numbers of a sample: fields within fields a.b, items of lists a[0].
+def leaves_in(name: str, value) -> Iterator[tuple[str, object]]:
+    """Cells of a sample: fields within fields a.b, items of lists a[0].
 
     Args:
         name: Of what is within.
@@ -43,12 +43,12 @@ def numbers_in(name: str, value) -> Iterator[tuple[str, float]]:
     """
     if isinstance(value, dict):
         for key, item in value.items():
-            yield from numbers_in(f"{name}.{key}" if name else str(key), item)
+            yield from leaves_in(f"{name}.{key}" if name else str(key), item)
     elif isinstance(value, list):
         for i, item in enumerate(value):
-            yield from numbers_in(f"{name}[{i}]", item)
-    elif isinstance(value, int | float):
-        yield name, float(value)
+            yield from leaves_in(f"{name}[{i}]", item)
+    else:
+        yield name, value
 
 
 def distinct(names: Sequence[str]) -> list[str]:
@@ -64,8 +64,8 @@ def distinct(names: Sequence[str]) -> list[str]:
     return found
 
 
-def all_different(pairs: Sequence[tuple[str, float]]) -> dict[str, float]:
-    """Numbers of a sample by name.
+def all_different(pairs: Sequence[tuple[str, object]]) -> dict[str, object]:
+    """Cells of a sample by name.
 
     Raises:
         ReadError: A name is there twice.

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-import math
+import json
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 from brace_drake.core.errors import ReadError, quoted
-from brace_drake.core.reading import ReadBytes, parse_json
+from brace_drake.core.reading import ReadBytes, decode, parse_json
 from brace_drake.core.reading.json_text import LARGEST_MB
+from brace_drake.recording.importing.formats.cells import (
+    Column,
+    Samples,
+    Table,
+    make_table,
+)
 from brace_drake.recording.importing.formats.flatten import (
-    Arrays,
     all_different,
-    check_room,
-    numbers_in,
+    leaves_in,
 )
 
 
-def read_json(path: Path, group: str | None) -> Arrays:
+def read_json(path: Path, group: str | None) -> Table:
     """Columns of numbers; NaN where a sample has none.
 
     Args:
@@ -32,8 +35,7 @@ def read_json(path: Path, group: str | None) -> Arrays:
     if path.suffix.lower() == ".json":
         found = parse_json(data, may_be_nan=True)
     else:
-        lines = data.strip().replace(b"\r", b"").split(b"\n")
-        found = parse_json(b"[" + b",".join(filter(None, lines)) + b"]", True)
+        found = _parse_lines(decode(data))
     if group is not None:
         if not isinstance(found, dict) or group not in found:
             raise ReadError(f"no key {quoted(group)}")
@@ -48,24 +50,37 @@ def read_json(path: Path, group: str | None) -> Arrays:
     )
 
 
-def _from_columns(found: dict) -> Arrays:
-    lists = {n: v for n, v in found.items() if isinstance(v, list)}
-    return {
-        name: np.array([_number(value) for value in values])
-        for name, values in lists.items()
-        if any(math.isfinite(_number(value)) for value in values)
-    }
+def _parse_lines(text: str) -> list:
+    """What each line holds that is not empty."""
+    found = []
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.strip():
+            found.append(_parse_line(number, line))
+    return found
 
 
-def _from_samples(samples: list[dict]) -> Arrays:
-    flat = [all_different(list(numbers_in("", s))) for s in samples]
-    names = dict.fromkeys(name for sample in flat for name in sample)
-    check_room(len(names) * len(flat))
-    return {
-        name: np.array([sample.get(name, math.nan) for sample in flat])
-        for name in names
-    }
+def _parse_line(number: int, line: str) -> Any:
+    try:
+        return parse_json(line.encode(), may_be_nan=True)
+    except ReadError as error:
+        words, cause = str(error), error.__cause__
+        if isinstance(cause, json.JSONDecodeError):
+            words = f"not JSON: {cause.msg}: column {cause.colno}"
+        raise ReadError(f"line {number}: {words}") from error
 
 
-def _number(value) -> float:
-    return float(value) if isinstance(value, int | float) else math.nan
+def _from_columns(found: dict) -> Table:
+    columns: dict[str, Column] = {}
+    for name, cells in found.items():
+        if isinstance(cells, list):
+            columns[name] = Column()
+            for cell in cells:
+                columns[name].add(cell)
+    return make_table(columns)
+
+
+def _from_samples(found: list[dict]) -> Table:
+    samples = Samples()
+    for sample in found:
+        samples.add(all_different(list(leaves_in("", sample))))
+    return samples.table()

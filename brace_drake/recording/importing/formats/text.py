@@ -5,7 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 from collections.abc import Iterable, Iterator
-from itertools import chain
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +13,20 @@ import numpy as np
 from brace_drake.core.errors import ReadError
 from brace_drake.core.reading import ReadBytes
 from brace_drake.core.reading.rows import (
+    WORD,
+    Rows,
     decode_lines,
     is_number,
     read_rows,
     with_points,
 )
-from brace_drake.recording.importing.formats.flatten import Arrays, distinct
+from brace_drake.recording.importing.formats.cells import (
+    Table,
+    Word,
+    is_missing,
+    shown,
+)
+from brace_drake.recording.importing.formats.flatten import distinct
 
 # As a delimiter: blanks and tabs, as many as there are.
 BLANKS = " "
@@ -45,8 +53,8 @@ def read_lines(path: Path) -> list[str]:
 
 def read_text(
     path: Path, delimiter: str, decimal: str = ".", skipped: int = 0
-) -> Arrays:
-    """Columns that hold a number at all, NaN where they hold something else.
+) -> Table:
+    """Columns that hold a number at all, NaN where they hold none.
 
     Where the first row holds numbers alone there are no names: columns are
     then named by their number, "1" the first. Columns that share a name are
@@ -65,13 +73,12 @@ def read_text(
     if len(lines) < 2:
         raise ReadError("no rows below a header")
     try:
-        every: Iterator = filter(None, split_lines(lines, delimiter))
-        first = next(every)
+        first = next(_fields(lines, delimiter))
         names = [str(i) for i in range(1, len(first) + 1)]
-        if not is_row_of_numbers(first, decimal):
+        has_names = not is_row_of_numbers(first, decimal)
+        if has_names:
             names = distinct([name.strip() for name in first])
-        else:
-            every = chain([first], every)
+        every = islice(_fields(lines, delimiter), has_names, None)
         rows = read_rows(every, len(names), decimal)
     except (csv.Error, TypeError, ValueError) as error:
         if isinstance(error, ReadError):
@@ -84,11 +91,36 @@ def read_text(
             f" the header {len(names)}; options.skip_lines says how many lines"
             " come before the header"
         )
-    return {
+    numbers = {
         name: column
         for name, column in zip(names, rows.values.T, strict=True)
         if not np.isnan(column).all()
     }
+    every = islice(_fields(lines, delimiter), has_names, None)
+    words = _first_words(rows, every)
+    return Table(numbers, {names[i]: word for i, word in words.items()})
+
+
+def _first_words(rows: Rows, every: Iterable[list[str]]) -> dict[int, Word]:
+    """Of each column with fields that are neither numbers nor missing, the
+    first.
+    """
+    found: dict[int, Word] = {}
+    is_word = rows.kinds == WORD
+    wanted = np.flatnonzero(is_word.any(axis=0)).tolist()
+    for number, fields in enumerate(every if wanted else (), 1):
+        for i in [i for i in wanted if is_word[number - 1, i]]:
+            if not is_missing(fields[i]):
+                found[i] = Word(number, shown(fields[i].strip()))
+                wanted.remove(i)
+        if not wanted:
+            break
+    return found
+
+
+def _fields(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
+    """Fields of each line that has any."""
+    return filter(None, split_lines(lines, delimiter))
 
 
 def split_lines(lines: Iterable[str], delimiter: str) -> Iterator[list[str]]:
