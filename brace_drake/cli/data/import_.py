@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from brace_drake.cli.options import AddCommand
+from brace_drake.recording.recording import Campaign
 
 _EPILOG = """\
 example:
@@ -73,10 +75,30 @@ def Run(args: argparse.Namespace) -> int:
 
     from_map = not args.map.endswith(".mcap")
     campaign = (ImportCampaign if from_map else LoadMcapCampaign)(args.map)
+    _check(campaign)
     WriteCampaign(campaign, args.out)
     print(f"campaign: {args.out}, {len(campaign.runs)} runs")
     print(f"next: brace-drake check {args.out}")
     return 0
+
+
+def _check(campaign: Campaign) -> None:
+    """Runs have as many rows as they need, and the scenario is one.
+
+    Raises:
+        CampaignError: One line: file, run, rows, what is allowed.
+        ScenarioError: One line: file, key path, value, what is allowed.
+    """
+    from brace_drake.recording.importing.rules import check_rows
+
+    for run in campaign.runs:
+        check_rows(f"{campaign.path}: {run.file}", len(run.time_s))
+    if campaign.scenario is not None:
+        from brace_drake.devices.nominal_scenario import choose_scenario
+
+        is_within = campaign.path.suffix == ".mcap"
+        place = campaign.path if is_within else campaign.path.parent
+        choose_scenario(replace(campaign, path=place))
 
 
 def _init(args: argparse.Namespace) -> int:

@@ -31,7 +31,7 @@ from brace_drake.recording.importing.rules import (
     take_map,
 )
 from brace_drake.recording.importing.tables import OPTIONS, LoadTable
-from brace_drake.recording.manifest import take_numbers
+from brace_drake.recording.manifest import leaves_folder, take_numbers
 from brace_drake.recording.ports import Ports, parse_ports
 from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 from brace_drake.recording.table import Columns
@@ -84,7 +84,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
     `options` for the reader, `rate_hz` where the files are to be resampled,
     `gaps: split` where a file with gaps in time is to be several runs,
     `nominal`, `control` and `diagram` as campaign.yaml has them, `scenario`,
-    a file beside the map that is copied into the campaign, and
+    a file in the map's folder that is copied into the campaign, and
     `settled_s`, how long the first reference had been held before each run.
 
     Desired velocities and accelerations that it does not name are derivatives
@@ -95,6 +95,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
     """
     path = Path(path)
     head = take_map(LoadYaml(path, CampaignError), _HEAD, f"{path}: ")
+    scenario = _scenario(path, head)
     device = DEVICES[head["device"]]
     channels = device.channels
     given = expand_rules(f"{path}: columns.", head["columns"])
@@ -141,7 +142,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
         str(head.get("subject") or ""),
         tuple(runs),
         ports=ports,
-        scenario=_scenario(path, head),
+        scenario=scenario,
         **numbers,
     )
 
@@ -151,8 +152,15 @@ def _scenario(path: Path, head: dict) -> ScenarioFile | None:
     name = head.get("scenario")
     if name is None:
         return None
+    folder = path.parent
+    is_within = (folder / name).resolve().is_relative_to(folder.resolve())
+    if leaves_folder(name) or not is_within:
+        raise CampaignError(
+            f"{path}: scenario is {quoted(name)}; allowed: a path relative to"
+            " the map's folder, of a file within it"
+        )
     with in_file(f"{path}: scenario: {name}", CampaignError):
-        return ScenarioFile(name, ReadBytes(path.parent / name, _MOST_MB))
+        return ScenarioFile(name, ReadBytes(folder / name, _MOST_MB))
 
 
 def _ports(path: Path, head: dict, device: Device) -> Ports | None:
