@@ -13,6 +13,7 @@ from brace_drake.cli.main import main
 from brace_drake.core.errors import CampaignError
 from brace_drake.recording.importing.dialect import guess_options
 from brace_drake.recording.importing.draft import (
+    Draft,
     draft_map,
     guess_channels,
     read_draft,
@@ -45,6 +46,33 @@ class TestDraft(unittest.TestCase):
         ):
             with self.subTest(column):
                 self.assertEqual(unit_of(column), unit)
+
+    def test_every_column_of_another_labs_bench_is_known(self):
+        names = {"t [ms]": "time_s"}
+        for k in range(1, 7):
+            names[f"F_cmd_{k} [N]"] = f"leg{k}_force_command_N"
+            names[f"L{k} [mm]"] = f"leg{k}_length_m"
+        for axis in "xyz":
+            names[f"LC_F{axis} [N]"] = f"ring2_force_{axis}_N"
+            names[f"Mocap_T_{axis} [mm]"] = f"torso_{axis}_m"
+        names["y_ref [mm]"] = "ring2_y_desired_m"
+        names["y_imp [mm]"] = "ring2_y_virtual_m"
+        table = {name: np.arange(3.0) for name in names}
+        device, found = guess_channels(table)
+        self.assertEqual(device, "bench stage 2")
+        self.assertEqual({g.column: g.channel for g in found}, names)
+
+    def test_channels_that_were_not_found_are_listed(self):
+        names = ["t [s]", *(f"L{k} [mm]" for k in range(1, 7))]
+        names += [f"F{axis} [N]" for axis in "xyz"]
+        table = {name: np.arange(3.0) for name in names}
+        text = draft_map(
+            Draft(Path("lab/a.csv"), {}, table, *guess_channels(table))
+        )
+        self.assertIn("ring2_y_desired_m: which column is it?", text)
+        self.assertRegex(text, r"# not found.*leg1_force_command_N")
+        # The path is the one that was given.
+        self.assertEqual(yaml.safe_load(text)["runs"][0]["file"], "lab/a.csv")
 
     def test_columns_are_guessed_by_words_and_units(self):
         names = {

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import wrap
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ from brace_drake.recording.importing.tables import LoadTable
 from brace_drake.recording.importing.units import is_unit
 from brace_drake.recording.table import Columns
 
+# Of a remark.
+_WIDTH = 76
 # A step in time of so much is one of milliseconds.
 _SLOWEST_S = 0.9
 # Spellings of units in headers, as `units` has them.
@@ -228,7 +231,14 @@ def _lines(draft: Draft) -> Iterator[str]:
         yield f"options: {{{pairs}}}"
     yield f"# {len(next(iter(table.values())))} rows"
     yield "runs:"
-    yield f"- {{file: {_quoted(path.name)}, motion: stroke, split: fit}}"
+    yield "# Paths count from this map; names of motions: brace-drake motions."
+    if device != AXIS:
+        yield "# Where the ring met nothing: contact: false."
+    file, motion = (
+        _quoted(path.as_posix()),
+        "stroke" if device == AXIS else "push",
+    )
+    yield f"- {{file: {file}, motion: {motion}, split: fit}}"
     yield "# one run or more of another motion, to test what was found:"
     yield "# - {file: other.csv, motion: other, split: validation}"
 
@@ -243,6 +253,16 @@ def _open_channels(device: str, known: set) -> Iterator[str]:
         is_open = name not in known and name not in follows
         if channel.required and is_open and name != "time_s":
             yield f"  # {name}: which column is it? It is needed."
+    others = [
+        name
+        for name, channel in channels.items()
+        if not (channel.required or name in known or name in follows)
+    ]
+    if others and device != AXIS:
+        text = "not found; without them less can be told apart: "
+        text += ", ".join(others)
+        for line in wrap(text, _WIDTH):
+            yield f"  # {line}"
 
 
 def _quoted(value) -> str:

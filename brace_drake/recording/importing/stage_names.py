@@ -10,6 +10,9 @@ from brace_drake.recording.columns import BENCH, BRACE, DEVICES
 # What a column is about, by words in its name; the first that is found counts.
 _COMMAND = r"cmd|command(ed)?|drive|actuator|tau|u|stellkraft|antrieb"
 _LENGTH = r"len|length|stroke|extension|pos|position|l|q|länge|laenge"
+_TOLD = r"cmd|command(ed)?|stellkraft|antrieb"
+_MARKER = r"(torso|marker|trunk|rumpf|thorax|mocap|vicon|optitrack)[xyz]?"
+_VIRTUAL = r"virt(ual|uell)?|imp(edance|edanz)?|adm(ittance|ittanz)?"
 _DESIRED = r"[yv]?(desired|des|ref|reference|target|setpoint|d|soll\w*)"
 _AXIS = re.compile(r"\b(?:f|p|force|kraft|torso|marker|load|rumpf)?([xyz])\b")
 _FEWEST_LEGS = 6
@@ -60,7 +63,9 @@ def _has(words: str, pattern: str) -> bool:
 def _leg_channel(words: str) -> str | None:
     number = re.search(r"\b(\d+)\b", words)
     is_leg = _has(
-        words, r"leg|bein|zylinder|cyl|cylinder|actuator|strut|l|len|length|u|q"
+        words,
+        r"leg|bein|zylinder|cyl|cylinder|actuator|strut|l|len|length|u|q"
+        rf"|{_TOLD}",
     )
     if number is None or not is_leg or _has(words, "ring|pad|torso"):
         return None
@@ -78,20 +83,20 @@ def _axis(words: str) -> str | None:
 
 
 def _other_channel(words: str, device: str) -> str | None:
+    axis = _axis(words)
+    if _has(words, _MARKER) and axis:
+        return f"torso_{axis}_m"
     if _has(words, "t|time|timestamp|zeit|clock"):
         return "time_s"
     ring = re.search(r"\bring (\d)\b", words)
     i = ring[1] if ring else "2"
-    axis = _axis(words)
-    if _has(words, "(torso|marker|trunk|rumpf)[xyz]?") and axis:
-        return f"torso_{axis}_m"
     if _has(words, _DESIRED):
         if _has(words, "ay|y?(acc|accel|acceleration)|a|soll(beschl\\w*)"):
             return f"ring{i}_ay_desired_m_s2"
         if _has(words, "vy|y?(vel|velocity|speed)|v|vref|soll(geschw\\w*)"):
             return f"ring{i}_vy_desired_m_s"
         return f"ring{i}_y_desired_m"
-    if _has(words, "virtual"):
+    if _has(words, _VIRTUAL):
         return f"ring{i}_y_virtual_m"
     if axis and _has(words, "(force|kraft|load|f)[xyz]?|ft"):
         return f"ring{i}_force_{axis}_N"
