@@ -42,6 +42,22 @@ class TestSubject(unittest.TestCase):
         self.assertTrue(held.is_fixed)
         self.assertEqual(free, OFFSET)
 
+    def test_a_thousand_times_the_scenarios_value_is_the_most(self):
+        for value in (0.1, 1e5):
+            held, _ = limited(fixed={"stiffness_N_m": value})
+            self.assertEqual(held.nominal, value)
+            with self.assertRaises(FitError):
+                far = value * (0.999 if value < 1.0 else 1.001)
+                limited(fixed={"stiffness_N_m": far})
+
+    def test_its_own_limits_are_always_allowed(self):
+        wide = replace(OFFSET, name="gain", lower=1e-9, nominal=1e-9, upper=1e3)
+        for value in (None, 1e-9, 1e3):
+            made = twin()
+            made.subject = (STIFFNESS, wide)
+            Choice(fixed={"gain": value}).limit_subject(made)
+            self.assertTrue(made.subject[1].is_fixed)
+
     def test_what_is_held_at_zero_keeps_its_unit(self):
         _, held = limited(fixed={"offset_m": None})
         self.assertEqual((held.nominal, held.unit_step), (0.0, 0.01))
@@ -76,6 +92,11 @@ class TestSubject(unittest.TestCase):
             ("above 0 N/m", {"bounds": {name: (0.0, 5.0)}}),
             ("above 0 N/m", {"fixed": {name: float("nan")}}),
             ("a finite number", {"fixed": {"offset_m": float("inf")}}),
+            (r"from 0.1 to 100000", {"fixed": {name: 1e300}}),
+            (r"value is 1e-300; allowed: above 0 N/m, from 0.1 to 100000",
+             {"fixed": {name: 1e-300}}),
+            ("upper bound is 1e\\+06", {"bounds": {name: (50.0, 1e6)}}),
+            ("from -10 to 10", {"fixed": {"offset_m": 11.0}}),
             ("the lower one first", {"bounds": {name: (5.0, 5.0)}}),
             ("held, and has bounds",
              {"fixed": {name: None}, "bounds": {name: (1.0, 2.0)}}),

@@ -22,6 +22,9 @@ from brace_drake.effects.card import Effect, EffectParameter
 
 # Standard deviations that a prior is off by chance once in 400 cases.
 _FAR = 3.0
+# A tissue may be ten times another's, or a start a mere guess; what is farther
+# from the scenario's than this is of another unit, or no number of a machine.
+_MOST_TIMES = 1e3
 
 
 @dataclass(frozen=True)
@@ -262,15 +265,19 @@ def _with_bounds(
 
 
 def _check_value(p: SubjectParameter, value: float, what: str) -> None:
-    """The sign of a parameter is part of the physics."""
-    allowed = "a finite number"
-    is_bad = not math.isfinite(value)
+    """The sign of a parameter is part of the physics, and so is its size."""
+    most = _MOST_TIMES * max(abs(p.nominal), p.scale) or math.inf
+    least, allowed = -most, "a finite number"
     if p.lower > 0.0:
-        allowed, is_bad = f"above 0 {p.unit}", is_bad or value <= 0.0
+        least, allowed = abs(p.nominal) / _MOST_TIMES, f"above 0 {p.unit}"
     elif p.lower == 0.0:
-        allowed, is_bad = f"0 {p.unit} or more", is_bad or value < 0.0
-    if is_bad:
-        raise FitError(f"{p.name}: {what} is {value:g}; allowed: {allowed}")
+        least, allowed = 0.0, f"0 {p.unit} or more"
+    least, most = min(least, p.lower), max(most, p.upper)
+    if not (math.isfinite(value) and least <= value <= most):
+        raise FitError(
+            f"{p.name}: {what} is {value:g}; allowed: {allowed}, from"
+            f" {least:g} to {most:g}"
+        )
 
 
 def _keys(
