@@ -328,6 +328,19 @@ class TestRows(StrictTest):
         self.refuse(self.write_map("a.csv", **changes), "no part of 1 s and 10")
 
 
+class TestDate(StrictTest):
+    def test_when_it_was_recorded_goes_with_the_campaign(self):
+        self.write_table("a.csv")
+        self.refuse(self.write_map("a.csv", recorded="soon"), "recorded")
+        path = self.write_map("a.csv", recorded="2026-11-20")
+        status, _, errors = run_command("import", path, "--out", self.out)
+        self.assertEqual(status, 0, errors)
+        head = yaml.safe_load((self.out / "campaign.yaml").read_text())
+        self.assertEqual(str(head["recorded"]), "2026-11-20")
+        # Times of 1/100 s give a rate without digits of rounding.
+        self.assertEqual(head["rate_hz"], RATE)
+
+
 class TestLines(StrictTest):
     def test_a_fault_in_a_line_of_json_is_told_with_its_line(self):
         lines = ["", *map(json.dumps, self.samples)]

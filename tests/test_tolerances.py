@@ -89,7 +89,9 @@ class TestStated(unittest.TestCase):
         named = self.load(text).tolerances.named
         self.assertEqual(named, {"leg_viscous", "anchor"})
         path = scenario_path("bench.scenario.yaml")
-        self.assertEqual(LoadScenario(path).tolerances.named, set(asdict(DEFAULT)))
+        self.assertEqual(
+            LoadScenario(path).tolerances.named, set(asdict(DEFAULT))
+        )
         self.assertEqual(self.load("{}").tolerances.named, set())
 
     def test_a_number_with_a_tolerance_is_the_number(self):

@@ -13,6 +13,7 @@ from brace_drake.recording.columns import DEVICES, Device
 from brace_drake.recording.fields import (
     DURATION,
     RATE,
+    RECORDED,
     SWITCH,
     TEXT,
     Field,
@@ -62,6 +63,7 @@ _HEAD = {
         "a map with outputs", lambda v: isinstance(v, dict), required=False
     ),
     "scenario": TEXT,
+    "recorded": RECORDED,
     "subject": Field(
         "text", lambda v: isinstance(v, str | int | float), required=False
     ),
@@ -134,7 +136,8 @@ def ImportCampaign(path: str | Path) -> Campaign:
             runs.append(_make_run({**item, "name": name}, part, settled))
     _check_files(path, runs)
     _check_repeats(path, runs)
-    found = 1.0 / float(np.median(np.diff(runs[0].time_s)))
+    # Differences of times have no more digits than that.
+    found = f"{1.0 / np.median(np.diff(runs[0].time_s)):.9g}"
     return Campaign(
         path,
         head["device"],
@@ -143,6 +146,7 @@ def ImportCampaign(path: str | Path) -> Campaign:
         tuple(runs),
         ports=ports,
         scenario=scenario,
+        recorded=str(head.get("recorded", "")),
         **numbers,
     )
 
