@@ -11,6 +11,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -290,8 +291,7 @@ class TestRefusals(unittest.TestCase):
     def test_an_address_where_nobody_answers_is_named_in_one_line(self):
         import brace_drake.core.parallel.cluster as module
 
-        self.addCleanup(setattr, module, "_CONNECT_S", module._CONNECT_S)
-        module._CONNECT_S = 0.3
+        self.enterContext(mock.patch.object(module, "_REFUSED_S", 0.3))
         with tempfile.TemporaryDirectory() as out:
             status, _, errors = run_command(
                 "fit", "tests/data/example", "--out", out, "--cluster",
@@ -299,6 +299,18 @@ class TestRefusals(unittest.TestCase):
             )  # fmt: skip
         self.assertEqual(status, 2)
         self.assertIn("--cluster tcp://127.0.0.1:9: no Dask scheduler", errors)
+
+    @unittest.skipIf(distributed is None, _NEEDS_CLUSTER)
+    def test_a_refused_connection_is_told_long_before_a_silent_one(self):
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        for place in (f"tcp://127.0.0.1:{port}", "tcp://127.0.0.1:99999"):
+            begun = time.monotonic()
+            with self.subTest(place=place):
+                with self.assertRaisesRegex(ClusterError, f"{place}: no Dask"):
+                    open_workers(cluster=place)
+                self.assertLess(time.monotonic() - begun, 10.0)
 
 
 if __name__ == "__main__":

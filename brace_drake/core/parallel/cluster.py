@@ -14,6 +14,8 @@ import importlib
 import io
 import math
 import pickle
+import socket
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 
@@ -21,6 +23,7 @@ import cloudpickle
 import numpy as np
 from distributed import Client, KilledWorker, as_completed
 from distributed.client import FutureCancelledError
+from distributed.comm.addressing import parse_address, parse_host_port
 from numba.core.dispatcher import Dispatcher
 
 from brace_drake.core.errors import ClusterError, reason
@@ -31,10 +34,13 @@ from brace_drake.core.versions import installed_versions
 # are not compared).
 PACKAGES = ("brace_drake", "drake", "numba", "numpy", "scipy")
 _CONNECT_S = 30.0
+# A scheduler that is about to begin refuses connections for so long at most.
+_REFUSED_S = 5.0
 _WORKERS_S = 60.0
 # Parts of the tasks for each thread: a lost worker costs no more than a part.
 _PARTS = 16
 _LEAST_BYTES = 1024
+_MOST_PORT = 65535
 _MOST_FUNCTIONS = 4
 # What this process has unpacked: the function and its arrays, by digest.
 _unpacked: OrderedDict[str, tuple[Callable, list[np.ndarray]]] = OrderedDict()
@@ -221,10 +227,38 @@ class ClusterWorkers(Workers):
         return self._functions[parcel.key]
 
 
+def _await_port(address: str) -> None:
+    """Waits a little for a port that refuses connections.
+
+    A client would ask for all of its time, as it does of a machine that is
+    silent.
+
+    Raises:
+        OSError: It refuses them still, or no machine has that name.
+        ValueError: It is no address.
+    """
+    scheme, place = parse_address(address)
+    if scheme != "tcp":
+        return
+    target = parse_host_port(place)
+    if not 0 < target[1] <= _MOST_PORT:
+        raise ValueError(f"port {target[1]}")
+    end = time.monotonic() + _REFUSED_S
+    while True:
+        try:
+            socket.create_connection(target, _CONNECT_S).close()
+            return
+        except (ConnectionRefusedError, socket.gaierror):
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.2)
+
+
 def _connect(address: str):
     """A client of a scheduler whose workers run what this process runs."""
     place = f"--cluster {address}"
     try:
+        _await_port(address)
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise ClusterError(
