@@ -285,6 +285,10 @@ class TestBadArguments(unittest.TestCase):
             (("plan", "--effects", ""), ("'' names nothing", "allowed")),
             (("diagnose", "c", "--out", "o", "--without", " "), ("nothing",)),
             (("payoff", "--out", "o", "--force-limit", "nan"), ("above 0",)),
+            (
+                ("personalize", "s", "--out", "o", "--origin", "nan", 0, 0),
+                ("--origin", "'nan' is not a number"),
+            ),
             (("predict", "p", "--displacement-mm", "inf"), ("not a number",)),
         ):
             with self.subTest(command=command):

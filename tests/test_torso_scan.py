@@ -231,6 +231,42 @@ class TestRefusals(unittest.TestCase):
         self.refused_file(path, "'.step'; allowed: a scan, .obj, .ply, .stl")
         self.refused_file(self.folder, "is a folder; allowed: a scan")
 
+    def test_a_broken_file_is_told_in_plain_words(self):
+        corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+        head = (
+            "ply\nformat {} 1.0\nelement vertex {}\nproperty float x\n"
+            "property float y\nproperty float z\nelement face {}\n"
+            "property list uchar int vertex_indices\nend_header\n"
+        )
+        binary = head.format("binary_little_endian", 10**18, 10**18)
+        binary += "\0" * 100
+        cases = (
+            ("a.obj", f"{corners}f 1 2 9223372036854775807\n", "not there"),
+            ("a.obj", f"{corners}f 1 2 -99\n", "a face names a vertex"),
+            ("a.obj", "v 1e308 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", "at 1e+308"),
+            ("a.ply", binary, "it is cut short"),
+            ("a.ply", head.format("ascii", "x", "y"), "not of that form"),
+            ("a.ply", "ply\nformat ascii 1.0\n" + "comment x\n" * 9, "early"),
+        )
+        for name, text, words in cases:
+            with self.subTest(text=text[:40]):
+                path = self.folder / name
+                path.write_text(text)
+                self.refused_file(path, words, "allowed: ")
+                # No words of a library's own.
+                with self.assertRaises(TorsoError) as caught:
+                    LoadScan(path)
+                for raw in ("out of bounds", "list index", "'int'", "literal"):
+                    self.assertNotIn(raw, str(caught.exception))
+
+    def test_an_origin_that_is_no_place(self):
+        scan = self.folder / "scan.ply"
+        for far in (float("nan"), float("inf"), 1e10):
+            with self.assertRaisesRegex(
+                TorsoError, "origin is .* allowed: num"
+            ):
+                LoadScan(scan, ScanFrame(origin=(far, 0.0, 0.0)))
+
     def test_measures_take_no_unit(self):
         self.refused_file(GIRL, "measures are in m", arguments=["--unit", "mm"])
 

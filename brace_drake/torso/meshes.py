@@ -52,7 +52,10 @@ def LoadSolid(path: str | Path) -> Solid:
         points = _numbers_after("POINTS", words, 3, float)
         cells = _numbers_after("CELLS", words, 5, int)
     except (ValueError, IndexError, OverflowError) as error:
-        raise TorsoError(f"{path}: no tetrahedra in VTK: {error}") from error
+        raise TorsoError(
+            f"{path}: no tetrahedra in VTK; allowed: what `brace-drake"
+            " personalize` writes"
+        ) from error
     if np.any(cells[:, 0] != 4):
         raise TorsoError(f"{path}: a cell is no tetrahedron; allowed: 4 nodes")
     return make_solid(points, cells[:, 1:])
@@ -79,4 +82,7 @@ def LoadSurface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
         return np.asarray(mesh.vertices), np.asarray(mesh.faces)
     # On a broken file trimesh may raise any exception.
     except Exception as error:
-        raise TorsoError(f"{path}: no surface in OBJ: {error}") from error
+        raise TorsoError(
+            f"{path}: no surface in OBJ; allowed: what `brace-drake"
+            " personalize` writes"
+        ) from error

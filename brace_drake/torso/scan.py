@@ -22,6 +22,9 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254}
 # to a large man, m, and of breadth over depth.
 _LIMITS = {"depth": (0.12, 0.5), "breadth": (0.16, 0.62), "height": (0.3, 0.9)}
 _ASPECT = (0.8, 2.4)
+# Largest coordinate, in the unit of the scan: a map's, in mm.
+_FARTHEST = 1e9
+_RANGE = f"numbers from {-_FARTHEST:g} to {_FARTHEST:g}"
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,10 @@ def LoadScan(
         words = ", ".join(UNITS)
         raise TorsoError(f"unit is {frame.unit!r}; allowed: {words}")
     rotation = frame.rotation()
+    # Written so that NaN fails.
+    if not all(abs(value) <= _FARTHEST for value in frame.origin):
+        told = " ".join(f"{value:g}" for value in frame.origin)
+        raise TorsoError(f"origin is {told}; allowed: {_RANGE}")
     mesh = _read(path)
     moved = np.asarray(mesh.vertices) - np.asarray(frame.origin, dtype=float)
     mesh.vertices = UNITS[frame.unit] * moved @ rotation.T
@@ -106,9 +113,14 @@ def _read(path: Path) -> trimesh.Trimesh:
         mesh = trimesh.load(
             path, force="mesh", process=False, skip_materials=True
         )
-    # On a broken file a reader of five formats may raise any exception.
+    # On a broken file a reader of five formats may raise any exception, whose
+    # words are of its own insides.
     except Exception as error:
-        raise TorsoError(f"{path}: cannot be read: {error}") from error
+        kind = path.suffix[1:].upper()
+        raise TorsoError(
+            f"{path}: cannot be read: {_broken(error)}; allowed: a whole {kind}"
+            " file of triangles"
+        ) from error
     if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
         raise TorsoError(f"{path}: 0 triangles; allowed: a closed surface")
     if mesh.vertices.ndim != 2 or mesh.vertices.shape[1] != 3:
@@ -116,6 +128,9 @@ def _read(path: Path) -> trimesh.Trimesh:
     if not np.isfinite(mesh.vertices).all():
         bad = int(np.sum(~np.isfinite(mesh.vertices).all(axis=1)))
         raise TorsoError(f"{path}: {bad} vertices are not finite; allowed: 0")
+    far = np.abs(mesh.vertices).max()
+    if far > _FARTHEST:
+        raise TorsoError(f"{path}: a vertex lies at {far:g}; allowed: {_RANGE}")
     corners, faces = len(mesh.vertices), mesh.faces
     if faces.ndim != 2 or faces.min() < 0 or faces.max() >= corners:
         raise TorsoError(
@@ -124,6 +139,13 @@ def _read(path: Path) -> trimesh.Trimesh:
         )
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     return mesh
+
+
+def _broken(error: Exception) -> str:
+    """What is wrong with a file that a reader has given up on."""
+    if isinstance(error, IndexError):
+        return "it ends too early, or a face names a vertex that is not there"
+    return "it is cut short, or its text or numbers are not of that form"
 
 
 def check_size(vertices: np.ndarray, unit: str, source: str) -> None:

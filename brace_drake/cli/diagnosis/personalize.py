@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from brace_drake.cli.options import AddCommand, AddScenario
+from brace_drake.cli.options import AddCommand, AddScenario, finite
 from brace_drake.core.output import HoldFolder
 
 _EPILOG = """\
@@ -49,7 +49,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "--origin",
         nargs=3,
-        type=float,
+        type=finite,
         default=(0.0, 0.0, 0.0),
         metavar=("X", "Y", "Z"),
         help="centre of ring 2 in the scan (default: 0 0 0)",
@@ -63,13 +63,13 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
     )
     parser.add_argument(
         "--resolution",
-        type=float,
+        type=finite,
         metavar="M",
         help="largest facet of the solid, m (default: 0.025)",
     )
     parser.add_argument(
         "--pad-resolution",
-        type=float,
+        type=finite,
         metavar="M",
         help="largest facet under pads, m (default: 0.005)",
     )
