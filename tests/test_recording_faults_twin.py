@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from brace_drake.devices.device import MakeDevice
+from brace_drake.effects.registry import find_effect
 from brace_drake.recording import LoadCampaign
 from brace_drake.recording_faults.against_twin import judge_campaign
 from brace_drake.recording_faults.against_twin.subjects import divide
@@ -88,6 +89,44 @@ class TestValidationRuns(unittest.TestCase):
         name = "posture_stiffness_y_N_m"
         ratio = found.parameters[name] / nominal[name]
         self.assertAlmostEqual(ratio, 1.4, delta=0.1)
+
+
+class TestFewRuns(unittest.TestCase):
+    def judged(self, file, edit, uses=()):
+        """Faults of a twin's campaign, the marker of one of its runs edited."""
+        campaign = LoadCampaign(EXAMPLE)
+        device = MakeDevice(campaign)
+        twin, runs = device.twin, []
+        subject = np.array([p.nominal for p in twin.subject])
+        for i, run in enumerate(campaign.runs):
+            rng = np.random.default_rng([5, i])
+            columns = twin.simulate(twin.motion(run), subject, uses, rng).T
+            made = dict(zip(twin.channels, columns, strict=True))
+            if run.file == file:
+                made["torso_y_m"] = edit(made["torso_y_m"])
+            runs.append(replace(run, channels={**run.channels, **made}))
+        found, _ = judge_campaign(
+            replace(campaign, runs=tuple(runs)), device, jobs=2
+        )
+        return found
+
+    def test_a_marker_that_is_late_in_one_run_is_named_with_its_delay(self):
+        (found,) = self.judged("stairs.csv", lambda y: np.roll(y, 10))
+        self.assertEqual(found.fault.name, "skewed_channel")
+        self.assertEqual(found.runs, ("stairs.csv",))
+        # Delays are tried at some sizes alone.
+        self.assertAlmostEqual(found.parameters["delay_s"], 0.05, delta=0.016)
+
+    def test_a_marker_that_was_moved_before_one_run_is_named_with_its_way(self):
+        (found,) = self.judged("push.csv", lambda y: y + 3e-4)
+        self.assertEqual(found.fault.name, "moved_zero")
+        self.assertEqual(found.runs, ("push.csv",))
+        self.assertAlmostEqual(found.parameters["offset"], 3e-4, delta=3e-5)
+
+    def test_what_a_machine_does_in_one_run_is_no_fault(self):
+        card = find_effect("force_drift")
+        uses = [(card, np.array([0.01]))]
+        self.assertEqual(self.judged("", None, uses), [])
 
 
 if __name__ == "__main__":

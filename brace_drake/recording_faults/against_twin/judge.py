@@ -15,6 +15,7 @@ from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
 from brace_drake.recording_faults.against_twin.sensors import (
+    find_few_runs,
     find_sensor_faults,
 )
 from brace_drake.recording_faults.against_twin.subjects import (
@@ -60,6 +61,9 @@ def find_recording_faults(
     own = fit_subject_to(evaluator, subject, uses)
     if own is None:
         return []
+    found = find_few_runs(device, fit_runs, own, uses, jobs)
+    if found:
+        return found
     if own.misfit > _NOTHING and not is_right:
         found = find_sensor_faults(device, fit_runs, subject, uses, jobs)
         return found or find_other_subjects(

@@ -2,7 +2,8 @@
 
 Markers, and forces across the push, enter no command. The subject is fitted
 without them; where the twin then follows all else down to its floor, it says
-what they should have read.
+what they should have read. Where a few runs alone have such a reading that
+stands out, it is left out in these.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from brace_drake.devices.declaration import Device
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.recording_faults.against_twin.misfit import (
+    SubjectFit,
     fit_subject_to,
     make_evaluator,
 )
@@ -36,6 +39,9 @@ NEAR = 0.5
 # A channel is looked at from this mean square on, in floors, and restored at
 # this one, or where so little of it is left.
 _GROSS, _RESTORED, _LEFT = 10.0, 3.0, 0.02
+# In a few runs a channel stands out from so many times what it is in the others
+# on, and is restored at so many times that.
+_STANDS_OUT, _LIKE_OTHERS = 4.0, 1.5
 # Gains nearer to 1 may be the machine's.
 _GAIN = 0.2
 _DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
@@ -80,6 +86,16 @@ def unread_channels(device: Device) -> tuple[str, ...]:
     return tuple(n for n in device.twin.channels if n not in known)
 
 
+class _Bars(NamedTuple):
+    """Mean squares of a channel, in floors, beyond which it is looked at, and
+    below which it is restored, or where so little of it is left.
+    """
+
+    gross: float
+    restored: float
+    left: float
+
+
 def without(runs: Sequence[PreparedRun], columns: np.ndarray):
     """Runs in which some channels carry no information (C,)."""
     return [replace(p, weights=p.weights * ~columns) for p in runs]
@@ -104,35 +120,92 @@ def find_sensor_faults(
     names = unread_channels(device)
     if not names:
         return []
-    twin = device.twin
-    mine = np.array([c in names for c in twin.channels])
+    mine = np.array([c in names for c in device.twin.channels])
     rest = without(runs, mine)
-    evaluator = make_evaluator(device, rest, subject, uses, jobs)
-    fit = fit_subject_to(evaluator, subject, uses)
-    if fit is None or fit.misfit > NEAR:
-        return []
+    readings = _read(device, rest, runs, subject, uses, jobs)
+    bars = _Bars(_GROSS, _RESTORED, _LEFT)
+    return list(_named(readings, names, bars))
+
+
+def find_few_runs(
+    device: Device,
+    runs: Sequence[PreparedRun],
+    fit: SubjectFit,
+    uses: Sequence[Use],
+    jobs,
+) -> list[Finding]:
+    """Faults that readings have in a few of the runs.
+
+    Args:
+        device, runs, uses, jobs: As of `find_sensor_faults`.
+        fit: Of the subject to all readings of all runs.
+    """
+    names = unread_channels(device)
+    twin, evaluator = device.twin, fit.evaluator
     readings = [
         Reading(p, evaluator.simulate(p, fit.subject, uses), twin.channels)
         for p in runs
         if p.run.contact
     ]
-    return list(_named(readings, names))
+    squares = [_squares_of(r, names) for r in readings]
+    usual = {
+        n: max(1.0, float(np.median([s[n] for s in squares if n in s])))
+        for n in names
+        if any(n in s for s in squares)
+    }
+    few = [
+        r.prepared
+        for r, found in zip(readings, squares, strict=True)
+        if any(v > _STANDS_OUT * usual[n] for n, v in found.items())
+    ]
+    if not few or 2 * len(few) >= len(readings):
+        return []
+    mine = np.array([c in names for c in twin.channels])
+    rest = [without([p], mine)[0] if p in few else p for p in runs]
+    level = max(usual.values())
+    bars = _Bars(_STANDS_OUT * level, _LIKE_OTHERS * level, 0.0)
+    readings = _read(device, rest, few, fit.subject, uses, jobs)
+    return list(_named(readings, names, bars))
+
+
+def _read(
+    device: Device,
+    rest: Sequence[PreparedRun],
+    runs: Sequence[PreparedRun],
+    subject: np.ndarray,
+    uses: Sequence[Use],
+    jobs,
+) -> list[Reading]:
+    """Runs beside the twin that the rest fits; none where it does not."""
+    evaluator = make_evaluator(device, rest, subject, uses, jobs)
+    fit = fit_subject_to(evaluator, subject, uses)
+    if fit is None or fit.misfit > NEAR:
+        return []
+    channels = device.twin.channels
+    return [
+        Reading(p, evaluator.simulate(p, fit.subject, uses), channels)
+        for p in runs
+        if p.run.contact
+    ]
+
+
+def _squares_of(reading: Reading, names: Sequence[str]) -> dict[str, float]:
+    channels = reading.prepared.run.channels
+    return reading.squares({n: channels[n] for n in names if n in channels})
 
 
 def _named(
-    readings: Sequence[Reading], names: Sequence[str]
+    readings: Sequence[Reading], names: Sequence[str], bars: _Bars
 ) -> Iterator[Finding]:
     """What explains the runs whose readings are grossly off, together."""
     bad: list[tuple[Reading, dict[str, float]]] = []
     for reading in readings:
-        there = [n for n in names if n in reading.prepared.run.channels]
-        run = reading.prepared.run
-        found = reading.squares({n: run.channels[n] for n in there})
-        if any(v > _GROSS for v in found.values()):
+        found = _squares_of(reading, names)
+        if any(v > bars.gross for v in found.values()):
             bad.append((reading, found))
     if not bad:
         return
-    accused = {n for _, f in bad for n, v in f.items() if v > _GROSS}
+    accused = {n for _, f in bad for n, v in f.items() if v > bars.gross}
     tried = []
     for h in _hypotheses([r for r, _ in bad], sorted(accused)):
         left = _left(h, bad, accused)
@@ -143,7 +216,7 @@ def _named(
     tried.sort(key=lambda t: t[0])
     after, best = tried[0]
     before = float(np.mean([v for _, f in bad for v in f.values()]))
-    if after > max(_RESTORED, _LEFT * before):
+    if after > max(bars.restored, bars.left * before):
         return
     rivals = sum(
         (after / left) ** _SHARP
