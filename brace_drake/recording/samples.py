@@ -89,8 +89,10 @@ def check_time(time: np.ndarray, rate_hz: float, file: str) -> list[Problem]:
 
 
 def since_first_row(time: np.ndarray) -> np.ndarray:
-    """Sample times (N,) from 0, as a run may begin at any time of a clock."""
-    return time - time[0] if np.isfinite(time[0]) else time
+    """Sample times (N,) from 0, as a run may begin at any time of a clock;
+    those of no clock as they are.
+    """
+    return time - time[0] if abs(time[0]) <= LATEST_S else time
 
 
 def check_channel(
