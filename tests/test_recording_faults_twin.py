@@ -9,7 +9,10 @@ import numpy as np
 from brace_drake.devices.device import MakeDevice
 from brace_drake.effects.registry import find_effect
 from brace_drake.recording import LoadCampaign
+from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.against_twin import judge_campaign
+from brace_drake.recording_faults.against_twin.readings import Reading
+from brace_drake.recording_faults.against_twin.sensors import _Bars, _named
 from brace_drake.recording_faults.against_twin.subjects import divide
 from tests.shared_data import EXAMPLE
 
@@ -91,6 +94,21 @@ class TestValidationRuns(unittest.TestCase):
         self.assertAlmostEqual(ratio, 1.4, delta=0.1)
 
 
+def reading_of(file, late, seed, sigma=5e-5):
+    """A marker that is late by so many samples, beside the twin's."""
+    time = np.arange(800) / 200.0
+    y = 0.003 * np.sin(2.0 * np.pi * 0.5 * time)
+    noise = sigma * np.random.default_rng(seed).standard_normal(len(y))
+    channels = {"time_s": time, "torso_y_m": np.roll(y, late) + noise}
+    prepared = SimpleNamespace(
+        run=Run(file, True, "push", None, "fit", channels),
+        used=np.array([True]),
+        weights=np.full((len(y), 1), 1.0 / sigma),
+        floor=SimpleNamespace(rms=np.array([sigma])),
+    )
+    return Reading(prepared, y[:, None], ("torso_y_m",))
+
+
 class TestFewRuns(unittest.TestCase):
     def judged(self, file, edit, uses=()):
         """Faults of a twin's campaign, the marker of one of its runs edited."""
@@ -122,6 +140,15 @@ class TestFewRuns(unittest.TestCase):
         self.assertEqual(found.fault.name, "moved_zero")
         self.assertEqual(found.runs, ("push.csv",))
         self.assertAlmostEqual(found.parameters["offset"], 3e-4, delta=3e-5)
+
+    def test_several_runs_are_named_by_file_where_others_are_sound(self):
+        late = "a.csv", "b.csv"
+        readings = [reading_of(file, 8, seed) for seed, file in enumerate(late)]
+        bars, names = _Bars(4.0, 1.5, 0.0), ("torso_y_m",)
+        for count, is_all in ((5, False), (2, True)):
+            (found,) = _named(readings, names, bars, count)
+            self.assertEqual(found.fault.name, "skewed_channel")
+            self.assertEqual((found.runs, found.of_all), (late, is_all))
 
     def test_what_a_machine_does_in_one_run_is_no_fault(self):
         card = find_effect("force_drift")

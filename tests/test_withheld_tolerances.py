@@ -260,6 +260,7 @@ class TestCommand(unittest.TestCase):
                 # The parser itself refuses what is no number.
                 self.assertIn(factor, ("nan", "inf"))
                 self.assertEqual(stop.code, 2)
+                self.assertFalse(self.out.exists())
                 continue
             message = errors[errors.index("brace-drake:") :]
             with self.subTest(factor=factor):

@@ -17,8 +17,7 @@ from brace_drake.core.progress import share_bar
 
 # Counts beyond which no work ends, unless an option has closer limits; threads
 # that no machine has; what seeds every generator in use, numpy's old one too.
-_MOST, _MOST_JOBS, _MOST_SEED = 1_000_000, 1024, 2**32 - 1
-_MOST_REAL = 1e9
+_MOST, _MOST_JOBS, _MOST_SEED, _MOST_REAL = 1_000_000, 1024, 2**32 - 1, 1e9
 
 
 def AddCommand(
@@ -265,12 +264,17 @@ def _whole(text: str, least: int, most: int) -> int:
     return value
 
 
+def _real(text: str) -> float:
+    """The number that a text is, NaN where it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
 def finite(text: str) -> float:
     """A number that is neither infinite nor none."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _real(text)
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{quoted(text)} is not a number")
     return value
@@ -278,10 +282,7 @@ def finite(text: str) -> float:
 
 def positive_real(text: str) -> float:
     """A number above 0, no larger than what a clock can wait for."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = _real(text)
     if not 0.0 < value <= _MOST_REAL:
         raise argparse.ArgumentTypeError(
             f"{quoted(text)} is not a number above 0 and at most {_MOST_REAL:g}"

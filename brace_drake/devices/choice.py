@@ -194,8 +194,8 @@ class Choice:
         given = self.fixed.get(p.name)
         value = p.nominal if given is None else float(given)
         _check_value(p, value, "the value")
-        held = replace(p, lower=value, nominal=value, upper=value, scale=scale)
-        return replace(held, deviation=0.0)
+        limits = {"nominal": value, "lower": value, "upper": value}
+        return replace(p, **limits, scale=scale, deviation=0.0)
 
 
 def _with_prior(

@@ -234,11 +234,8 @@ def _lines(draft: Draft) -> Iterator[str]:
     yield "# Paths count from this map; names of motions: brace-drake motions."
     if device != AXIS:
         yield "# Where the ring met nothing: contact: false."
-    file, motion = (
-        _quoted(path.as_posix()),
-        "stroke" if device == AXIS else "push",
-    )
-    yield f"- {{file: {file}, motion: {motion}, split: fit}}"
+    motion, file = "stroke" if device == AXIS else "push", path.as_posix()
+    yield f"- {{file: {_quoted(file)}, motion: {motion}, split: fit}}"
     yield "# one run or more of another motion, to test what was found:"
     yield "# - {file: other.csv, motion: other, split: validation}"
 

@@ -10,12 +10,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.core.cosine_transform import to_frequency
 from brace_drake.devices.declaration import Device
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
@@ -23,6 +22,11 @@ from brace_drake.recording_faults.against_twin.misfit import (
     SubjectFit,
     fit_subject_to,
     make_evaluator,
+)
+from brace_drake.recording_faults.against_twin.readings import (
+    Reading,
+    read_runs,
+    unread_channels,
 )
 from brace_drake.recording_faults.finding import MOST_PROBABLE, Finding
 from brace_drake.recording_faults.library.channels import (
@@ -49,43 +53,6 @@ _DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
 _SHARP = 4.0
 
 
-@dataclass(frozen=True)
-class Reading:
-    """Channels of one run beside the twin's.
-
-    Attributes:
-        prepared: The run.
-        expected: Of the twin (N, C).
-        names: Of its channels.
-    """
-
-    prepared: PreparedRun
-    expected: np.ndarray
-    names: tuple[str, ...]
-
-    def squares(self, columns: dict[str, np.ndarray]) -> dict[str, float]:
-        """Mean square of each column's difference from the twin, in floors."""
-        found = {}
-        for name, values in columns.items():
-            c = self.names.index(name)
-            if not self.prepared.used[c]:
-                continue
-            difference = to_frequency(values - self.expected[:, c])
-            weights = self.prepared.weights[:, c]
-            weighted = difference[: len(weights)] * weights
-            found[name] = float(np.mean(weighted**2))
-        return found
-
-
-def unread_channels(device: Device) -> tuple[str, ...]:
-    """Channels of a device that its controller does not read or compute."""
-    law = device.control_law
-    if law is None:
-        return ()
-    known = {*law.outputs, *(n for names in law.by_output for n in names)}
-    return tuple(n for n in device.twin.channels if n not in known)
-
-
 class _Bars(NamedTuple):
     """Mean squares of a channel, in floors, beyond which it is looked at, and
     below which it is restored, or where so little of it is left.
@@ -94,11 +61,6 @@ class _Bars(NamedTuple):
     gross: float
     restored: float
     left: float
-
-
-def without(runs: Sequence[PreparedRun], columns: np.ndarray):
-    """Runs in which some channels carry no information (C,)."""
-    return [replace(p, weights=p.weights * ~columns) for p in runs]
 
 
 def find_sensor_faults(
@@ -120,11 +82,9 @@ def find_sensor_faults(
     names = unread_channels(device)
     if not names:
         return []
-    mine = np.array([c in names for c in device.twin.channels])
-    rest = without(runs, mine)
-    readings = _read(device, rest, runs, subject, uses, jobs)
+    readings = _read_without(device, runs, runs, subject, uses, jobs)
     bars = _Bars(_GROSS, _RESTORED, _LEFT)
-    return list(_named(readings, names, bars))
+    return list(_named(readings, names, bars, len(readings)))
 
 
 def find_few_runs(
@@ -141,13 +101,10 @@ def find_few_runs(
         fit: Of the subject to all readings of all runs.
     """
     names = unread_channels(device)
-    twin, evaluator = device.twin, fit.evaluator
-    readings = [
-        Reading(p, evaluator.simulate(p, fit.subject, uses), twin.channels)
-        for p in runs
-        if p.run.contact
-    ]
-    squares = [_squares_of(r, names) for r in readings]
+    if not names:
+        return []
+    readings = read_runs(device, fit.evaluator, runs, fit.subject, uses)
+    squares = [r.unread(names) for r in readings]
     usual = {
         n: max(1.0, float(np.median([s[n] for s in squares if n in s])))
         for n in names
@@ -160,47 +117,48 @@ def find_few_runs(
     ]
     if not few or 2 * len(few) >= len(readings):
         return []
-    mine = np.array([c in names for c in twin.channels])
-    rest = [without([p], mine)[0] if p in few else p for p in runs]
     level = max(usual.values())
     bars = _Bars(_STANDS_OUT * level, _LIKE_OTHERS * level, 0.0)
-    readings = _read(device, rest, few, fit.subject, uses, jobs)
-    return list(_named(readings, names, bars))
+    found = _read_without(device, runs, few, fit.subject, uses, jobs)
+    return list(_named(found, names, bars, len(readings)))
 
 
-def _read(
+def _read_without(
     device: Device,
-    rest: Sequence[PreparedRun],
     runs: Sequence[PreparedRun],
+    some: Sequence[PreparedRun],
     subject: np.ndarray,
     uses: Sequence[Use],
     jobs,
 ) -> list[Reading]:
-    """Runs beside the twin that the rest fits; none where it does not."""
+    """Some of the runs beside the twin that all fit, the unread channels of
+    these left out; none where it does not.
+    """
+    names, accused = unread_channels(device), {p.run.file for p in some}
+    told = np.array([c not in names for c in device.twin.channels])
+    rest = [
+        replace(p, weights=p.weights * told) if p.run.file in accused else p
+        for p in runs
+    ]
     evaluator = make_evaluator(device, rest, subject, uses, jobs)
     fit = fit_subject_to(evaluator, subject, uses)
     if fit is None or fit.misfit > NEAR:
         return []
-    channels = device.twin.channels
-    return [
-        Reading(p, evaluator.simulate(p, fit.subject, uses), channels)
-        for p in runs
-        if p.run.contact
-    ]
-
-
-def _squares_of(reading: Reading, names: Sequence[str]) -> dict[str, float]:
-    channels = reading.prepared.run.channels
-    return reading.squares({n: channels[n] for n in names if n in channels})
+    return read_runs(device, evaluator, some, fit.subject, uses)
 
 
 def _named(
-    readings: Sequence[Reading], names: Sequence[str], bars: _Bars
+    readings: Sequence[Reading],
+    names: Sequence[str],
+    bars: _Bars,
+    count: int,
 ) -> Iterator[Finding]:
-    """What explains the runs whose readings are grossly off, together."""
+    """What explains the runs whose readings are grossly off, together; of so
+    many runs that could have it.
+    """
     bad: list[tuple[Reading, dict[str, float]]] = []
     for reading in readings:
-        found = _squares_of(reading, names)
+        found = reading.unread(names)
         if any(v > bars.gross for v in found.values()):
             bad.append((reading, found))
     if not bad:
@@ -231,7 +189,7 @@ def _named(
         MOST_PROBABLE / (1.0 + rivals),
         f"{np.sqrt(before):.3g} noise floors off the twin that all other"
         f" channels fit, {np.sqrt(after):.3g} with it undone",
-        of_all=len(bad) == len(readings) and len(readings) > 1,
+        of_all=len(bad) == count and count > 1,
         before=before,
         after=after,
     )
