@@ -6,11 +6,21 @@ import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.linearise import linearise_tolerances
-from brace_drake.effects.actuation import coulomb_friction
+from brace_drake.effects.actuation import (
+    backlash,
+    coulomb_friction,
+    viscous_leg,
+)
 from brace_drake.effects.mechanism import leg_compliance, ring_mass
-from brace_drake.effects.stack import behind_joints
+from brace_drake.effects.stack import (
+    behind_joints,
+    modify_numbers,
+    stack_effects,
+)
+from brace_drake.scenario.brace import BenchScenario
+from brace_drake.scenario.brace_numbers import pack_bench
 
-COMPLIANCE = np.array([8e-5, 40.0])
+COMPLIANCE = np.array([8e-5])
 FORMS = [*leg_compliance.CARDS, ring_mass.CARD, *coulomb_friction.CARDS]
 ADDED = (ring_mass.CARD, np.array([0.1]))
 
@@ -34,7 +44,7 @@ class TestBehindJoints(unittest.TestCase):
         self.assertIs(found[0], ADDED)
         effect, values = found[1]
         self.assertIs(effect, leg_compliance.STICKING)
-        np.testing.assert_array_equal(values, [8e-5, 40.0, 0.03])
+        np.testing.assert_array_equal(values, [8e-5, 0.03])
 
     def test_without_a_joint_or_where_it_sticks_already_there_is_none(self):
         friction = coulomb_friction.CARD, np.array([0.03])
@@ -64,6 +74,67 @@ class TestBehindJoints(unittest.TestCase):
         self.assertEqual(
             [e for e, _ in evaluator.before], [leg_compliance.CARD]
         )
+
+    def test_a_released_drive_returns_at_the_rate_of_its_own_friction(self):
+        # Held rings, no command: what stretched the springs at rest decays
+        # with C b, drawn as one number or as an effect.
+        scenario = BenchScenario()
+        tick, count = 0.005, 40
+        for extra in (0.0, 20.0, -30.0):
+            uses = [
+                (leg_compliance.CARD, COMPLIANCE),
+                (viscous_leg.CARD, np.array([extra])),
+            ]
+            numbers = modify_numbers(pack_bench(scenario), uses)
+            stack = stack_effects(uses, numbers)["sensing"]
+            at_rest = leg_compliance.CARD.constants(numbers)[0, 6:]
+            b = pack_bench(scenario).viscous + extra
+            states, still = stack.initial[0].copy(), np.zeros(6)
+            for k in range(count):
+                lengths = np.full(6, 0.1)
+                stack.laws[0](
+                    k * tick,
+                    tick,
+                    still,
+                    lengths,
+                    np.zeros(3),
+                    stack.parameters[0],
+                    states,
+                )
+                with self.subTest(extra=extra, k=k):
+                    left = np.exp(-k * tick / (COMPLIANCE[0] * b))
+                    np.testing.assert_allclose(
+                        lengths - 0.1,
+                        COMPLIANCE[0] * at_rest * left,
+                        rtol=1e-9, atol=1e-15,
+                    )  # fmt: skip
+
+    def test_in_a_gap_a_drive_runs_at_the_speed_of_its_own_friction(self):
+        scenario = BenchScenario()
+        tick, command, width = 0.005, 0.01, 2e-3
+        gap = next(c for c in backlash.CARDS if c.form == "gap")
+        for extra in (0.0, 20.0, -30.0):
+            uses = [
+                (gap, np.array([width])),
+                (viscous_leg.CARD, np.array([extra])),
+            ]
+            numbers = modify_numbers(pack_bench(scenario), uses)
+            stack = stack_effects(uses, numbers)["sensing"]
+            b = pack_bench(scenario).viscous + extra
+            states, held = stack.initial[0].copy(), np.full(6, -command)
+            places = []
+            for k in range(10):
+                lengths = np.zeros(6)
+                stack.laws[0](
+                    k * tick, tick, held, lengths, np.zeros(3),
+                    stack.parameters[0], states,
+                )  # fmt: skip
+                places.append(lengths)
+            moved = np.diff(places, axis=0)
+            with self.subTest(extra=extra):
+                np.testing.assert_allclose(
+                    moved, -command * tick / np.tile(b, (9, 1)), rtol=1e-9
+                )
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ PLACES = {
     "bench stage 2": _OF_STAGES,
     "brace": _OF_STAGES,
     "leg bench": {
+        "one drive",
         "drive of its own",
         "drive",
         "sensing",
@@ -42,6 +43,7 @@ PLACES = {
     },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
     "axis under command": {
+        "one drive",
         "drive of its own",
         "drive",
         "sensing",
@@ -50,6 +52,7 @@ PLACES = {
         "commanded motion",
     },
     "axis": {
+        "one drive",
         "drive of its own",
         "drive",
         "sensing",

@@ -28,7 +28,6 @@ NUMBERS = {
 ANCHORS = anchor_error.CARD
 _DELAY, _DRY = command_delay.CARD, coulomb_friction.CARD
 _delay, _dry = _DELAY.laws["drive"], _DRY.laws["drive"]
-_viscous = viscous_leg.CARD.laws["drive"]
 _scale, _bias = (c.CARD.laws["sensing"] for c in (force_scale, force_bias))
 _LATE = _DELAY.num_states["drive"]
 
@@ -38,7 +37,6 @@ def _drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
     # Commands first; x: those kept of the past, then deflections of bristles.
     if some(p[5] > 0.0):
         _delay(t, dt, u, l, l_dot, law, f, p[5:6], x[:_LATE])
-    _viscous(t, dt, u, l, l_dot, law, f, p[1:2], x[:_LATE])
     _dry(t, dt, u, l, l_dot, law, f, p[2:3], x[_LATE:])
 
 
@@ -50,7 +48,8 @@ def _sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
 
 def _modify(numbers, values: np.ndarray):
     heavier = ring_mass.CARD.modify(numbers, values[0:1])
-    return ANCHORS.modify(heavier, values[len(NUMBERS) :])
+    slower = viscous_leg.CARD.modify(heavier, values[1:2])
+    return ANCHORS.modify(slower, values[len(NUMBERS) :])
 
 
 WITHIN_TOLERANCES = Effect(

@@ -5,11 +5,10 @@ from dataclasses import replace
 from brace_drake.effects.actuation import loose_drive
 from brace_drake.effects.actuation.loose_drive import (
     DRIVE_DRY_FRICTION,
-    DRIVE_VISCOUS,
+    drives_at_rest,
     run_in_gap,
 )
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.kinematics import hold_at_rest
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
 from brace_drake.laws.lanes.functions import lead, where
@@ -58,16 +57,24 @@ def _drive(dt, u, l_dot, law, f, half, level, at_rest, x, z):
 
 
 @compiled_law
-def _sense(h, u, l, p, level, at_rest, x, z):  # noqa: E741 (l: leg length)
+def _sense(h, u, l, p, level, own, x, z):  # noqa: E741 (l: leg length)
     # x: places in the gap (n), lengths before (n), whether there are any; z as
-    # above.
+    # above; own: of `drives_at_rest`.
     n, half = l.shape[0], 0.5 * p[0]
-    _begin(half, at_rest, x[2 * n], x)
+    _begin(half, own[n:], x[2 * n], x)
     for k in range(n):
         if lead(x[2 * n]) != 0.0:
             rate = (l[k] - x[n + k]) / h
+            is_loose = own[k] > 0.0
             x[k], _, z[k] = run_in_gap(
-                h, u[k], rate, p[1], half, level, x[k], z[k]
+                h,
+                u[k],
+                rate,
+                where(is_loose, own[k], 1.0),
+                where(is_loose, half, 0.0),
+                level,
+                x[k],
+                z[k],
             )
         x[n + k] = l[k]
         l[k] += x[k]
@@ -76,22 +83,22 @@ def _sense(h, u, l, p, level, at_rest, x, z):  # noqa: E741 (l: leg length)
 
 @plug("drive", lanes=True)
 def _gap_drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    _drive(dt, u, l_dot, law, f, 0.5 * p[0], 0.0, p[2:], x, x[7:])
+    _drive(dt, u, l_dot, law, f, 0.5 * p[0], 0.0, p[7:], x, x[7:])
 
 
 @plug("sensing", lanes=True)
 def _gap_sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
-    _sense(h, u, l, p, 0.0, p[2:], x, x[13:])
+    _sense(h, u, l, p, 0.0, p[1:], x, x[13:])
 
 
 @plug("drive", lanes=True)
 def _sticking_drive(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    _drive(dt, u, l_dot, law, f, 0.5 * p[0], p[2], p[3:], x, x[7:])
+    _drive(dt, u, l_dot, law, f, 0.5 * p[0], p[1], p[8:], x, x[7:])
 
 
 @plug("sensing", lanes=True)
 def _sticking_sensing(t, h, u, l, F, p, x):  # noqa: E741
-    _sense(h, u, l, p, p[2], p[3:], x, x[13:])
+    _sense(h, u, l, p, p[1], p[2:], x, x[13:])
 
 
 _WIDTH = EffectParameter(
@@ -126,12 +133,9 @@ GAP = Effect(
     title="play in which the drive runs free",
     form="gap",
     equation=_EQUATION,
-    parameters=(
-        _WIDTH,
-        DRIVE_VISCOUS,
-    ),
+    parameters=(_WIDTH,),
     laws={"drive": _gap_drive, "sensing": _gap_sensing},
-    constants=hold_at_rest,
+    constants=drives_at_rest,
     num_states={"drive": 13, "sensing": 19},
     **_COMMON,
 )

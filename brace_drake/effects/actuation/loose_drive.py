@@ -6,26 +6,19 @@ b v = u - f_joint - F_c(v), the drive has no mass. Friction is that of bristles
 without creep, as where the drive is rigidly joined: see `coulomb_friction`.
 """
 
+import numpy as np
+
 from brace_drake.effects.actuation.coulomb_friction import (
     STUCK,
     WITHOUT_CREEP_TRAVEL,
     slip_share,
 )
 from brace_drake.effects.card import EffectParameter
+from brace_drake.kinematics import hold_at_rest
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.lanes.elementary import exp
 from brace_drake.laws.lanes.functions import where
 
-DRIVE_VISCOUS = EffectParameter(
-    "drive_viscous_N_s_m",
-    "N s/m",
-    1.0,
-    1000.0,
-    (40.0,),
-    "viscous friction b of the drive, as on the data sheet",
-    off=None,
-    choices=(40.0,),
-)
 DRIVE_DRY_FRICTION = EffectParameter(
     "coulomb_N",
     "N",
@@ -40,6 +33,17 @@ SOURCE = (
     "Dupont, Hayward, Armstrong, Altpeter, Single state elastoplastic"
     " friction models, IEEE Trans. Autom. Control 47, 2002"
 )
+
+
+def drives_at_rest(numbers) -> np.ndarray:
+    """Viscous friction of each drive, N s/m, then what each leg carries at
+    rest, N: (n, 12), a row for each stage.
+
+    Args:
+        numbers: See `laws.numbers`.
+    """
+    viscous = numbers.viscous.reshape(-1, 6)
+    return np.hstack([viscous, hold_at_rest(numbers)])
 
 
 @compiled_law

@@ -1,7 +1,17 @@
 """More (or less) viscous friction in the legs than the data sheet says."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.hooks import plug
+
+
+def _modify(numbers, values: np.ndarray):
+    # Friction of the drive, behind its spring or gap where it has one.
+    changed = np.maximum(numbers.viscous + values[0], 0.0)
+    return numbers.with_changes(viscous=changed)
 
 
 @plug("drive", lanes=True)
@@ -26,8 +36,7 @@ CARD = Effect(
             "added to the nominal coefficient of every leg",
         ),
     ),
-    laws={"drive": _law},
-    needs=("drive of its own",),
+    modify=_modify,
     signature="a command proportional to leg speed, in free runs too",
     impostors={
         "coulomb_friction": "the same at all speeds, steps at reversals",
@@ -35,3 +44,13 @@ CARD = Effect(
     },
     experiment="free multisine at two amplitudes",
 )
+# On a machine whose numbers are not those of a brace.
+ALONE = replace(
+    CARD,
+    form="one drive",
+    modify=None,
+    laws={"drive": _law},
+    needs=("one drive",),
+)
+
+CARDS = (CARD, ALONE)

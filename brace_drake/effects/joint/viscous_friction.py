@@ -6,8 +6,9 @@ from brace_drake.effects.actuation import viscous_leg
 from brace_drake.effects.card import EffectParameter
 
 CARD = replace(
-    viscous_leg.CARD,
+    viscous_leg.ALONE,
     name="viscous_friction",
+    form="",
     title="viscous friction off its nominal value",
     equation="F = (d_nominal + d) y'",
     parameters=(

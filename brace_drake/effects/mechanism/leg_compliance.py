@@ -5,11 +5,10 @@ from dataclasses import replace
 from brace_drake.effects.actuation import loose_drive
 from brace_drake.effects.actuation.loose_drive import (
     DRIVE_DRY_FRICTION,
-    DRIVE_VISCOUS,
+    drives_at_rest,
     yield_elastic,
 )
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.kinematics import hold_at_rest
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
 from brace_drake.laws.lanes.functions import lead, some, where
@@ -42,18 +41,19 @@ def _drive(dt, u, l_dot, law, f, p, level, at_rest, x, z):
 
 
 @compiled_law
-def _sense(h, u, l, p, level, at_rest, x, z):  # noqa: E741 (l: leg length)
-    # x: stretch (n), lengths before (n), whether there are any; z as above.
+def _sense(h, u, l, p, level, own, x, z):  # noqa: E741 (l: leg length)
+    # x: stretch (n), lengths before (n), whether there are any; z as above;
+    # own: of `drives_at_rest`.
     n, yields = l.shape[0], p[0] > 0.0
     if not some(yields):
         return
     compliance = where(yields, p[0], 1.0)
-    _begin(compliance, at_rest, x[2 * n], x)
+    _begin(compliance, own[n:], x[2 * n], x)
     for k in range(n):
         if lead(x[2 * n]) != 0.0:
             rate = (l[k] - x[n + k]) / h
             x[k], _, z[k] = yield_elastic(
-                h, u[k], rate, p[1], compliance, level, x[k], z[k]
+                h, u[k], rate, own[k], compliance, level, x[k], z[k]
             )
         x[n + k] = l[k]
         l[k] = where(yields, l[k] + x[k], l[k])
@@ -62,22 +62,22 @@ def _sense(h, u, l, p, level, at_rest, x, z):  # noqa: E741 (l: leg length)
 
 @plug("drive", lanes=True)
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: leg length)
-    _drive(dt, u, l_dot, law, f, p, 0.0, p[2:], x, x[7:])
+    _drive(dt, u, l_dot, law, f, p, 0.0, p[7:], x, x[7:])
 
 
 @plug("sensing", lanes=True)
 def _sensing(t, h, u, l, F, p, x):  # noqa: E741 (l: leg length)
-    _sense(h, u, l, p, 0.0, p[2:], x, x[13:])
+    _sense(h, u, l, p, 0.0, p[1:], x, x[13:])
 
 
 @plug("drive", lanes=True)
 def _law_sticking(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    _drive(dt, u, l_dot, law, f, p, p[2], p[3:], x, x[7:])
+    _drive(dt, u, l_dot, law, f, p, p[1], p[8:], x, x[7:])
 
 
 @plug("sensing", lanes=True)
 def _sensing_sticking(t, h, u, l, F, p, x):  # noqa: E741
-    _sense(h, u, l, p, p[2], p[3:], x, x[13:])
+    _sense(h, u, l, p, p[1], p[2:], x, x[13:])
 
 
 CARD = Effect(
@@ -92,10 +92,9 @@ CARD = Effect(
         EffectParameter(
             "compliance_m_N", "m/N", 0.0, 1e-3, (1e-5,), "compliance C of a leg"
         ),
-        DRIVE_VISCOUS,
     ),
     laws={"drive": _law, "sensing": _sensing},
-    constants=hold_at_rest,
+    constants=drives_at_rest,
     num_states={"drive": 13, "sensing": 19},
     signature="the torso moves less than the encoders say, in proportion to"
     " the force",
@@ -119,7 +118,6 @@ STICKING = replace(
         # What either strength does hides the other: no way leads from a stiff
         # leg to a soft one.
         replace(CARD.parameters[0], starts=(1e-5, 1e-4)),
-        DRIVE_VISCOUS,
         DRIVE_DRY_FRICTION,
     ),
     laws={"drive": _law_sticking, "sensing": _sensing_sticking},
