@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 # Okabe and Ito's colours, told apart by any reader, and greys.
 MEASURED = "#1f2933"
@@ -79,16 +81,54 @@ def figure_style() -> Iterator[None]:
         yield
 
 
-def make_figure(width: float, height: float):
-    """An empty figure on the Agg canvas, inches, outside of pyplot."""
+class Margins(NamedTuple):
+    """Around and between panels one above the other, inches."""
+
+    left: float
+    right: float
+    top: float
+    bottom: float
+    between: float
+
+
+def make_figure(width: float, height: float, margins: Margins | None = None):
+    """An empty figure on the Agg canvas, inches, outside of pyplot.
+
+    Args:
+        width: Of the figure.
+        height: Of the figure.
+        margins: Of figures that a page has many of; None: as texts need,
+            which takes as long as the drawing.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     engine = ConstrainedLayoutEngine(w_pad=0.02, h_pad=0.04)
-    figure = Figure(figsize=(width, height), layout=engine)
+    figure = Figure(figsize=(width, height), layout=None if margins else engine)
     FigureCanvasAgg(figure)
     return figure
+
+
+def stack_panels(figure, heights: Sequence[float], margins: Margins) -> list:
+    """Panels of given heights, one above the other, with a common time."""
+    width, height = figure.get_size_inches()
+    panels: list = []
+    top = height - margins.top
+    for own in heights:
+        box = (
+            margins.left / width,
+            (top - own) / height,
+            1.0 - (margins.left + margins.right) / width,
+            own / height,
+        )
+        panels.append(
+            figure.add_axes(box, sharex=panels[0] if panels else None)
+        )
+        top -= own + margins.between
+    for axes in panels[:-1]:
+        axes.tick_params(labelbottom=False)
+    return panels
 
 
 def to_data_uri(figure) -> str:
@@ -111,10 +151,11 @@ def to_png_uri(figure) -> str:
     """
     from PIL import Image
 
-    raw, small = io.BytesIO(), io.BytesIO()
-    figure.savefig(raw, format="png", dpi=_DPI, metadata={"Software": None})
-    picture = Image.open(raw).convert("RGB")
-    picture.quantize(_COLOURS).save(small, "PNG", optimize=True)
+    figure.set_dpi(_DPI)
+    figure.canvas.draw()
+    small = io.BytesIO()
+    picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba()))
+    picture.convert("RGB").quantize(_COLOURS).save(small, "PNG")
     text = base64.b64encode(small.getvalue()).decode("ascii")
     return f"data:image/png;base64,{text}"
 

@@ -15,9 +15,11 @@ from brace_drake.report.canvas import (
     LAW,
     WIDTH,
     Encode,
+    Margins,
     figure_style,
     make_figure,
     plain,
+    stack_panels,
     to_png_uri,
 )
 from brace_drake.report.traces import RunTrace
@@ -26,6 +28,8 @@ from brace_drake.report.words import channel_text, scale_of, times
 # Half-width of the floor's band, in standard deviations.
 _BAND = 2.0
 _MOST_POINTS = 4000
+# Ticks and a title, and above all the legend.
+_AROUND = Margins(left=0.62, right=0.14, top=0.52, bottom=0.46, between=0.3)
 # Noise of single samples would hide a loop, s.
 _PLANE_S = 0.2
 # Least bins of the spectrum in one point of its curve.
@@ -61,11 +65,11 @@ def draw_trace(
         return None
     other = trace.worst_channel(leave_out=main) if channel is None else None
     with figure_style():
-        heights = [1.75, 1.1] + [1.1] * (other is not None)
-        figure = make_figure(WIDTH, sum(heights) + 0.75)
-        panels = figure.subplots(
-            len(heights), sharex=True, height_ratios=heights, squeeze=False
-        )[:, 0]
+        heights = [1.6, 0.9] + [0.9] * (other is not None)
+        height = sum(heights) + _AROUND.top + _AROUND.bottom
+        height += (len(heights) - 1) * _AROUND.between
+        figure = make_figure(WIDTH, height, _AROUND)
+        panels = stack_panels(figure, heights, _AROUND)
         draw_values(panels[0], trace, main)
         draw_residual(panels[1], trace, main)
         if other is not None:
@@ -166,10 +170,10 @@ def _draw_legend(figure, trace: RunTrace) -> None:
     ]
     figure.legend(
         handles=handles,
-        loc="outside upper left",
+        loc="upper left",
         ncols=5,
         handlelength=1.4,
-        borderaxespad=0.0,
+        borderaxespad=0.3,
     )
 
 
