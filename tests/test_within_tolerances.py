@@ -223,7 +223,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         lines = Linearisation(evaluator, nominal)
         friction = list(effects_for(evaluator.twin.device).values())
         (fit,) = fit_friction(lines, criterion, friction)
-        self.assertGreater(nominal.excess / evaluator.count, 0.9)
+        self.assertGreater(nominal.excess / evaluator.count, 0.5)
         self.assertLess(fit.excess, 0.1 * nominal.excess)
         self.assertLess(fit.stretch, thresholds.WITHIN)
         self.assertEqual(criterion.findings(fit), [])

@@ -12,7 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.core.errors import BraceError
-from brace_drake.devices.bench.rollout import Motion, draw_noise
+from brace_drake.devices.bench.rollout import (
+    Motion,
+    draw_noise,
+    smooth_rounding,
+)
 from brace_drake.devices.bench.rollout_copies import (
     Begun,
     MachineRun,
@@ -88,6 +92,7 @@ class _Since(BenchTwin):
             generator = np.random.default_rng(seed)
         noise = None
         if generator is not None:
+            numbers = smooth_rounding(numbers)
             noise = draw_noise(numbers, len(after.desired), generator)
         plug_ins = self._plug_ins(numbers, motion, every)
         return MachineRun(numbers, plug_ins, after, noise)

@@ -11,6 +11,7 @@ from brace_drake.devices.bench.rollout import (
     Motion,
     draw_noise,
     simulate_bench,
+    smooth_rounding,
 )
 from brace_drake.devices.bench.rollout_copies import (
     MachineRun,
@@ -90,6 +91,7 @@ class BenchTwin(ReplayTwin):
             if seed is None:
                 noise, key = None, key_of_run(numbers, motion, plug_ins)
             else:
+                numbers = smooth_rounding(numbers)
                 of_run = (len(motion.desired), seed)
                 if of_run not in noises:
                     generator = np.random.default_rng(seed)
@@ -113,14 +115,17 @@ class BenchTwin(ReplayTwin):
         """In closed loop; not writable where readings are exact."""
         plug_ins = self._plug_ins(numbers, motion, uses)
 
-        def run(noise=None):
+        def run(numbers, noise=None):
             return simulate_bench(
                 numbers, motion, self.time_step, plug_ins, noise
             )
 
         if generator is not None:
-            return run(draw_noise(numbers, len(motion.desired), generator))
-        return self._memory.recall(key_of_run(numbers, motion, plug_ins), run)
+            numbers = smooth_rounding(numbers)
+            noise = draw_noise(numbers, len(motion.desired), generator)
+            return run(numbers, noise)
+        key = key_of_run(numbers, motion, plug_ins)
+        return self._memory.recall(key, lambda: run(numbers))
 
 
 def settled_reference(
