@@ -8,6 +8,8 @@ import numpy as np
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
+from brace_drake.selection.level import make_criterion
+from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import richer_starts, search_richer
@@ -17,6 +19,7 @@ from brace_drake.selection.search.screening import (
     search_best,
 )
 from brace_drake.selection.search.shortlist import best_fits, improve_choices
+from brace_drake.selection.settle import settle
 from tests.synthetic_bench import SyntheticBench
 
 COULOMB, STRIBECK = (
@@ -63,6 +66,18 @@ class TestRicherRace(unittest.TestCase):
             found.excess / evaluator.count, 0.4 * plain.excess / evaluator.count
         )
         self.assertAlmostEqual(found.values[0][0], 0.8, delta=0.08)
+
+    def test_in_the_end_a_richer_form_stands_beside_its_special_case(self):
+        evaluator = self.bench.evaluator([(COULOMB, np.array([0.8]))])
+        nominal = fit_nominal(evaluator)
+        criterion = make_criterion(evaluator, nominal, ())
+        # Its friction falls with speed by next to nothing.
+        values = np.array([0.78, 0.02, 0.01])
+        richer = fit_effects(evaluator, [STRIBECK], [values])
+        criterion, fits = settle(evaluator, criterion, [richer])
+        best = best_of_kinds(criterion, fits)[0]
+        self.assertEqual(best.name, "coulomb_friction")
+        self.assertAlmostEqual(best.values[0][0], 0.8, delta=0.01)
 
     def test_of_coulomb_friction_nothing_richer_is_searched(self):
         _, _, found = self.race(COULOMB, [0.8])

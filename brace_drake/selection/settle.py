@@ -7,13 +7,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from brace_drake.core.errors import BraceError
 from brace_drake.devices.tolerances import UsesOff, sizes_off
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import CandidateFit, correct_fit
+from brace_drake.identification.fits import (
+    CandidateFit,
+    correct_fit,
+    fit_effects,
+)
 from brace_drake.identification.held_out import check_fit, estimate_off
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
+from brace_drake.selection.search.nested import special_case
 from brace_drake.selection.search.within import refit_within, set_out
 
 
@@ -39,7 +45,30 @@ def settle(
         again = refit_within(evaluator, best, criterion.nuisances)
     again = check_fit(evaluator, correct_fit(evaluator, again))
     fits = [again if f is best else f for f in fits]
+    simpler = _simplify(evaluator, criterion, again)
+    if simpler is not None:
+        fits.append(simpler)
+        again = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
     return with_level(evaluator, criterion, again), fits
+
+
+def _simplify(
+    evaluator: Evaluator, criterion: Criterion, best: CandidateFit
+) -> CandidateFit | None:
+    """The best with the special case of a richer effect, led on as it was: what
+    is compared with it has to stand at its own best. None without one.
+    """
+    start = special_case(best, evaluator.effects)
+    if start is None:
+        return None
+    set_out(evaluator, best)
+    try:
+        fit = fit_effects(evaluator, start.effects, start)
+    except (BraceError, ValueError):
+        # Its twin breaks down.
+        return None
+    fit = refit_within(evaluator, fit, criterion.nuisances)
+    return check_fit(evaluator, correct_fit(evaluator, fit))
 
 
 def set_within(

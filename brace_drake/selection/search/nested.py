@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -54,6 +55,28 @@ def richer_starts(
             effect.lower,
             effect.upper,
         )
+
+
+def special_case(
+    fit: CandidateFit, effects: Sequence[Effect]
+) -> CandidateFit | None:
+    """A fit as it sets out with the special case of a richer effect in its
+    place; None where it has no richer one.
+
+    Args:
+        fit: Of any effects.
+        effects: All that there are.
+    """
+    for i, (richer, values) in enumerate(fit.uses):
+        special = next((e for e in effects if richer.is_richer_than(e)), None)
+        if special is None:
+            continue
+        known = dict(zip(richer.parameter_names, values, strict=False))
+        own = [known.get(p.name, p.starts[0]) for p in special.parameters]
+        every, each = list(fit.effects), list(fit.values)
+        every[i], each[i] = special, np.array(own)
+        return replace(fit, effects=tuple(every), values=tuple(each))
+    return None
 
 
 def search_richer(

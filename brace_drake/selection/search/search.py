@@ -212,12 +212,12 @@ def _forward(
 def _untried(
     lines: Linearisation, known: Sequence[CandidateFit]
 ) -> list[Effect]:
-    """Effects that were not led to their end beside a fit yet."""
-    done, base = {f.kinds for f in known if f.refined}, lines.base
-    effects = lines.evaluator.effects
-    return [
-        e for e in others(effects, base) if base.kinds | {e.name} not in done
-    ]
+    """Effects that in no form were led to their end beside a fit yet."""
+    base, mine = lines.base, _keys(lines.base.effects)
+    larger = [f for f in known if f.refined and _has(f, base)]
+    done = {e.name for f in larger for e in f.effects if e.key not in mine}
+    more = others(lines.evaluator.effects, base)
+    return [e for e in more if e.name not in done]
 
 
 def _has(fit: CandidateFit, base: CandidateFit) -> bool:
