@@ -19,6 +19,7 @@ from brace_drake.effects.stack import (
 )
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.brace_numbers import pack_bench
+from brace_drake.selection.tolerated import holds_another
 
 COMPLIANCE = np.array([8e-5])
 FORMS = [*leg_compliance.CARDS, ring_mass.CARD, *coulomb_friction.CARDS]
@@ -52,6 +53,25 @@ class TestBehindJoints(unittest.TestCase):
         for uses in ([ADDED], [sticking]):
             with self.subTest(uses=[e.key for e, _ in uses]):
                 self.assertEqual(behind_joints(uses, *friction, FORMS), [])
+
+    def test_friction_in_a_joint_is_an_effect_beyond_its_tolerance(self):
+        number = Nuisance(
+            "leg_dry_friction_N",
+            "N",
+            "actuation",
+            0.03,
+            ((coulomb_friction.CARD, np.array([0.03])),),
+            0.0,
+        )
+        sticking = leg_compliance.STICKING
+        for use, expected in (
+            ((sticking, np.array([8e-5, 0.08])), False),
+            ((sticking, np.array([8e-5, 0.1])), True),
+            ((leg_compliance.CARD, COMPLIANCE), False),
+            ((coulomb_friction.CARD, np.array([0.1])), False),
+        ):
+            with self.subTest(effect=use[0].key, values=use[1]):
+                self.assertEqual(holds_another(use, [number]), expected)
 
     def test_a_tolerance_of_friction_acts_behind_the_joint(self):
         friction = Nuisance(

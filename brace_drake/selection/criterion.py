@@ -31,7 +31,7 @@ from brace_drake.devices.stretch import stretch_of
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.tolerated import is_within
+from brace_drake.selection.tolerated import holds_another, is_within
 
 
 @dataclass(frozen=True)
@@ -97,9 +97,8 @@ class Criterion:
 
     def score(self, fit: CandidateFit) -> float:
         """Of a fit; the least one is the best explanation."""
-        found = self.findings(fit)
-        richer = sum(bool(e.generalises) for e in found)
-        cost = thresholds.COST_OF_EFFECT * len(found)
+        richer = sum(bool(e.generalises) for e in self.findings(fit))
+        cost = thresholds.COST_OF_EFFECT * self.num_effects(fit)
         cost += thresholds.TIED * richer
         return float(np.log(self.weighed(fit)) + cost)
 
@@ -149,6 +148,13 @@ class Criterion:
             if not is_within(use, fit.spread, self.nuisances)
         ]
 
+    def num_effects(self, fit: CandidateFit) -> int:
+        """How many of its effects are not within tolerances, those that others
+        contain among them.
+        """
+        held = sum(holds_another(use, self.nuisances) for use in fit.uses)
+        return len(self.findings(fit)) + held
+
     def named(self, fit: CandidateFit) -> frozenset[str]:
         """Names of those."""
         return frozenset(e.name for e in self.findings(fit))
@@ -176,7 +182,7 @@ class Criterion:
 
     def may_pay(self, fit: CandidateFit) -> bool:
         """Whether one effect more could better a fit's score at all."""
-        number = len(self.findings(fit)) + 1
+        number = self.num_effects(fit) + 1
         least = np.log(self.findable) + thresholds.COST_OF_EFFECT * number
         return bool(self.score(fit) > least)
 

@@ -64,11 +64,11 @@ def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
     if not ranked:
         return []
     least = ranked[0].score
-    number = len(criterion.findings(ranked[0].fit))
+    number = criterion.num_effects(ranked[0].fit)
     tied, others = [], []
     for r in ranked:
         is_near = r.score - least < thresholds.TIED
-        is_alike = len(criterion.findings(r.fit)) == number
+        is_alike = criterion.num_effects(r.fit) == number
         (tied if is_near and is_alike else others).append(r)
     if len(tied) == 1:
         return ranked

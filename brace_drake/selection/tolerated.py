@@ -58,3 +58,22 @@ def is_within(
         units = {p.unit for p, is_strength in kinds if is_strength}
         size = strengths.sum() if units == {numbers[0].unit} else np.inf
     return bool(size <= thresholds.WITHIN * max(deviations))
+
+
+def holds_another(use: Use, nuisances: Sequence[Nuisance]) -> bool:
+    """Whether what an effect contains is beyond its tolerance: then it is an
+    effect beside it, as dry friction is in a leg that gives way.
+
+    Args:
+        use: The effect with its fitted parameters.
+        nuisances: Numbers known to a tolerance.
+    """
+    effect, values = use
+    sizes = dict(zip(effect.parameter_names, np.abs(values), strict=False))
+    return any(
+        sizes.get(p.name, 0.0) > thresholds.WITHIN * number.deviation
+        for number in nuisances
+        for card, _ in number.uses
+        if card.name in effect.contains
+        for p in card.parameters
+    )
