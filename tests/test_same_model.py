@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.document.same_model import simpler_twin
 from brace_drake.effects.registry import all_effects
+from brace_drake.selection.same_model import simpler_twin
 
 CARDS = all_effects()
 
@@ -30,6 +30,13 @@ class TestSameModel(unittest.TestCase):
     def test_with_breakaway_it_is_another_model(self):
         richer = fit(stribeck_friction=[3.0, 0.4, 0.002])
         self.assertIsNone(simpler_twin(richer, [richer, COULOMB]))
+
+    def test_a_hundredth_of_a_large_friction_is_no_breakaway(self):
+        large = fit(coulomb_friction=[60.0])
+        for breakaway, same in ((0.5, large), (0.9, None)):
+            with self.subTest(breakaway=breakaway):
+                richer = fit(stribeck_friction=[60.0, breakaway, 0.002])
+                self.assertIs(simpler_twin(richer, [richer, large]), same)
 
     def test_the_simpler_one_is_not_the_same_as_the_richer(self):
         fallen = fit(stribeck_friction=[3.0, 0.0, 0.002])

@@ -9,13 +9,13 @@ import numpy as np
 
 from brace_drake.devices.stretch import noise_along
 from brace_drake.diagnosis import Diagnosis
-from brace_drake.document.same_model import simpler_twin
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.identification.intervals import (
     EstimateTable,
     ParameterEstimate,
 )
+from brace_drake.selection.same_model import simpler_twin
 
 # Deviations by which the data move a number, to be listed.
 _MOVED = 2.0

@@ -19,6 +19,7 @@ from brace_drake.identification.held_out import check_fit, estimate_off
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
+from brace_drake.selection.same_model import comes_down_to
 from brace_drake.selection.search.nested import special_case
 from brace_drake.selection.search.within import refit_within, set_out
 
@@ -48,6 +49,7 @@ def settle(
     simpler = _simplify(evaluator, criterion, again)
     if simpler is not None:
         fits.append(simpler)
+        fits = [f for f in fits if not comes_down_to(f.uses, simpler.uses)]
         again = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
     return with_level(evaluator, criterion, again), fits
 

@@ -10,7 +10,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.fits import CandidateFit
 
-# Of its typical size: what a parameter is when it is nothing.
+# Of its typical size, or of the strength beside it: what is nothing.
 _NOTHING = 0.01
 
 
@@ -29,12 +29,12 @@ def simpler_twin(
     if not fit.is_searched:
         return None
     for other in others:
-        if other.is_searched and _comes_down_to(fit.uses, other.uses):
+        if other.is_searched and comes_down_to(fit.uses, other.uses):
             return other
     return None
 
 
-def _comes_down_to(richer: Sequence[Use], simpler: Sequence[Use]) -> bool:
+def comes_down_to(richer: Sequence[Use], simpler: Sequence[Use]) -> bool:
     """Whether both have the same effects, save special cases of some."""
     left = {e.key: e for e, _ in simpler}
     if len(richer) != len(left):
@@ -55,9 +55,15 @@ def _comes_down_to(richer: Sequence[Use], simpler: Sequence[Use]) -> bool:
 
 def _adds_nothing(effect: Effect, values: np.ndarray, case: Effect) -> bool:
     """Whether every strength that the special case has not is nothing."""
-    own = [
-        abs(value) <= _NOTHING * p.typical
-        for p, value in zip(effect.parameters, values, strict=False)
-        if p.off == 0.0 and p.name not in case.parameter_names
-    ]
-    return bool(own) and all(own)
+    pairs = zip(effect.parameters, np.abs(values), strict=False)
+    own, shared = [], []
+    for p, size in pairs:
+        if p.off == 0.0:
+            is_shared = p.name in case.parameter_names
+            (shared if is_shared else own).append((p, size))
+    return bool(own) and all(
+        size
+        <= _NOTHING
+        * max([p.typical, *(s for q, s in shared if q.unit == p.unit)])
+        for p, size in own
+    )
