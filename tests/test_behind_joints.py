@@ -21,8 +21,16 @@ from brace_drake.scenario.brace import BenchScenario
 from brace_drake.scenario.brace_numbers import pack_bench
 from brace_drake.selection.tolerated import holds_another
 
-COMPLIANCE = np.array([8e-5])
+COMPLIANCE, TICK = np.array([8e-5]), 0.005
 FORMS = [*leg_compliance.CARDS, ring_mass.CARD, *coulomb_friction.CARDS]
+FRICTION = Nuisance(
+    "leg_dry_friction_N",
+    "N",
+    "actuation",
+    0.03,
+    ((coulomb_friction.CARD, np.array([0.03])),),
+    0.0,
+)
 ADDED = (ring_mass.CARD, np.array([0.1]))
 
 
@@ -55,14 +63,6 @@ class TestBehindJoints(unittest.TestCase):
                 self.assertEqual(behind_joints(uses, *friction, FORMS), [])
 
     def test_friction_in_a_joint_is_an_effect_beyond_its_tolerance(self):
-        number = Nuisance(
-            "leg_dry_friction_N",
-            "N",
-            "actuation",
-            0.03,
-            ((coulomb_friction.CARD, np.array([0.03])),),
-            0.0,
-        )
         sticking = leg_compliance.STICKING
         for use, expected in (
             ((sticking, np.array([8e-5, 0.08])), False),
@@ -71,21 +71,13 @@ class TestBehindJoints(unittest.TestCase):
             ((coulomb_friction.CARD, np.array([0.1])), False),
         ):
             with self.subTest(effect=use[0].key, values=use[1]):
-                self.assertEqual(holds_another(use, [number]), expected)
+                self.assertEqual(holds_another(use, [FRICTION]), expected)
 
     def test_a_tolerance_of_friction_acts_behind_the_joint(self):
-        friction = Nuisance(
-            "leg_dry_friction_N",
-            "N",
-            "actuation",
-            0.03,
-            ((coulomb_friction.CARD, np.array([0.03])),),
-            0.0,
-        )
         mass = Nuisance("ring_mass_kg", "kg", "mechanism", 0.1, (ADDED,))
         evaluator = _Recorder()
         uses = [(leg_compliance.CARD, COMPLIANCE)]
-        linearise_tolerances(evaluator, [friction, mass], np.ones(1), uses)
+        linearise_tolerances(evaluator, [FRICTION, mass], np.ones(1), uses)
         behind, beside = evaluator.after
         self.assertEqual([e for e, _ in behind], [leg_compliance.STICKING])
         self.assertEqual(
@@ -95,65 +87,49 @@ class TestBehindJoints(unittest.TestCase):
             [e for e, _ in evaluator.before], [leg_compliance.CARD]
         )
 
-    def test_a_released_drive_returns_at_the_rate_of_its_own_friction(self):
-        # Held rings, no command: what stretched the springs at rest decays
-        # with C b, drawn as one number or as an effect.
-        scenario = BenchScenario()
-        tick, count = 0.005, 40
-        for extra in (0.0, 20.0, -30.0):
-            uses = [
-                (leg_compliance.CARD, COMPLIANCE),
-                (viscous_leg.CARD, np.array([extra])),
-            ]
-            numbers = modify_numbers(pack_bench(scenario), uses)
-            stack = stack_effects(uses, numbers)["sensing"]
-            at_rest = leg_compliance.CARD.constants(numbers)[0, 6:]
-            b = pack_bench(scenario).viscous + extra
-            states, still = stack.initial[0].copy(), np.zeros(6)
-            for k in range(count):
-                lengths = np.full(6, 0.1)
-                stack.laws[0](
-                    k * tick,
-                    tick,
-                    still,
-                    lengths,
-                    np.zeros(3),
-                    stack.parameters[0],
-                    states,
-                )
-                with self.subTest(extra=extra, k=k):
-                    left = np.exp(-k * tick / (COMPLIANCE[0] * b))
-                    np.testing.assert_allclose(
-                        lengths - 0.1,
-                        COMPLIANCE[0] * at_rest * left,
-                        rtol=1e-9, atol=1e-15,
-                    )  # fmt: skip
+    def read(self, card, size, extra, command, ticks):
+        """Lengths read of held rings whose drives have other friction (T, 6),
+        friction of the drives (6,), and what their legs carry at rest (6,).
+        """
+        uses = [
+            (card, np.array([size])),
+            (viscous_leg.CARD, np.array([extra])),
+        ]
+        nominal = pack_bench(BenchScenario())
+        numbers = modify_numbers(nominal, uses)
+        stack = stack_effects(uses, numbers)["sensing"]
+        states, read = stack.initial[0].copy(), np.zeros((ticks, 6))
+        held, force, values = np.full(6, command), np.zeros(3), stack.parameters
+        for k, lengths in enumerate(read):
+            stack.laws[0](
+                k * TICK, TICK, held, lengths, force, values[0], states
+            )
+        at_rest = card.constants(numbers)[0, 6:]
+        return read, nominal.viscous + extra, at_rest
 
-    def test_in_a_gap_a_drive_runs_at_the_speed_of_its_own_friction(self):
-        scenario = BenchScenario()
-        tick, command, width = 0.005, 0.01, 2e-3
-        gap = next(c for c in backlash.CARDS if c.form == "gap")
+    def test_a_released_drive_returns_at_the_rate_of_its_own_friction(self):
+        # What stretched the springs at rest decays with C b.
+        card, c = leg_compliance.CARD, COMPLIANCE[0]
+        times = TICK * np.arange(40)[:, None]
         for extra in (0.0, 20.0, -30.0):
-            uses = [
-                (gap, np.array([width])),
-                (viscous_leg.CARD, np.array([extra])),
-            ]
-            numbers = modify_numbers(pack_bench(scenario), uses)
-            stack = stack_effects(uses, numbers)["sensing"]
-            b = pack_bench(scenario).viscous + extra
-            states, held = stack.initial[0].copy(), np.full(6, -command)
-            places = []
-            for k in range(10):
-                lengths = np.zeros(6)
-                stack.laws[0](
-                    k * tick, tick, held, lengths, np.zeros(3),
-                    stack.parameters[0], states,
-                )  # fmt: skip
-                places.append(lengths)
-            moved = np.diff(places, axis=0)
+            read, b, at_rest = self.read(card, c, extra, 0.0, 40)
             with self.subTest(extra=extra):
                 np.testing.assert_allclose(
-                    moved, -command * tick / np.tile(b, (9, 1)), rtol=1e-9
+                    read,
+                    c * at_rest * np.exp(-times / (c * b)),
+                    rtol=1e-9,
+                    atol=1e-15,
+                )
+
+    def test_in_a_gap_a_drive_runs_at_the_speed_of_its_own_friction(self):
+        gap = next(c for c in backlash.CARDS if c.form == "gap")
+        for extra in (0.0, 20.0, -30.0):
+            read, b, _ = self.read(gap, 2e-3, extra, -0.01, 10)
+            with self.subTest(extra=extra):
+                np.testing.assert_allclose(
+                    np.diff(read, axis=0),
+                    -0.01 * TICK / np.tile(b, (9, 1)),
+                    rtol=1e-9,
                 )
 
 

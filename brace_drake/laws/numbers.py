@@ -60,6 +60,12 @@ class BraceNumbers(NamedTuple):
         return len(self.rest)
 
     @property
+    def reading_steps(self) -> np.ndarray:
+        """To what each reading is rounded, as `noise_sigma`; 0: not at all."""
+        n = self.num_stages
+        return np.repeat([*self.resolution, 0.0], [6 * n, 3 * n, 3])
+
+    @property
     def period(self) -> float:
         """Of a control tick, s."""
         return float(self.control[ESTIMATOR, 3])

@@ -91,28 +91,32 @@ class Margins(NamedTuple):
     between: float
 
 
-def make_figure(width: float, height: float, margins: Margins | None = None):
-    """An empty figure on the Agg canvas, inches, outside of pyplot.
-
-    Args:
-        width: Of the figure.
-        height: Of the figure.
-        margins: Of figures that a page has many of; None: as texts need,
-            which takes as long as the drawing.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
+def make_figure(width: float, height: float):
+    """An empty figure on the Agg canvas, inches, outside of pyplot."""
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     engine = ConstrainedLayoutEngine(w_pad=0.02, h_pad=0.04)
-    figure = Figure(figsize=(width, height), layout=None if margins else engine)
+    return _empty_figure(width, height, engine)
+
+
+def _empty_figure(width: float, height: float, layout):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout=layout)
     FigureCanvasAgg(figure)
     return figure
 
 
-def stack_panels(figure, heights: Sequence[float], margins: Margins) -> list:
-    """Panels of given heights, one above the other, with a common time."""
-    width, height = figure.get_size_inches()
+def make_stack(width: float, heights: Sequence[float], margins: Margins):
+    """A figure and its panels, one above the other, with a common time.
+
+    For figures that a page has many of: a layout as texts need it takes as
+    long as the drawing.
+    """
+    between = margins.between * (len(heights) - 1)
+    height = margins.top + sum(heights) + between + margins.bottom
+    figure = _empty_figure(width, height, None)
     panels: list = []
     top = height - margins.top
     for own in heights:
@@ -128,7 +132,7 @@ def stack_panels(figure, heights: Sequence[float], margins: Margins) -> list:
         top -= own + margins.between
     for axes in panels[:-1]:
         axes.tick_params(labelbottom=False)
-    return panels
+    return figure, panels
 
 
 def to_data_uri(figure) -> str:

@@ -99,13 +99,17 @@ def smooth_rounding(numbers: BraceNumbers) -> BraceNumbers:
     replay little. Rounded readings flip, and the loop carries that on as if
     other noise had been drawn. Where noise is less, readings stay rounded.
     """
-    n, resolution = numbers.num_stages, numbers.resolution.copy()
-    sigma = numbers.noise_sigma.copy()
-    for i, own in enumerate((slice(0, 6 * n), slice(6 * n, 9 * n))):
-        if np.all(sigma[own] >= _SMOOTHED * resolution[i]):
-            sigma[own] = np.hypot(sigma[own], resolution[i] / np.sqrt(12.0))
-            resolution[i] = 0.0
-    return numbers.with_changes(resolution=resolution, noise_sigma=sigma)
+    sigma, lengths = numbers.noise_sigma, 6 * numbers.num_stages
+    forces = lengths + 3 * numbers.num_stages
+    least = np.array([sigma[:lengths].min(), sigma[lengths:forces].min()])
+    stays = least < _SMOOTHED * numbers.resolution
+    resolution = np.where(stays, numbers.resolution, 0.0)
+    smoothed = numbers.reading_steps
+    smoothed -= numbers.with_changes(resolution=resolution).reading_steps
+    return numbers.with_changes(
+        resolution=resolution,
+        noise_sigma=np.hypot(sigma, smoothed / np.sqrt(12.0)),
+    )
 
 
 def simulate_bench(

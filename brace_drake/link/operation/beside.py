@@ -170,8 +170,9 @@ def _measure_floor(scenario, limits: Limits) -> np.ndarray:
         command = control.Tick(readings, still)
         away.append(readings - rest)
     looped = np.sqrt(np.mean(np.square(away[_SETTLE:]), axis=0))
-    numbers, S = plant.numbers, plant.num_stages
-    steps = np.repeat([*numbers.resolution, 0.0], [6 * S, 3 * S, 3])
+    numbers = plant.numbers
     # A marker that is not there now has its noise all the same.
-    alone = np.hypot(numbers.noise_sigma, steps / math.sqrt(12.0))
+    alone = np.hypot(
+        numbers.noise_sigma, numbers.reading_steps / math.sqrt(12.0)
+    )
     return np.maximum(looped, alone)

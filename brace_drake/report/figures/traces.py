@@ -18,8 +18,8 @@ from brace_drake.report.canvas import (
     Margins,
     figure_style,
     make_figure,
+    make_stack,
     plain,
-    stack_panels,
     to_png_uri,
 )
 from brace_drake.report.traces import RunTrace
@@ -66,10 +66,7 @@ def draw_trace(
     other = trace.worst_channel(leave_out=main) if channel is None else None
     with figure_style():
         heights = [1.6, 0.9] + [0.9] * (other is not None)
-        height = sum(heights) + _AROUND.top + _AROUND.bottom
-        height += (len(heights) - 1) * _AROUND.between
-        figure = make_figure(WIDTH, height, _AROUND)
-        panels = stack_panels(figure, heights, _AROUND)
+        figure, panels = make_stack(WIDTH, heights, _AROUND)
         draw_values(panels[0], trace, main)
         draw_residual(panels[1], trace, main)
         if other is not None:

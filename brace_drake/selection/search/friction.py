@@ -39,7 +39,7 @@ def fit_friction(
         criterion: Of the campaign.
         effects: Those that may be added.
     """
-    found, are_behind = [], False
+    found = []
     power = tolerated_friction(lines.evaluator, lines.base, np.inf)
     if power < thresholds.WORTH_FRICTION * criterion.misfit(lines.base):
         return []
@@ -55,14 +55,13 @@ def fit_friction(
         best = min(able, key=lambda c: c.excess, default=None)
         if best is None or not best.step(lines, thresholds.STEPS, own=True):
             continue
-        found.append(best.fit())
         if behind:
-            are_behind = True
-        else:
-            found += [c.fit() for c in other_choices(lines, found[-1])]
-    # It takes of what is left, not of what tolerances are stretched to; behind
-    # a joint that gives way once it has these as they act there.
-    found = [f for f in found if are_behind or f.excess < lines.excess]
+            # It takes of what is left once it has tolerances as they act there.
+            found.append(best.fit())
+            continue
+        begun = [best, *other_choices(lines, best.fit())]
+        # It takes of what is left, not of what tolerances are stretched to.
+        found += [f for c in begun if (f := c.fit()).excess < lines.excess]
     if not found:
         return []
     most = least = min(f.excess for f in found)
