@@ -42,7 +42,10 @@ def verdict(**effects):
     }
 
 
-def sentence(told, closed=None, moved=0, off=None):
+MOVED = [{"name": "ring_mass_kg", "deviations": 1.2}]
+
+
+def sentence(told, closed=None, moved=(), off=None):
     return verdict_sentence("case016", told, closed, moved, off)
 
 
@@ -59,12 +62,14 @@ class TestVerdictText(unittest.TestCase):
 
     def test_a_twin_above_its_noise_is_not_said_to_be_at_it(self):
         none = verdict() | {"gap": False}
-        told = sentence(none, moved=3, off=1.96)
+        told = sentence(none, moved=MOVED, off=1.96)
         self.assertIn("is 1.96 times the noise floor off", told)
         self.assertIn("numbers within their tolerances", told)
         self.assertNotIn("down to its noise", told)
         self.assertTrue(told.startswith("No gap"))
-        self.assertIn("down to its noise", sentence(none, moved=3, off=1.02))
+        self.assertIn(
+            "down to its noise", sentence(none, moved=MOVED, off=1.02)
+        )
 
     def test_no_identifier_and_one_meaning_of_the_word_gap(self):
         text = sentence(verdict(clearance=CLEARANCE), closed=0.9957)
@@ -106,6 +111,19 @@ class TestVerdictText(unittest.TestCase):
         text = sentence(verdict(clearance=CLEARANCE), closed=0.44)
         self.assertTrue(text.startswith("The gap in case016 is partly"))
         self.assertIn("adding it closes 44.0 % of the gap", text)
+
+    def test_a_number_beyond_its_tolerance_is_told_with_and_without_a_gap(self):
+        far = [*MOVED, {"name": "force_scale", "deviations": -5.42}]
+        told = "force_scale is 5.4 tolerances off."
+        none = verdict() | {"gap": False}
+        text = sentence(none, moved=far, off=1.2)
+        self.assertTrue(text.endswith(told), text)
+        self.assertIn("more than tolerances allow", text)
+        self.assertNotIn("ring_mass", text)
+        text = sentence(verdict(clearance=CLEARANCE), closed=0.9, moved=far)
+        self.assertTrue(text.endswith(f"Beside them {told}"), text)
+        text = sentence(none, moved=MOVED, off=1.2)
+        self.assertIn("No gap that tolerances do not allow for", text)
 
     def test_a_rival_that_cannot_be_told_apart_is_in_the_sentence(self):
         told = verdict(clearance=CLEARANCE)

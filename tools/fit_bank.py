@@ -131,7 +131,7 @@ def read_bank(path: Path) -> Iterator[tuple[dict, Criterion, list[StoredFit]]]:
             record.get("level", thresholds.LEVEL),
             record.get("chance", 0.0),
         )
-        yield record, criterion, fits
+        yield record, criterion.over([nominal, *fits]), fits
 
 
 def _read_fit(row: dict) -> StoredFit:

@@ -62,7 +62,7 @@ def MakeDocument(d: Diagnosis, origin: Origin | None = None) -> dict:
         "contradicted": verdict.contradicted or None,
     }
     name = d.campaign.name
-    told["sentence"] = verdict_sentence(name, told, closed, len(moved), off)
+    told["sentence"] = verdict_sentence(name, told, closed, moved, off)
     told["sentence"] += law_sentence(told["unexplained"]["law"])
     told["sentence"] += controller_text(d.block_tests)
     told["sentence"] += stated_text(

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from brace_drake.effects.registry import choice_words, find_effect
 from brace_drake.report.words import parameter_text
-from brace_drake.selection.thresholds import MATERIAL
+from brace_drake.selection.thresholds import MATERIAL, WITHIN
 
 # A number that is stated is told where it is off by more than this part, and by
 # so many standard errors.
@@ -15,13 +15,15 @@ _STATED, _CLEAR = 0.1, 4.0
 _EXPLAINED = 1.0 - MATERIAL
 # Times the floor up to which a twin is said to be at its noise.
 _AT_NOISE = 1.1
+# Numbers beyond their tolerances that are named.
+_MOST_FAR = 3
 
 
 def verdict_sentence(
     name: str,
     verdict: dict,
     closed: float | None,
-    moved: int,
+    moved: Sequence[dict],
     off: float | None = None,
 ) -> str:
     """What was found, what is certain of it, and what is left.
@@ -30,7 +32,8 @@ def verdict_sentence(
         name: Of the campaign.
         verdict: Of the document, without its sentence.
         closed: Share of the gap that all effects close on validation runs.
-        moved: Numbers known to a tolerance that the data move.
+        moved: Numbers known to a tolerance that the data move, with their name
+            and `deviations`.
         off: Times the floor that the twin is off on validation runs; None
             without any.
     """
@@ -42,6 +45,12 @@ def verdict_sentence(
         )
     if not verdict["gap"]:
         how = "the subject's parameters"
+        far = _far_text(moved)
+        if far:
+            return (
+                f"No effect is needed in {name}, but more than tolerances allow"
+                f" for: with {how} fitted, {far}."
+            )
         how += " and numbers within their tolerances" if moved else ""
         if off is not None and off > _AT_NOISE:
             return (
@@ -62,7 +71,25 @@ def verdict_sentence(
     withdrawn = f" Withdrawn: {why}." if why else ""
     if verdict["outside_library"]:
         return f"{_partly_text(name, verdict, rest)}{withdrawn}"
-    return f"{_explained_text(name, verdict, closed)}{withdrawn}"
+    text, far = _explained_text(name, verdict, closed), _far_text(moved)
+    text += f" Beside them {far}." if far else ""
+    return f"{text}{withdrawn}"
+
+
+def _far_text(moved: Sequence[dict]) -> str:
+    """Numbers that are off by more than their tolerances allow; empty where
+    none is.
+    """
+    far = [row for row in moved if abs(row["deviations"]) > WITHIN]
+    if not far:
+        return ""
+    told = [
+        f"{row['name']} is {abs(row['deviations']):.2g} tolerances off"
+        for row in far[:_MOST_FAR]
+    ]
+    if len(far) > _MOST_FAR:
+        told.append(f"{len(far) - _MOST_FAR} more by more than {WITHIN:.0f}")
+    return " and ".join(told)
 
 
 def _partly_text(name: str, verdict: dict, rest: str) -> str:

@@ -21,8 +21,9 @@ tolerances are no part of the misfit, see `devices.tolerances`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,6 +48,8 @@ class Criterion:
         level: Misfit of a right twin: the noise is not known better, its laws
             are not, and it slips by chance.
         chance: Of that the last.
+        least: Of a right twin, 0 or less: the recording has so much less noise
+            than was thought.
         nuisances: Numbers known to a tolerance.
         is_last: Whether a verdict is decided by it, and no search goes on.
         is_foreign: Whether even the best explanation leaves an unknown law.
@@ -57,6 +60,7 @@ class Criterion:
     recorded: float = 1.0
     level: float = thresholds.LEVEL
     chance: float = 0.0
+    least: float = 0.0
     nuisances: tuple[Nuisance, ...] = ()
     is_last: bool = False
     is_foreign: bool = False
@@ -79,8 +83,22 @@ class Criterion:
     def left(self, fit: CandidateFit, level: float | None = None) -> float:
         """Geometric mean of both misfits, each with the level or another."""
         level = self.level if level is None else level
-        both = (max(0.0, self.misfit(fit)), self.predicted(fit))
-        return float(np.sqrt(np.prod([m + level for m in both])))
+        inside = self.misfit(fit)
+        new = inside if fit.held_out is None else fit.held_out
+        both = (max(0.0, m - self.least) + level for m in (inside, new))
+        return math.sqrt(math.prod(both))
+
+    def over(self, fits: Sequence[CandidateFit]) -> Criterion:
+        """The same, with the noise that the best of fits shows: what a right
+        twin leaves more than it is no more than it is exact to.
+        """
+        both = [
+            max(self.misfit(f), f.held_out or -np.inf)
+            for f in fits
+            if f.refined and f.is_scattered
+        ]
+        best = min(both, default=0.0)
+        return replace(self, least=min(0.0, best + thresholds.TRUST))
 
     @property
     def trust(self) -> float:

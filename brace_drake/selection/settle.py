@@ -23,6 +23,9 @@ from brace_drake.selection.same_model import comes_down_to
 from brace_drake.selection.search.nested import special_case
 from brace_drake.selection.search.within import refit_within, set_out
 
+# Fits that are led to their end at most, with their special cases.
+_ROUNDS = 4
+
 
 def settle(
     evaluator: Evaluator,
@@ -31,27 +34,45 @@ def settle(
 ) -> tuple[Criterion, list[CandidateFit]]:
     """The criterion and the fits that a verdict is decided on.
 
+    The best of them is led to its end and compared with its special case, as
+    long as another is the best then, beside the level that its friction adds.
+
     Args:
         evaluator: Over the fit runs.
         criterion: Of the search.
         fits: Of the search.
     """
-    criterion = replace(criterion, is_last=True)
-    best = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
-    if not best.effects:
-        return with_level(evaluator, criterion, best), list(fits)
-    set_out(evaluator, best)
-    again = best
-    if not best.is_settled:
-        again = refit_within(evaluator, best, criterion.nuisances)
-    again = check_fit(evaluator, correct_fit(evaluator, again))
-    fits = [again if f is best else f for f in fits]
-    simpler = _simplify(evaluator, criterion, again)
-    if simpler is not None:
-        fits.append(simpler)
-        fits = [f for f in fits if not comes_down_to(f.uses, simpler.uses)]
-        again = best_of_kinds(criterion, [criterion.nominal, *fits])[0]
-    return with_level(evaluator, criterion, again), fits
+    criterion, fits = replace(criterion, is_last=True), list(fits)
+    ended: list[CandidateFit] = []
+    for _ in range(_ROUNDS):
+        criterion, best = _with_best(evaluator, criterion, fits)
+        if not best.effects or any(best is f for f in ended):
+            return criterion, fits
+        set_out(evaluator, best)
+        again = best
+        if not best.is_settled:
+            again = refit_within(evaluator, best, criterion.nuisances)
+        again = check_fit(evaluator, correct_fit(evaluator, again))
+        fits = [again if f is best else f for f in fits]
+        ended.append(again)
+        simpler = _simplify(evaluator, criterion, again)
+        if simpler is not None:
+            ended.append(simpler)
+            fits = [f for f in fits if not comes_down_to(f.uses, simpler.uses)]
+            fits.append(simpler)
+    criterion, _ = _with_best(evaluator, criterion, fits)
+    return criterion, fits
+
+
+def _with_best(
+    evaluator: Evaluator, criterion: Criterion, fits: Sequence[CandidateFit]
+) -> tuple[Criterion, CandidateFit]:
+    """The criterion beside the level of the best fit, and the best there."""
+    every = [criterion.nominal, *fits]
+    criterion = criterion.over(every)
+    best = best_of_kinds(criterion, every)[0]
+    criterion = with_level(evaluator, criterion, best)
+    return criterion, best_of_kinds(criterion, every)[0]
 
 
 def _simplify(

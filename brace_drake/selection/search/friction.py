@@ -39,7 +39,7 @@ def fit_friction(
         criterion: Of the campaign.
         effects: Those that may be added.
     """
-    found = []
+    behind, beside = [], []
     power = tolerated_friction(lines.evaluator, lines.base, np.inf)
     if power < thresholds.WORTH_FRICTION * criterion.misfit(lines.base):
         return []
@@ -49,32 +49,39 @@ def fit_friction(
             continue
         start = np.minimum(values * max(t, 1.0), card.upper)
         forms = [e for e in effects if e.name == card.name]
-        behind = _behind_joints(lines, card, start)
-        begun = behind or [with_one_more(lines, form, start) for form in forms]
-        able = [c for c in begun if c is not None]
-        best = min(able, key=lambda c: c.excess, default=None)
-        if best is None or not best.step(lines, thresholds.STEPS, own=True):
-            continue
-        if behind:
-            # It takes of what is left once it has tolerances as they act there.
-            found.append(best.fit())
+        # Behind a joint that gives way it takes of what is left once it has
+        # tolerances as they act there.
+        best = _stepped(lines, _behind_joints(lines, card, start))
+        behind += [] if best is None else [best.fit()]
+        begun = [with_one_more(lines, form, start) for form in forms]
+        best = _stepped(lines, begun)
+        if best is None:
             continue
         begun = [best, *other_choices(lines, best.fit())]
         # It takes of what is left, not of what tolerances are stretched to.
-        found += [f for c in begun if (f := c.fit()).excess < lines.excess]
-    if not found:
-        return []
-    most = least = min(f.excess for f in found)
+        fits = [c.fit() for c in begun]
+        beside += [f for f in fits if f.excess < lines.excess]
+    most = least = min((f.excess for f in beside), default=0.0)
     if lines.evaluator.tolerances.noise > 1.0:
         # Weighed beside what is left, forms look much alike.
         most = max(least, thresholds.SHORTLIST * least)
     # What it does bends what tolerances do.
     fits = [
         refit_within(lines.evaluator, fit, criterion.nuisances)
-        for fit in found
-        if fit.excess <= most
+        for fit in [*behind, *(f for f in beside if f.excess <= most)]
     ]
     return [f for f in fits if f.excess < lines.base.excess]
+
+
+def _stepped(
+    lines: Linearisation, begun: Sequence[Candidate | None]
+) -> Candidate | None:
+    """The candidate that begins best, after a round of steps."""
+    able = [c for c in begun if c is not None]
+    best = min(able, key=lambda c: c.excess, default=None)
+    if best is None or not best.step(lines, thresholds.STEPS, own=True):
+        return None
+    return best
 
 
 def _behind_joints(

@@ -71,7 +71,7 @@ def search_causes(
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
         best = ranked[0]
         # Friction that is found within its tolerance adds to the level.
-        criterion = with_level(evaluator, criterion, best)
+        criterion = with_level(evaluator, criterion, best).over(known)
         if not criterion.may_pay(best):
             return known
         before, least = (
