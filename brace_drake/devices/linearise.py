@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import qr
 
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Nuisance
@@ -25,6 +26,8 @@ _TELLS = 0.1
 # Where drives stick and slip by chance, columns are differenced over so many
 # deviations: how the chance falls is part of every difference.
 _FAR = 3.0
+# Rows of a matrix that are worked on at once.
+_BLOCK = 4096
 
 
 def linearise_tolerances(
@@ -78,11 +81,20 @@ def linearise_tolerances(
         changes = evaluator.changes(subject, (*uses, *here), after)
     except BraceError:
         return None
-    columns = np.column_stack(changes) / steps
+    # A column takes megabytes: none stands twice for long.
+    columns = np.empty((len(changes[0]), len(nuisances)), order="F")
+    while changes:
+        last = len(changes) - 1
+        np.divide(changes.pop(), steps[last], out=columns[:, last])
     if len(ways) < len(nuisances):
-        other = np.eye(len(nuisances)) - ways.T @ ways
-        columns = columns @ ways + before.basis @ (before.columns @ other)
-    basis, coefficients = np.linalg.qr(columns)
+        other = before.columns @ (np.eye(len(nuisances)) - ways.T @ ways)
+        for i in range(0, len(columns), _BLOCK):
+            rows = slice(i, i + _BLOCK)
+            told = columns[rows, : len(ways)] @ ways
+            columns[rows] = told + before.basis[rows] @ other
+    basis, coefficients = qr(
+        columns, overwrite_a=True, mode="economic", check_finite=False
+    )
     return LinearTolerances(
         tuple(nuisances), basis, coefficients, uses_off, off, noise=noise
     )

@@ -212,7 +212,7 @@ class Evaluator:
             raise BraceError("the twin breaks down with further effects")
         known = dict(zip(kinds, found, strict=False))
         return [
-            known[kind] - x
+            np.subtract(known[kind], x, out=x)
             for kind, x in zip(noisy, found[len(kinds) :], strict=True)
         ]
 
@@ -243,7 +243,7 @@ class Evaluator:
                 found |= {(i, k): x for k, x in zip(own, of_run, strict=True)}
         out = []
         for k in range(len(points)):
-            parts = [found[i, k] for i in range(len(self.prepared))]
+            parts = [found.pop((i, k)) for i in range(len(self.prepared))]
             broke = any(x is None for x in parts)
             out.append(None if broke else np.concatenate(parts))
         return out
