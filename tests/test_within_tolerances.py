@@ -46,6 +46,19 @@ class TestTolerances(unittest.TestCase):
         self.columns = self.rng.normal(size=(60, 4)) * [0.1, 1.0, 5.0, 40.0]
         self.known = known_tolerances(self.columns)
 
+    def test_what_some_have_whitened_others_whiten_without_undoing_it(self):
+        fewer = LinearTolerances(
+            self.known.nuisances[:2],
+            self.known.basis,
+            self.known.columns[:, [0, 3]],
+        )
+        rows = self.known.whiten(self.rng.normal(size=(60, 3)))
+        change = fewer.from_whitened(self.known)
+        found = rows + fewer.basis @ (change @ (fewer.basis.T @ rows))
+        np.testing.assert_allclose(
+            found, fewer.whiten(self.known.colour(rows)), atol=1e-12
+        )
+
     def test_whitening_makes_pure_noise_of_what_tolerances_add(self):
         covariance = np.eye(60) + self.columns @ self.columns.T
         half = self.known.whiten(covariance)
@@ -251,6 +264,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         base = search_beside(evaluator, fit)
         self.assertIsNone(base.tolerances.off)
         lines = Linearisation(evaluator, base)
+        self.check_sensitivities(lines)
         candidate = with_one_more(lines, gain, np.array([0.02]))
         self.assertTrue(candidate.step(lines, 5))
         found = refit_within(evaluator, candidate.fit(), nuisances)
@@ -266,6 +280,25 @@ class TestBenchWithinTolerances(unittest.TestCase):
         }
         whole = size + drawn["force_scale"]
         self.assertAlmostEqual(here + off["force_scale"], whole, delta=0.004)
+
+    def check_sensitivities(self, lines):
+        """A candidate that stands for a number itself sees the fit as whitened
+        without it.
+        """
+        scale = find_effect("force_scale")
+        problem = with_one_more(lines, scale, np.array([0.01])).problem
+        self.assertIsNot(problem.tolerances, lines.tolerances)
+        z = np.append(lines.base.solution.z, 0.01 / problem.scales[-1])
+        (residual,) = problem.batch([z], coarse=True)
+        found = lines.differentiate(problem, z, residual)
+        n, rows = len(z) - 1, lines.rows
+        own = lines.base.solution.jacobian[:rows]
+        own = lines.base.tolerances.colour(own)
+        expected = problem.tolerances.whiten(own)
+        size = np.abs(expected).max(axis=0)
+        np.testing.assert_allclose(
+            found[:rows, :n] / size, expected / size, atol=1e-9
+        )
 
 
 if __name__ == "__main__":

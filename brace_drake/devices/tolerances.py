@@ -26,6 +26,9 @@ from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 
+# Residuals that are whitened at once.
+_AT_ONCE = 8
+
 # From how far each number is off, SI units by name, to effects.
 UsesOff = Callable[[Mapping[str, float]], tuple[Use, ...]]
 
@@ -99,13 +102,17 @@ class LinearTolerances:
         along = self.basis.T @ residual
         return residual + self._spanned(self.root @ along - along)
 
-    def whiten_each(self, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+    def whiten_in_place(self, residuals: Sequence[np.ndarray]) -> None:
         """`whiten` of several residuals (rows,) of a twin with `uses`.
 
-        At once: alone, each would read the basis from memory anew.
+        A few at once: alone, each would read the basis from memory anew, and
+        all together they would stand in it twice.
         """
-        rows = self.around_zero(np.stack(residuals).T)
-        return list(self.whiten(rows).T)
+        for i in range(0, len(residuals), _AT_ONCE):
+            few = residuals[i : i + _AT_ONCE]
+            rows = self.whiten(self.around_zero(np.stack(few).T))
+            for residual, white in zip(few, rows.T, strict=True):
+                residual[:] = white
 
     def _spanned(self, along: np.ndarray) -> np.ndarray:
         """Vectors of the basis (k,) or (k, m) in all rows, column by column in
@@ -136,6 +143,12 @@ class LinearTolerances:
         """The inverse of `whiten`."""
         along = self.basis.T @ whitened
         return whitened + self._spanned(self._coloured @ along - along)
+
+    def from_whitened(self, other: LinearTolerances) -> np.ndarray:
+        """T (k, k) of B T B' v, which is added to what others with the same
+        basis B have whitened: as whitened by these.
+        """
+        return self.root @ other._coloured - np.eye(len(self.root))
 
     def along(self, whitened: np.ndarray) -> np.ndarray:
         """A residual in the basis (k,), of what it is after `whiten`."""

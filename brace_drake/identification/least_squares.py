@@ -190,6 +190,8 @@ def solve_gauss_newton(
         iteration += 1
         fresh = stale
         if stale:
+            # The last one goes first: it takes as much memory.
+            jacobian = None
             jacobian = differentiate(z, residual)
         cost = float(residual @ residual)
         limits = lower, upper, radius

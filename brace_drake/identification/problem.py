@@ -264,16 +264,14 @@ class CandidateProblem:
             split.append((subject, uses))
         evaluator.replays += len(points)
         found = evaluator.weighted_residuals(split, step)
-        went = [rows for rows in found if rows is not None]
-        if went and self.tolerances is not None:
-            went = self.tolerances.whiten_each(went)
-        white = iter(went)
-        return [
-            None
-            if rows is None
-            else np.concatenate([next(white), self.prior_rows(z)])
-            for z, rows in zip(points, found, strict=True)
-        ]
+        if self.tolerances is not None:
+            went = [rows for rows in found if rows is not None]
+            self.tolerances.whiten_in_place(went)
+            del went
+        for i, z in enumerate(points):
+            if found[i] is not None and self.num_prior:
+                found[i] = np.append(found[i], self.prior_rows(z))
+        return found
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:
         """Rows of all runs whitened of tolerances; the prior's as they are."""

@@ -78,7 +78,10 @@ def _differences(
     if base is None:
         base, *moved = moved
     rows = problem.evaluator.ends[-1]
-    for group, residual in zip(groups, moved, strict=True):
+    moved.reverse()
+    for group in groups:
+        # Megabytes each: none is kept for longer.
+        residual = moved.pop()
         if residual is None:
             continue
         change = (residual - base)[:rows]

@@ -12,7 +12,6 @@ from brace_drake.devices.stretch import stretch_of
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.least_squares import beyond
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.sensitivities import calc_sensitivities
 from brace_drake.selection import thresholds
@@ -34,8 +33,8 @@ class Linearisation:
 
     Attributes:
         residual: Of the fit at the coarse plant step (rows,).
-        unreachable: What of it no change of the fit's parameters takes.
-        excess: Sum of squares of that above noise.
+        excess: Sum of squares above noise of what no change of the fit's
+            parameters takes.
         remaining: The same, strained; not below 0.
         whole_tolerances: Of all numbers, as the evaluator has them.
 
@@ -62,7 +61,9 @@ class Linearisation:
             (smooth,) = problem.batch([z], coarse=True, smooth=True)
             self._smooth = None if smooth is None else smooth[: self.rows]
         jacobian = base.solution.jacobian[: self.rows]
-        self.sensitivities = self._seen(jacobian, base.tolerances)
+        self._sensitivities = self._seen(jacobian, base.tolerances)
+        self._gram = self._sensitivities.T @ self._sensitivities
+        self._change: np.ndarray | None = None
         self._beside: dict[int, Linearisation] = {}
         self.noise = evaluator.count * evaluator.noise_level(
             base.uses, coarse=True
@@ -71,30 +72,39 @@ class Linearisation:
 
     def _derive(self) -> None:
         """What follows from residual and sensitivities."""
-        self._gram = self.sensitivities.T @ self.sensitivities
-        self._slope = self.sensitivities.T @ self.residual
+        self._slope = self._along(self.residual)
         self._square = float(self.residual @ self.residual)
         step = _minimise(self._gram, self._slope, *self._room)
-        inside = (step > self._room[0]) & (step < self._room[1])
-        seen = np.linalg.norm(self.sensitivities, axis=0) > 0.0
-        self._basis = np.linalg.qr(self.sensitivities[:, inside & seen])[0]
-        moved = self.residual + self.sensitivities @ np.where(inside, 0, step)
-        self.unreachable = self.beyond(moved)
-        self.excess = float(self.unreachable @ self.unreachable) - self.noise
-        self._stretch = self._stretch_at(self.sensitivities @ step)
+        self.excess = self._left(self._gram, self._slope, step)
+        self._stretch = self._stretch_at(self._moved(step))
         count = self.evaluator.count
         left = strained(self.excess, self._stretch, count)
         self.remaining = max(0.0, left)
+
+    def _left(self, gram, slope, x: np.ndarray) -> float:
+        """Squares above noise after a change x of parameters."""
+        change = 2.0 * slope @ x + x @ gram @ x
+        return float(self._square + change - self.noise)
+
+    def _moved(self, step: np.ndarray) -> np.ndarray:
+        """Change of the residual by a step of the parameters (rows,)."""
+        moved = self._sensitivities @ step
+        if self._change is not None:
+            moved += self.tolerances.basis @ (self._change @ step)
+        return moved
+
+    def _along(self, residual: np.ndarray) -> np.ndarray:
+        """Sensitivities times a residual (n,)."""
+        along = self._sensitivities.T @ residual
+        if self._change is not None:
+            along += self._change.T @ (self.tolerances.basis.T @ residual)
+        return along
 
     def _stretch_at(self, change: np.ndarray) -> float:
         """Of tolerances, where the residual has changed by so much."""
         if self.tolerances is None:
             return 0.0
         return stretch_of(self.tolerances, self.residual + change)
-
-    def beyond(self, vectors: np.ndarray) -> np.ndarray:
-        """What of residuals or columns no change of the fit takes."""
-        return beyond(vectors[: self.rows], self._basis)
 
     def _seen(
         self, rows: np.ndarray, before: LinearTolerances | None
@@ -121,12 +131,21 @@ class Linearisation:
             other.residual = other._seen(self.residual, self.tolerances)
             if self._smooth is not None:
                 other._smooth = other._seen(self._smooth, self.tolerances)
-            other.sensitivities = other._seen(
-                self.sensitivities, self.tolerances
-            )
+            other._whiten_anew(self.tolerances)
             other._derive()
             self._beside[id(tolerances)] = other
         return self._beside[id(tolerances)]
+
+    def _whiten_anew(self, before: LinearTolerances) -> None:
+        """Takes the sensitivities as whitened of the tolerances here, which
+        have the basis of those before: what they are in that alone changes.
+        """
+        basis = self.tolerances.basis
+        along = basis.T @ self._sensitivities
+        change = self.tolerances.from_whitened(before) @ along
+        shared = along.T @ change
+        self._gram = self._gram + shared + shared.T + change.T @ change
+        self._change = change
 
     @property
     def is_exact(self) -> bool:
@@ -168,7 +187,7 @@ class Linearisation:
             left, x = self._best_on(way, whole, either_way)
         # Far on a straight way tolerances tell nothing: they are stretched no
         # more than at its beginning.
-        change = self.sensitivities @ x[:-1] + way * x[-1]
+        change = self._moved(x[:-1]) + way * x[-1]
         stretch = min(self._stretch, self._stretch_at(change))
         left = strained(left, stretch, self.evaluator.count)
         return left, float(x[-1])
@@ -195,15 +214,14 @@ class Linearisation:
         """Least excess along a way of a given squared length, and where, the
         part of the way last.
         """
-        cross = self.sensitivities.T @ way
+        cross = self._along(way)
         gram = np.block([[self._gram, cross[:, None]], [cross, square]])
         slope = np.append(self._slope, way @ self.residual)
         reach = thresholds.REACH
         low = np.append(self._room[0], -reach if either_way else 0.0)
         high = np.append(self._room[1], reach)
         x = _minimise(gram, slope, low, high)
-        left = self._square + 2.0 * slope @ x + x @ gram @ x - self.noise
-        return float(left), x
+        return self._left(gram, slope, x), x
 
     def added_noise(self, problem: CandidateProblem, z: np.ndarray) -> float:
         """Squares of noise in a way, of replays that are dithered."""
@@ -216,10 +234,13 @@ class Linearisation:
         self, problem: CandidateProblem, z: np.ndarray, residual: np.ndarray
     ) -> np.ndarray:
         """Jacobian of a candidate with the fit's columns kept."""
-        sensitivities = self.beside(problem.tolerances).sensitivities
-        n = sensitivities.shape[1]
+        seen = self.beside(problem.tolerances)
+        n = len(seen._slope)
         out = np.zeros((len(residual), len(z)), order="F")
-        out[: self.rows, :n] = sensitivities
+        out[: self.rows, :n] = seen._sensitivities
+        if seen._change is not None:
+            for column, change in zip(out.T, seen._change.T, strict=False):
+                column[: self.rows] += seen.tolerances.basis @ change
         prior = problem.prior_jacobian()
         out[len(out) - len(prior) :] = prior
         out[:, n:] = calc_sensitivities(problem, z, n, residual)
