@@ -52,6 +52,7 @@ class TestCards(unittest.TestCase):
                 ):
                     self.assertGreater(len(text), 8)
                 self.assertTrue(card.impostors)
+                self.assertTrue(card.remedy)
 
     def test_every_start_lies_within_its_limits(self):
         for name, card in all_effects().items():

@@ -88,6 +88,7 @@ class Effect:
         impostors: Effects that it is confused with, and what tells them
             apart.
         experiment: The motion that shows it best.
+        remedy: What to look at or do about it, at the machine or in the twin.
         needs: What a device must have for it beside the plug points of its
             laws, see `places`.
         dithered: Whether the noise in the loop changes the mean motion, as
@@ -127,6 +128,7 @@ class Effect:
     signature: str
     impostors: Mapping[str, str]
     experiment: str
+    remedy: str = ""
     laws: Mapping[str, Callable] = field(default_factory=dict)
     num_states: Mapping[str, int] = field(default_factory=dict)
     modify: Callable | None = None

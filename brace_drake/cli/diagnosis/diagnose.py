@@ -87,6 +87,7 @@ def Run(args: argparse.Namespace) -> int:
     verdict = document["verdict"]
     print(verdict["sentence"])
     print(f"certainty: {verdict['probability']:.0%}")
+    _PrintRemedies(verdict["effects"])
     print(scenario_note(campaign, document["provenance"]["scenario"]))
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")
@@ -96,6 +97,15 @@ def Run(args: argparse.Namespace) -> int:
     for path in more:
         print(f"file: {path}")
     return 0
+
+
+def _PrintRemedies(effects: Sequence[str]) -> None:
+    from brace_drake.effects.registry import find_effect
+
+    for effect in effects:
+        remedy = find_effect(effect).remedy
+        if remedy:
+            print(f"what to do about {effect}: {remedy}")
 
 
 def _RunMany(args: argparse.Namespace) -> int:

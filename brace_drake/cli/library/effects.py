@@ -123,6 +123,7 @@ def describe_effect(card: Effect) -> dict:
         "signature": card.signature,
         "impostors": dict(card.impostors),
         "experiment": card.experiment,
+        "remedy": card.remedy,
     }
 
 

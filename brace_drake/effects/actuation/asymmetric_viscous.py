@@ -36,5 +36,7 @@ CARD = Effect(
     impostors={
         "coulomb_friction": "the same at all speeds, and turns with direction"
     },
+    remedy="compare bearings, seals or valves for both directions; give the"
+    " twin a damping for each",
     experiment="strokes at two speeds, both ways",
 )

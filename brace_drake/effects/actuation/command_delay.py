@@ -61,5 +61,7 @@ CARD = Effect(
         "viscous_leg": "a phase lag as well, but no dead time at the start",
         "force_lag": "acts through the impedance filter only",
     },
+    remedy="measure the time from a step of the command to the force; shorten"
+    " the bus cycle, or give the controller the dead time",
     experiment="free multisine with high frequencies",
 )

@@ -31,5 +31,7 @@ CARD = Effect(
         "coulomb_friction": "follows the sign of the speed, not of the command",
         "weak_leg": "one leg only, in proportion to its command",
     },
+    remedy="read a drive's force over small commands; take the dead zone out"
+    " of its amplifier, or add it to the command",
     experiment="stairs, held: no speed, commands of both signs",
 )

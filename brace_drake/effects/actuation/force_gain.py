@@ -27,5 +27,7 @@ CARD = Effect(
         "ring_mass": "weight alone, nothing in proportion to the push",
         "force_scale": "a reading, not a force: free runs stay as they are",
     },
+    remedy="hold a known weight with each drive; correct the force constants"
+    " of the drives",
     experiment="stairs: the load on the legs changes, the weight does not",
 )

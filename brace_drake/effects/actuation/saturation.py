@@ -43,6 +43,8 @@ _COMMON = dict(
         "force_gain": "in proportion at every load",
         "hardening": "tissue that yields no more; the legs follow commands",
     },
+    remedy="check current limits and supply of the drives; plan motions that"
+    " stay below",
     experiment="the largest push that is safe",
 )
 

@@ -76,6 +76,8 @@ CARD = Effect(
     impostors={
         "coulomb_friction": "no negative slope; compare several slow speeds"
     },
+    remedy="clean and grease guides and screws; until then avoid rests and"
+    " very slow reversals",
     experiment="reversals at several slow speeds without contact",
 )
 

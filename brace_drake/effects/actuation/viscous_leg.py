@@ -42,6 +42,8 @@ CARD = Effect(
         "coulomb_friction": "the same at all speeds, steps at reversals",
         "command_delay": "acts on accelerations and on contact as well",
     },
+    remedy="drive a leg at constant speeds and read its force; check grease"
+    " and temperature, then write the number into the scenario",
     experiment="free multisine at two amplitudes",
 )
 # On a machine whose numbers are not those of a brace.

@@ -34,5 +34,7 @@ CARD = Effect(
         "force_gain": "all legs alike: no tilt",
         "anchor_error": "leg lengths off at rest as well",
     },
+    remedy="exchange this drive with another: if the weakness goes along"
+    " replace the drive, else look at amplifier and cable",
     experiment="stairs in both directions",
 )

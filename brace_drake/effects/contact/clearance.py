@@ -44,5 +44,6 @@ CARD = Effect(
         "hardening": "grows with depth, no threshold",
         "backlash": "in the legs: shows in free runs as well",
     },
+    remedy="fit the pad anew, or begin the push nearer to the torso",
     experiment="slow reversals through the rest position",
 )

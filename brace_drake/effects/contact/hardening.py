@@ -34,5 +34,7 @@ CARD = Effect(
         "relaxation": "depends on how long a push lasts",
         "clearance": "a threshold, then a constant stiffness",
     },
+    remedy="nothing is wrong with the machine: tissue stiffens when pressed;"
+    " keep the law in the twin, and plan forces with it",
     experiment="stairs to the full depth",
 )

@@ -62,5 +62,7 @@ CARD = Effect(
         "hardening": "the same at every speed",
         "relaxation": "force creeps in holds",
     },
+    remedy="nothing is wrong with the machine: pads damp more the deeper they"
+    " are pressed; keep the law in the twin",
     experiment="multisine at two depths",
 )

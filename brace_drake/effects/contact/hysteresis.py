@@ -75,5 +75,8 @@ CARD = Effect(
     impostors={
         "relaxation": "the loop's width depends on speed, force creeps in holds"
     },
+    remedy="nothing is wrong with the machine: tissue keeps a part of the"
+    " force; push slowly a few times before recording, and keep the law"
+    " in the twin",
     experiment="reversals at two speeds with the same depth",
 )

@@ -47,5 +47,7 @@ CARD = Effect(
         "posture_drift": "grows with time of the run, not after each step",
         "hardening": "the same force at the same depth, however fast",
     },
+    remedy="nothing is wrong with the machine: tissue gives way under load;"
+    " hold a push until its force stands, and keep the law in the twin",
     experiment="stairs with long holds",
 )

@@ -47,5 +47,7 @@ CARD = Effect(
     needs=("one joint", "joint position"),
     signature="the same ripple at the same places, both ways",
     impostors={"stiffening": "one swing over the whole travel"},
+    remedy="turn the drive slowly and map the force over its place; look for"
+    " a bent screw, a worn tooth or magnets",
     experiment="slow strokes over the whole travel, both ways",
 )

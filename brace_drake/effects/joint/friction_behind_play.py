@@ -78,5 +78,6 @@ CARD = Effect(
     impostors={
         "coulomb_friction": "the level is reached at once after a reversal"
     },
+    remedy="tighten the joint, and grease what moves behind it",
     experiment="slow strokes of two lengths",
 )

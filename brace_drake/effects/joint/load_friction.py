@@ -47,5 +47,6 @@ CARD = Effect(
     needs=("one joint", "extra input"),
     signature="half of the loop between both directions grows with the load",
     impostors={"coulomb_friction": "the same at every load"},
+    remedy="check how guides and bearings are aligned and loaded from the side",
     experiment="the same strokes at three loads",
 )

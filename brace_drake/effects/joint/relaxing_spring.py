@@ -49,5 +49,7 @@ CARD = Effect(
     needs=("one joint", "joint position"),
     signature="force falls in a hold, and fast strokes are stiffer than slow",
     impostors={"stiffening": "the same force at the same place, however fast"},
+    remedy="wait after each step until the force stands; look at belts, hoses"
+    " and soft parts",
     experiment="steps with long holds",
 )

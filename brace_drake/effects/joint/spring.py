@@ -26,5 +26,6 @@ CARD = Effect(
     needs=("joint of a plant",),
     signature="a force in proportion to the place, the same both ways",
     impostors={"unbalanced_weight": "a force that follows the angle's sine"},
+    remedy="look for a cable, a hose or a seal that pulls back",
     experiment="slow strokes over the whole way",
 )

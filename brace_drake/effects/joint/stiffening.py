@@ -33,5 +33,7 @@ CARD = Effect(
     needs=("one joint", "joint position"),
     signature="a force that bends over position, the same both ways",
     impostors={"relaxing_spring": "depends on how long it is held"},
+    remedy="look for a stop or a cable that tightens near the end of the"
+    " travel",
     experiment="slow strokes of two lengths",
 )

@@ -33,5 +33,6 @@ CARD = Effect(
     needs=("one joint", "joint position", "angle"),
     signature="a torque that follows the angle, the same both ways",
     impostors={"stiffening": "a spring's, which has no turn of its own"},
+    remedy="balance the weight, or write its mass and arm into the scenario",
     experiment="slow strokes over a wide angle",
 )

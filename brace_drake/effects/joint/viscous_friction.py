@@ -24,5 +24,7 @@ CARD = replace(
     needs=("joint of a plant",),
     signature="a force in proportion to the speed",
     impostors={"coulomb_friction": "the same at all speeds"},
+    remedy="move at constant speeds and read the force; check grease, seals"
+    " and temperature",
     experiment="the same motion at two speeds",
 )

@@ -40,5 +40,6 @@ CARD = Effect(
     signature="leg lengths off at rest, a pose error that stays, force"
     " directions off in proportion to the leg forces",
     impostors={"encoder_offset": "shifts lengths, leaves force directions"},
+    remedy="measure the places of the joints and write them into the scenario",
     experiment="stairs over the whole workspace",
 )

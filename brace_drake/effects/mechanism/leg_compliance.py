@@ -102,6 +102,8 @@ CARD = Effect(
         "backlash": "lost motion of a constant width",
         "encoder_offset": "constant, whatever the force",
     },
+    remedy="load a leg against a stop and read how far it gives way beside"
+    " its encoder; stiffen its joints and shaft",
     experiment="stairs; the marker shows what the encoders miss",
 )
 

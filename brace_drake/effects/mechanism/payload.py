@@ -55,5 +55,7 @@ def payload_card(body: str, mass: float, reach: float) -> Effect:
             "unbalanced_weight": "a weight without its inertia",
             "command_gain": "in proportion to the command, not to the motion",
         },
+        remedy="weigh what the ring carries and find where it sits; write"
+        " both into the scenario",
         experiment="slow and fast strokes over a wide way",
     )

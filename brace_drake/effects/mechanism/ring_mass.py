@@ -30,5 +30,7 @@ CARD = Effect(
     impostors={
         "force_gain": "acts on the pushing force as well as on the weight"
     },
+    remedy="weigh the ring with all that is on it; write its mass into the"
+    " scenario",
     experiment="quiet hold without contact, then fast free motion",
 )

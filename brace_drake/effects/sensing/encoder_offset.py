@@ -38,6 +38,7 @@ CARD = Effect(
     impostors={
         "anchor_error": "force directions off as well, lengths change with pose"
     },
+    remedy="reference the legs again, at a stop or with a gauge",
     experiment="any run: the first second shows it",
 )
 

@@ -25,5 +25,6 @@ CARD = Effect(
     impostors={
         "anchor_error": "shows in the leg lengths, not in a free force reading"
     },
+    remedy="zero the force sensor without contact before the runs",
     experiment="quiet hold without contact",
 )

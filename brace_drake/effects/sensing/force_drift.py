@@ -25,5 +25,6 @@ CARD = Effect(
         "force_bias": "there from the start",
         "posture_drift": "moves the torso as well",
     },
+    remedy="let the force sensor warm up, and zero it before each run",
     experiment="quiet hold without contact, long",
 )

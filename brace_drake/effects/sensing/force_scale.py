@@ -24,5 +24,7 @@ CARD = Effect(
     signature="force reading and motion of torso and ring disagree by a"
     " constant factor",
     impostors={"force_gain": "a gain of the drives, seen in free runs as well"},
+    remedy="hang a known weight on the force sensor and correct its"
+    " sensitivity",
     experiment="stairs; the torso's motion carries the comparison",
 )

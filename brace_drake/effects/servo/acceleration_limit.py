@@ -34,5 +34,7 @@ CARD = Effect(
     impostors={
         "command_delay": "late by the same time at any size of the step"
     },
+    remedy="look up the acceleration limit of the servo drive; raise it, or"
+    " plan below it",
     experiment="steps of the command of two sizes",
 )

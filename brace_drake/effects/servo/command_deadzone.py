@@ -38,5 +38,6 @@ CARD = Effect(
     needs=("commanded motion",),
     signature="it stands at small commands, and is slow by as much at others",
     impostors={"force_gain": "slow in proportion"},
+    remedy="look up the dead band of the servo drive; make it smaller",
     experiment="slow and fast strokes",
 )

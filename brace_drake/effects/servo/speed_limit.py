@@ -34,5 +34,7 @@ CARD = Effect(
     needs=("commanded motion",),
     signature="a ramp of one slope where the command asks for more",
     impostors={"acceleration_limit": "the speed itself bends, at any size"},
+    remedy="look up the speed limit of the servo drive; raise it, or plan"
+    " below it",
     experiment="fast strokes of two lengths",
 )

@@ -27,5 +27,6 @@ CARDS = signal_cards(
     " Sensor Nonlinearities, 1996, chapter 2",
     signature="nothing at small commands, less by as much at large ones",
     impostors={"command_gain": "in proportion at any size"},
+    remedy="read this channel over small inputs; correct it for the dead zone",
     experiment="the same motion at two amplitudes",
 )

@@ -40,5 +40,7 @@ CARDS = signal_cards(
     source="Astrom and Murray, Feedback Systems, section 9",
     signature="the same motion, late by the same time at any speed",
     impostors={"command_lag": "fast motion shrinks as well"},
+    remedy="give all channels one clock, and measure the time from a step of"
+    " the input to this channel",
     experiment="steps and a fast multisine",
 )

@@ -31,5 +31,7 @@ CARDS = signal_cards(
     source="Astrom and Murray, Feedback Systems, section 6.3",
     signature="late, and smaller the faster it moves",
     impostors={"command_delay": "late, but as large at any speed"},
+    remedy="look for a filter in this channel; raise its cut-off frequency,"
+    " or write it into the scenario",
     experiment="a multisine of a wide band",
 )

@@ -45,6 +45,8 @@ CARDS = (
         " and Sensor Nonlinearities, 1996, chapter 2",
         signature="nothing at small commands, too little at large ones",
         impostors={"command_gain": "in proportion at any size"},
+        remedy="check the range and the supply of this channel; plan motions"
+        " that stay inside",
         experiment="the largest command that is safe",
     ),
     *signal_cards(
@@ -69,6 +71,8 @@ CARDS = (
         source="Astrom and Murray, Feedback Systems, section 11.4",
         signature="steps become ramps of one slope",
         impostors={"command_lag": "an exponential, in proportion to the step"},
+        remedy="check the range and the supply of this channel; plan motions"
+        " that stay inside",
         experiment="steps of two sizes",
     ),
 )

@@ -19,5 +19,6 @@ CARDS = signal_cards(
     source="Fraden, Handbook of Modern Sensors, section 3.2",
     signature="there at rest as well",
     impostors={"command_gain": "nothing where the signal is 0"},
+    remedy="zero this channel at rest before each run",
     experiment="any run: its first second shows it",
 )

@@ -36,6 +36,8 @@ CARDS = (
         source="Widrow and Kollar, Quantization Noise, 2008, chapter 1",
         signature="flat pieces where the signal is slow",
         impostors={"sensor_hold": "flat pieces of one length, also where fast"},
+        remedy="read this channel more often, or let the twin hold it as the"
+        " machine does",
         experiment="a slow stroke",
     ),
     *signal_cards(
@@ -52,6 +54,8 @@ CARDS = (
         source="Astrom and Wittenmark, Computer-Controlled Systems, chapter 2",
         signature="flat pieces of one length, most where it is fast",
         impostors={"command_delay": "late by half a period, without steps"},
+        remedy="read this channel more often, or let the twin hold it as the"
+        " machine does",
         experiment="a fast multisine",
     ),
 )

@@ -23,6 +23,8 @@ CARDS = signal_cards(
     source="Fraden, Handbook of Modern Sensors, section 3.1",
     signature="in proportion to the signal, whatever its speed",
     impostors={"command_lag": "less at fast motion alone"},
+    remedy="compare this channel with a known value and correct its"
+    " sensitivity",
     experiment="the same motion at two amplitudes",
     names=("command_gain", "sensor_scale"),
 )

@@ -109,5 +109,7 @@ CARD = Effect(
     needs=("torso",),
     signature="a slow periodic force, in quiet holds too",
     impostors={"posture_drift": "does not come back"},
+    remedy="nothing is wrong with the machine: record the breath beside the"
+    " runs, ask for even breath, and keep the law in the twin",
     experiment="quiet hold in contact over several breaths",
 )

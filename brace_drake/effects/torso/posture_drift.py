@@ -38,5 +38,7 @@ CARD = Effect(
         "relaxation": "starts anew with every change of depth",
         "force_drift": "the reading alone, the torso stays",
     },
+    remedy="support the pelvis, make runs shorter, and let the subject rest"
+    " between them",
     experiment="quiet hold in contact, long",
 )

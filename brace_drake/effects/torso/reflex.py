@@ -75,5 +75,7 @@ CARD = Effect(
     impostors={
         "relaxation": "in the contact: force and depth disagree, torso as it is"
     },
+    remedy="nothing is wrong with the machine: the subject answers the push;"
+    " push slower, or announce it",
     experiment="multisine up to 5 Hz in contact",
 )
