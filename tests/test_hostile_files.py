@@ -97,7 +97,16 @@ class TestPolicies(HostileTest):
             ("format", (2, [1], "x", math.nan)),
             ("selected", ([True], [0, 1], [False] * 6, True, [True] * 7, "x")),
             ("task", ("[", "scenario: [", LAUGHS, "observation: none", 3)),
-            ("task", ("sample_time: .nan", "max_steps: -1", "x: 1")),
+            (
+                "task",
+                (
+                    "sample_time: .nan",
+                    "max_steps: -1",
+                    "max_steps: 1000000",
+                    "sample_time: 1000.0",
+                    "x: 1",
+                ),
+            ),
             ("task", ("displacement: [1, 2]", "displacement: [.nan]")),
         ):
             for value in values:

@@ -8,9 +8,13 @@ import numpy as np
 
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording_faults import check_recording
+from brace_drake.recording_faults.channels import declared
 from brace_drake.recording_faults.check import without_false_repeats
 from brace_drake.recording_faults.library.channels.outliers import outliers_of
 from brace_drake.recording_faults.library.runs.copied_run import find_copies
+from brace_drake.recording_faults.library.time.repeated_samples import (
+    find_repeated,
+)
 from brace_drake.recording_faults.statistics import (
     local_error,
     robust_deviation,
@@ -113,6 +117,28 @@ class TestSamples(unittest.TestCase):
             )
         }
         self.assertIn("repeated_samples", names)
+
+    def test_rows_that_coarse_readings_make_alike_are_no_block(self):
+        # Some ten values at rest: now and then rows are alike by chance.
+        rng = np.random.default_rng(4)
+        names = [n for n in self.push.channels if n.startswith("leg")]
+        columns = dict(self.push.channels)
+        for name in names:
+            coarse = rng.normal(size=SAMPLES).round()
+            columns[name] = columns[names[0]][0] + 1e-5 * coarse
+        rows = np.array([columns[n] for n in names[:6]]).T
+        self.assertLess(len(np.unique(rows, axis=0)), SAMPLES - 100)
+        every = declared(campaign_of(self.push))
+        known = {n: every[n] for n in names[:6]}
+        run = replace(
+            self.push, channels={n: columns[n] for n in ("time_s", *names[:6])}
+        )
+        self.assertEqual(find_repeated(run, known), [])
+        order = np.r_[0:500, 480 : SAMPLES - 20]
+        twice = {n: v[order] for n, v in run.channels.items()}
+        twice["time_s"] = run.time_s
+        (found,) = find_repeated(replace(run, channels=twice), known)
+        self.assertAlmostEqual(found.parameters["samples"], 20.0, delta=2.0)
 
     def test_a_clock_that_is_off_is_named_with_the_true_rate(self):
         for rate in (190.0, 200.6):

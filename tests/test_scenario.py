@@ -159,6 +159,7 @@ class TestLoad(unittest.TestCase):
             "stages: [3]": ("stages is [3]", "allowed: [2]"),
             "control: {tag: idc}": ("control.tag is 'idc'", "pic"),
             "time_step: 3e-4": ("time_step", "control period"),
+            "time_step: 1e-9": ("time_step", "no less than"),
             "sensors: {log_period: 0.0015}": ("sensors.log_period", "multiple"),
             "sensors: {log_period: 1.0e+308}": (
                 "sensors.log_period",

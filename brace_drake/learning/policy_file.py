@@ -18,6 +18,8 @@ from brace_drake.scenario.fields import merge
 
 FORMAT = 1
 _MOST_LAYERS, _MOST_OUTPUTS = 20, 100_000
+# Of an episode.
+_LONGEST_S = 3600.0
 
 
 class PolicyFile:
@@ -101,13 +103,16 @@ class PolicyFile:
             allowed = " or ".join(OBSERVERS)
             self.fail("task.observation", task.observation, allowed)
         for name, most in (
-            ("sample_time", 1e3),
-            ("motion_time", 1e6),
-            ("max_steps", 1e9),
+            ("sample_time", 10.0),
+            ("motion_time", _LONGEST_S),
+            ("max_steps", 1e6),
         ):
             value = getattr(task, name)
             if not 1e-6 <= value <= most:
                 self.fail(f"task.{name}", value, f"1e-06 to {most:g}")
+        if task.max_steps * task.sample_time > _LONGEST_S:
+            allowed = f"episodes of at most {_LONGEST_S:g} s"
+            self.fail("task.max_steps", task.max_steps, allowed)
         way = task.displacement
         if way.shape not in ((6,), (size,)) or not (abs(way) < HUGE).all():
             self.fail("task.displacement", way, f"6 or {size} numbers")

@@ -80,6 +80,10 @@ def full_task() -> LearningTask:
     )
 
 
+# A policy names a scenario, and no other file of the computer.
+_SUFFIXES = (".yaml", ".yml")
+
+
 def load_task_scenario(task: LearningTask) -> BraceScenario:
     """The scenario of a task, its controller the variable stiffness.
 
@@ -87,6 +91,11 @@ def load_task_scenario(task: LearningTask) -> BraceScenario:
         ScenarioError: It cannot be read, or is none that can be learnt on.
     """
     path = Path(task.scenario)
+    if path.suffix not in _SUFFIXES:
+        raise ScenarioError(
+            f"task: scenario: {task.scenario!r}; allowed: a name that ends in"
+            f" {' or '.join(_SUFFIXES)}"
+        )
     if not path.exists() and path.parent == Path("."):
         path = scenario_path(task.scenario)
     scenario = LoadScenario(path)

@@ -20,6 +20,7 @@ from brace_drake.scenario.fields import check_fields, fail
 from brace_drake.scenario.stability import check_control
 
 _MOST_POINTS = 10  # of a pad, in a row
+_MOST_STEPS = 1000  # of the plant in a control period
 
 
 def CheckScenario(scenario, source: str = "scenario") -> None:
@@ -47,8 +48,11 @@ def _num_rings(scenario) -> int:
 
 
 def _check_period(source: str, path: str, value: float, period: float) -> None:
-    if not _is_whole(period / value):
-        allowed = f"a whole part of the control period, {period:g} s"
+    if not _is_whole(period / value) or period / value > _MOST_STEPS:
+        allowed = (
+            f"a whole part of the control period, {period:g} s, and no less"
+            f" than {1e6 * period / _MOST_STEPS:g} us"
+        )
         fail(source, path, value, allowed)
 
 

@@ -88,6 +88,8 @@ def Run(args: argparse.Namespace) -> int:
     print(verdict["sentence"])
     print(f"certainty: {verdict['probability']:.0%}")
     _PrintRemedies(verdict["effects"])
+    for warning in document["warnings"]:
+        print(f"warning: {warning}")
     print(scenario_note(campaign, document["provenance"]["scenario"]))
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")

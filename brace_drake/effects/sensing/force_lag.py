@@ -37,7 +37,7 @@ CARD = Effect(
         "command_delay": "free runs show it as well",
         "hunt_crossley": "depends on depth",
     },
-    remedy="look for a low-pass filter of the force sensor; raise its cut-off"
-    " frequency, or write it into the scenario",
+    remedy="look for a low-pass filter of the force sensor; raise its"
+    " cut-off frequency, or keep the effect in the twin",
     experiment="multisine in contact",
 )

@@ -31,7 +31,7 @@ CARDS = signal_cards(
     source="Astrom and Murray, Feedback Systems, section 6.3",
     signature="late, and smaller the faster it moves",
     impostors={"command_delay": "late, but as large at any speed"},
-    remedy="look for a filter in this channel; raise its cut-off frequency,"
-    " or write it into the scenario",
+    remedy="look for a low-pass filter of this channel; raise its"
+    " cut-off frequency, or keep the effect in the twin",
     experiment="a multisine of a wide band",
 )

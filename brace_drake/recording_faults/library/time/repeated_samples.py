@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.channels import noisy_channels
 from brace_drake.recording_faults.finding import Finding
-from brace_drake.recording_faults.statistics import stretches
 
 CARD = RecordingFault(
     name="repeated_samples",
@@ -27,6 +27,8 @@ CARD = RecordingFault(
 )
 # Noisy channels that tell two rows apart, and rows in a block.
 _CHANNELS, _LEAST = 4, 2
+# Blocks of its length that chance may make.
+_CHANCE = 0.01
 
 
 def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -36,8 +38,7 @@ def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     ]
     if len(names) < _CHANNELS:
         return []
-    marks = _seen_before(run.stack(names))
-    found = [(a, b) for a, b in stretches(marks) if b - a >= _LEAST]
+    found = _copied_blocks(run.stack(names))
     if not found:
         return []
     begin, _ = max(found, key=lambda s: s[1] - s[0])
@@ -58,9 +59,35 @@ def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     ]
 
 
-def _seen_before(rows: np.ndarray) -> np.ndarray:
-    """Marks of rows that equal an earlier one (N,), bool."""
-    _, first, inverse = np.unique(
-        rows, axis=0, return_index=True, return_inverse=True
-    )
-    return first[inverse.ravel()] < np.arange(len(rows))
+def _copied_blocks(rows: np.ndarray) -> list[tuple[int, int]]:
+    """Begin and end of blocks of rows (N, C) that equal earlier ones, too long
+    to be alike by chance.
+
+    Readings that are rounded coarsely coincide now and then: chance makes
+    blocks whose numbers fall geometrically with their length.
+    """
+    blocks = _alike_blocks(rows)
+    sizes = np.array([end - begin for begin, end, _ in blocks], dtype=int)
+    singles = np.count_nonzero(sizes == 1)
+    ratio = (np.count_nonzero(sizes == 2) + 1.0) / (singles + 2.0)
+    by_chance = singles * min(ratio, 1.0) ** (sizes - 1.0)
+    return [
+        (begin, end)
+        for (begin, end, lag), chance in zip(blocks, by_chance, strict=True)
+        if _LEAST <= end - begin <= lag and chance < _CHANCE
+    ]
+
+
+def _alike_blocks(rows: np.ndarray) -> list[tuple[int, int, int]]:
+    """Begin, end and distance of blocks of rows that equal those so far before,
+    at each row the nearest.
+    """
+    _, inverse = np.unique(rows, axis=0, return_inverse=True)
+    order = np.argsort(inverse.ravel(), kind="stable")
+    same = np.diff(inverse.ravel()[order]) == 0
+    lag = np.zeros(len(rows), dtype=int)
+    lag[order[1:][same]] = np.diff(order)[same]
+    edges = np.flatnonzero(np.diff(lag, prepend=0, append=0))
+    return [
+        (int(a), int(b), int(lag[a])) for a, b in pairwise(edges) if lag[a] > 0
+    ]
