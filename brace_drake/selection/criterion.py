@@ -71,33 +71,29 @@ class Criterion:
         """
         return fit.excess / self.count
 
-    def predicted(self, fit: CandidateFit) -> float:
-        """What it leaves on motions left out in turn; on its own runs where
-        there is one motion alone.
+    def misfits(self, fit: CandidateFit) -> tuple[float, float]:
+        """What it leaves above the floor on its own runs, and on motions left
+        out in turn; the same where there is one motion alone.
         """
-        inside = max(0.0, self.misfit(fit))
-        if fit.held_out is None:
-            return inside
-        return max(0.0, fit.held_out)
+        inside = self.misfit(fit)
+        return inside, inside if fit.held_out is None else fit.held_out
+
+    def predicted(self, fit: CandidateFit) -> float:
+        """The second of these, 0 where it is below."""
+        return max(0.0, self.misfits(fit)[1])
 
     def left(self, fit: CandidateFit, level: float | None = None) -> float:
         """Geometric mean of both misfits, each with the level or another."""
         level = self.level if level is None else level
-        inside = self.misfit(fit)
-        new = inside if fit.held_out is None else fit.held_out
-        both = (max(0.0, m - self.least) + level for m in (inside, new))
+        both = (max(0.0, m - self.least) + level for m in self.misfits(fit))
         return math.sqrt(math.prod(both))
 
     def over(self, fits: Sequence[CandidateFit]) -> Criterion:
         """The same, with the noise that the best of fits shows: what a right
         twin leaves more than it is no more than it is exact to.
         """
-        both = [
-            max(self.misfit(f), f.held_out or -np.inf)
-            for f in fits
-            if f.refined and f.is_scattered
-        ]
-        best = min(both, default=0.0)
+        known = (f for f in fits if f.refined and f.is_scattered)
+        best = min((max(self.misfits(f)) for f in known), default=0.0)
         return replace(self, least=min(0.0, best + thresholds.TRUST))
 
     @property

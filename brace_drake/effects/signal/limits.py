@@ -6,6 +6,11 @@ from brace_drake.laws.hooks import plug
 
 _NONE, _FASTEST = 2.0, 2000.0
 
+_REMEDY = (
+    "check the range and the supply of this channel; plan motions"
+    " that stay inside"
+)
+
 
 @plug("signal")
 def _limit(t, dt, y, p, x):
@@ -45,8 +50,7 @@ CARDS = (
         " and Sensor Nonlinearities, 1996, chapter 2",
         signature="nothing at small commands, too little at large ones",
         impostors={"command_gain": "in proportion at any size"},
-        remedy="check the range and the supply of this channel; plan motions"
-        " that stay inside",
+        remedy=_REMEDY,
         experiment="the largest command that is safe",
     ),
     *signal_cards(
@@ -71,8 +75,7 @@ CARDS = (
         source="Astrom and Murray, Feedback Systems, section 11.4",
         signature="steps become ramps of one slope",
         impostors={"command_lag": "an exponential, in proportion to the step"},
-        remedy="check the range and the supply of this channel; plan motions"
-        " that stay inside",
+        remedy=_REMEDY,
         experiment="steps of two sizes",
     ),
 )

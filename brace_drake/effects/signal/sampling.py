@@ -6,6 +6,10 @@ from brace_drake.effects.card import EffectParameter
 from brace_drake.effects.signal.ways import signal_cards
 from brace_drake.laws.hooks import plug
 
+_REMEDY = (
+    "read this channel more often, or let the twin hold it as the machine does"
+)
+
 
 @plug("signal")
 def _round(t, dt, y, p, x):
@@ -36,8 +40,7 @@ CARDS = (
         source="Widrow and Kollar, Quantization Noise, 2008, chapter 1",
         signature="flat pieces where the signal is slow",
         impostors={"sensor_hold": "flat pieces of one length, also where fast"},
-        remedy="read this channel more often, or let the twin hold it as the"
-        " machine does",
+        remedy=_REMEDY,
         experiment="a slow stroke",
     ),
     *signal_cards(
@@ -54,8 +57,7 @@ CARDS = (
         source="Astrom and Wittenmark, Computer-Controlled Systems, chapter 2",
         signature="flat pieces of one length, most where it is fast",
         impostors={"command_delay": "late by half a period, without steps"},
-        remedy="read this channel more often, or let the twin hold it as the"
-        " machine does",
+        remedy=_REMEDY,
         experiment="a fast multisine",
     ),
 )
