@@ -25,7 +25,7 @@ class TestFloor(unittest.TestCase):
     def setUp(self):
         self.generator = np.random.default_rng(4)
         noise = coloured(self.generator, 40)
-        self.floor = estimate_floor(noise, 200.0, np.zeros(2))
+        self.floor = estimate_floor(noise, 200.0)
 
     def test_weighted_noise_has_unit_variance_in_every_channel(self):
         weights = self.floor.weights(2000, 200.0)
@@ -37,7 +37,7 @@ class TestFloor(unittest.TestCase):
     def test_noise_that_is_integrated_has_unit_variance_in_every_series(self):
         # Its mean square scatters as that of so many independent values.
         walks = np.cumsum(self.generator.standard_normal((80, 2000, 1)), axis=1)
-        floor = estimate_floor(walks[:40], 200.0, np.zeros(1))
+        floor = estimate_floor(walks[:40], 200.0)
         weighted = to_frequency(walks[40:], axis=1)
         weighted = weighted * floor.weights(2000, 200.0)
         squares = (weighted**2).mean(axis=1)
@@ -66,13 +66,15 @@ class TestFloor(unittest.TestCase):
     def test_the_step_of_written_decimals_is_found(self):
         values = self.generator.standard_normal((500, 2))
         written = np.column_stack([values[:, 0].round(3), values[:, 1]])
-        quantum = written_quantum(written, values)
-        self.assertEqual(quantum[0], 1e-3)
+        quantum = written_quantum(written, np.zeros(2))
+        self.assertAlmostEqual(quantum[0], 1e-3, delta=1e-9)
         self.assertLess(quantum[1], 1e-9)
 
-    def test_rounding_that_the_simulation_has_too_is_not_counted_twice(self):
+    def test_rounding_that_is_noise_of_the_instrument_counts_once(
+        self,
+    ):
         values = self.generator.standard_normal((500, 1)).round(3)
-        self.assertEqual(written_quantum(values, values)[0], 0.0)
+        self.assertEqual(written_quantum(values, np.array([1e-3]))[0], 0.0)
 
 
 if __name__ == "__main__":

@@ -63,9 +63,7 @@ def planned_floors(
             seeds = [[seed, 7, k] for k in range(_REPLICATES)]
             motion = twin.motion(run)
             noise = noise_replicates(twin, motion, subject, (), seeds)
-            floors[run.contact] = estimate_floor(
-                noise, rate, np.zeros(noise.shape[2])
-            )
+            floors[run.contact] = estimate_floor(noise, rate)
     return floors
 
 

@@ -98,6 +98,13 @@ class ReplayTwin(ABC):
         """Which channels a run has, bool (C,)."""
         return run.has(self.channels)
 
+    @property
+    def reading_steps(self) -> np.ndarray:
+        """To what instruments round, where their noise has that in it (C,); 0:
+        not at all, or not known.
+        """
+        return np.zeros(len(self.channels))
+
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (C,)."""
         return np.ones(len(self.channels), dtype=bool)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from brace_drake.core.cosine_transform import frequencies_of, to_frequency
 
+# A step that is so many times an instrument's is another.
+_COARSER = 1.5
 # Bands in which the noise spectrum is taken as flat, Hz.
 _EDGES = np.concatenate([[0.0], np.geomspace(0.15, 400.0, 34)])
 
@@ -21,11 +23,14 @@ class NoiseFloor:
         edges: Limits of the bands (B + 1,), Hz.
         density: Mean square of `to_frequency` in each band (B, C): the power
             of a bin, |rfft|^2 / N.
+        rounding: The part that writing readings down makes, which repeats
+            share and do not show; None without.
     """
 
     rms: np.ndarray
     edges: np.ndarray
     density: np.ndarray
+    rounding: NoiseFloor | None = None
 
     def weights(
         self, samples: int, rate: float, highest: float = np.inf
@@ -53,27 +58,40 @@ class NoiseFloor:
         return weights[frequency <= highest]
 
     def scaled(self, variance_ratio: np.ndarray) -> NoiseFloor:
-        """The floor with each channel's variance multiplied."""
-        return NoiseFloor(
-            self.rms * np.sqrt(variance_ratio),
-            self.edges,
-            self.density * variance_ratio,
-        )
+        """The floor with each channel's variance multiplied, down to what
+        rounding alone makes.
+        """
+        rms = self.rms * np.sqrt(variance_ratio)
+        density = self.density * variance_ratio
+        least = self.rounding
+        if least is not None:
+            rms = np.maximum(rms, np.minimum(self.rms, least.rms))
+            density = np.maximum(
+                density, np.minimum(self.density, least.density)
+            )
+        return NoiseFloor(rms, self.edges, density, least)
 
 
 def estimate_floor(
-    noise: np.ndarray, rate: float, quantum: np.ndarray
+    noise: np.ndarray, rate: float, rounding: np.ndarray | None = None
 ) -> NoiseFloor:
     """The floor from replicates of pure noise.
 
     Args:
         noise: (replicates, N, C).
         rate: Hz.
-        quantum: Step in which each channel is written down (C,): rounding to
-            it adds quantum^2 / 12.
+        rounding: What writing them down has added, of the same shape.
     """
+    if rounding is None:
+        rms = np.sqrt(np.mean(noise**2, axis=(0, 1)))
+        return NoiseFloor(rms, _EDGES, _density_of(noise, rate))
+    whole = estimate_floor(noise + rounding, rate)
+    return replace(whole, rounding=estimate_floor(rounding, rate))
+
+
+def _density_of(noise: np.ndarray, rate: float) -> np.ndarray:
+    """Mean square of `to_frequency` in each band (B, C)."""
     _, samples, channels = noise.shape
-    rounding = quantum**2 / 12.0
     frequency = frequencies_of(samples, rate)
     mean_power = np.mean(to_frequency(noise, axis=1) ** 2, axis=0)
     density = np.zeros((len(_EDGES) - 1, channels))
@@ -86,38 +104,46 @@ def estimate_floor(
     indices = np.arange(len(density))
     for c in range(channels):
         density[:, c] = np.interp(indices, indices[filled], density[filled, c])
-    rms = np.sqrt(np.mean(noise**2, axis=(0, 1)) + rounding)
-    return NoiseFloor(rms, _EDGES, density + rounding)
+    return density
 
 
 def is_on_grid(column: np.ndarray, step: float) -> bool:
-    """Whether a column takes several values, all multiples of a step."""
-    multiples = np.round(column / step)
+    """Whether a column takes several values, a step apart or several."""
+    places = (column - column[0]) / step
+    multiples = np.round(places)
     return bool(
         np.ptp(multiples) > 0
-        and np.allclose(column / step, multiples, rtol=0.0, atol=1e-3)
+        and np.allclose(places, multiples, rtol=0.0, atol=1e-3)
     )
 
 
-def written_quantum(recorded: np.ndarray, simulated: np.ndarray) -> np.ndarray:
+def written_quantum(recorded: np.ndarray, steps: np.ndarray) -> np.ndarray:
     """Step to which each column was rounded when it was written (C,).
 
-    The coarsest power of ten of which all recorded values are multiples; 0
-    where there is none, or where simulated readings lie on the same grid and
-    so have that rounding already.
+    The least step between two of its values, where all lie on a grid of it; 0
+    where they do not, or where the step is the instrument's.
 
     Args:
-        recorded, simulated: (N, C).
+        recorded: (N, C).
+        steps: Of the instruments, whose rounding is noise of theirs (C,).
     """
     quantum = np.zeros(recorded.shape[1])
     for c, column in enumerate(recorded.T):
-        for exponent in range(0, -13, -1):
-            step = 10.0**exponent
-            if is_on_grid(column, step):
-                if not is_on_grid(simulated[:, c], step):
-                    quantum[c] = step
-                break
+        step, extent = quantum_of(column), float(np.ptp(column))
+        if step > 0.0:
+            # Floating point spoils a small difference, the range it does not.
+            step = extent / round(extent / step)
+            is_new = step > _COARSER * steps[c]
+            quantum[c] = step if is_new and is_on_grid(column, step) else 0.0
     return quantum
+
+
+def quantum_of(values: np.ndarray) -> float:
+    """Least step between different values; 0 of a constant."""
+    steps = np.diff(np.unique(values))
+    # What floating point makes of equal values is no step.
+    steps = steps[steps > 1e-9 * max(1e-9, float(np.abs(values).max()))]
+    return float(steps.min()) if len(steps) else 0.0
 
 
 def on_grid(values: np.ndarray, quantum: np.ndarray) -> np.ndarray:

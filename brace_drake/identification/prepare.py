@@ -14,6 +14,7 @@ from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.identification.noise_floor import (
     NoiseFloor,
     estimate_floor,
+    on_grid,
     repeat_ratio,
     written_quantum,
 )
@@ -60,31 +61,50 @@ def estimate_floors(
     floors = {}
     for contact in (False, True):
         runs = [r for r in campaign.runs if r.contact == contact]
-        if not runs:
-            continue
-        chosen = _spread_choice(runs, 3)
-        each = _REPLICATES // len(chosen)
-        noise = [
-            noise_replicates(
-                twin,
-                twin.motion(run),
-                subject,
-                (),
-                [[seed + i, 7, k] for k in range(each)],
+        if runs:
+            floors[contact] = _floor_of(
+                twin, runs, subject, campaign.rate_hz, seed
             )
-            for i, run in enumerate(chosen)
-        ]
-        samples = min(n.shape[1] for n in noise)
-        noise = np.concatenate([n[:, :samples] for n in noise])
-        # Of what is held back only how it moved is known here; where nothing
-        # else was recorded, its last digits too.
-        run = next((r for r in runs if r.split == "fit"), runs[0])
-        noisy = twin.simulate(
-            twin.motion(run), subject, (), np.random.default_rng([seed, 8])
-        )
-        quantum = written_quantum(twin.measured(run), noisy)
-        floors[contact] = estimate_floor(noise, campaign.rate_hz, quantum)
     return _checked_with_repeats(twin, campaign, floors)
+
+
+def _floor_of(
+    twin, runs: Sequence[Run], subject: np.ndarray, rate: float, seed: int
+) -> NoiseFloor:
+    """The floor of runs of one kind, from replays of some of them."""
+    chosen = _spread_choice(runs, 3)
+    each = _REPLICATES // len(chosen)
+    # Of what is held back only how it moved is known here; where nothing else
+    # was recorded, its last digits too.
+    run = next((r for r in runs if r.split == "fit"), runs[0])
+    quantum = written_quantum(twin.measured(run), twin.reading_steps)
+    noise, rounding = [], []
+    for i, run in enumerate(chosen):
+        motion = twin.motion(run)
+        seeds = [[seed + i, 7, k] for k in range(each)]
+        found = noise_replicates(twin, motion, subject, (), seeds)
+        exact = twin.simulate(motion, subject, ())
+        noise.append(found)
+        rounding.append(_rounding_of(exact + found, quantum, seed + i))
+    samples = min(n.shape[1] for n in noise)
+    return estimate_floor(
+        np.concatenate([n[:, :samples] for n in noise]),
+        rate,
+        np.concatenate([r[:, :samples] for r in rounding]),
+    )
+
+
+def _rounding_of(
+    readings: np.ndarray, quantum: np.ndarray, seed: int
+) -> np.ndarray:
+    """What writing readings down adds (n, N, C).
+
+    Where a reading lies between two steps is not known: that is drawn for each
+    replicate, so that a rest that reads wrong by half a step counts as noise.
+    """
+    generator = np.random.default_rng([seed, 9])
+    place = generator.random((len(readings), 1, len(quantum))) * quantum
+    return on_grid(readings + place, quantum) - readings - place
 
 
 def _spread_choice(runs: Sequence[Run], count: int) -> list[Run]:

@@ -50,9 +50,7 @@ def run_block_tests(
 
     def take_part(prepared):
         """The recording, then as noisy replays would have been written."""
-        grid = written_quantum(
-            prepared.measured, np.zeros_like(prepared.measured)
-        )
+        grid = written_quantum(prepared.measured, evaluator.twin.reading_steps)
         replays = [
             evaluator.twin.simulate(
                 prepared.motion,

@@ -116,7 +116,7 @@ def make_expected(
     number = max(8, round(_NOISE / duration))
     seeds = [[seed, 7, k] for k in range(number)]
     noise = noise_replicates(twin, motion, nominal, (), seeds)
-    floor = estimate_floor(noise, rate, np.zeros(noise.shape[2]))
+    floor = estimate_floor(noise, rate)
     if usual:
         floor = floor.scaled(np.full(noise.shape[2], 1.0 + 1.0 / usual))
     read = noise[:, :, readings_of(scenario)]

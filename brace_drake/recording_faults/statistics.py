@@ -45,14 +45,6 @@ def robust_deviation(values: np.ndarray) -> float:
     return float(_MAD * np.median(np.abs(values)))
 
 
-def quantum_of(values: np.ndarray) -> float:
-    """Least step between different values; 0 of a constant."""
-    steps = np.diff(np.unique(values))
-    # What floating point makes of equal values is no step.
-    steps = steps[steps > 1e-9 * max(1e-9, float(np.abs(values).max()))]
-    return float(steps.min()) if len(steps) else 0.0
-
-
 def stretches(marks: np.ndarray) -> list[tuple[int, int]]:
     """Begin and end of each stretch of marked samples."""
     edges = np.diff(marks.astype(int), prepend=0, append=0)

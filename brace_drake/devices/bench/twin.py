@@ -77,6 +77,19 @@ class BenchTwin(ReplayTwin):
         desired, every, settled = settled_reference(run, samples, rate)
         return Motion(desired, run.contact, every, settled)
 
+    @property
+    def reading_steps(self) -> np.ndarray:
+        """Of lengths and forces, m and N; see `smooth_rounding`."""
+        length, force = self.numbers.resolution
+        ends = {"_length_m": length}
+        ends |= {f"_force_{a}_N": force for a in "xyz"}
+        return np.array(
+            [
+                next((q for end, q in ends.items() if n.endswith(end)), 0.0)
+                for n in self.channels
+            ]
+        )
+
     def active(self, run: Run) -> np.ndarray:
         """Which channels carry information in a run, bool (C,)."""
         names = np.array(self.channels)

@@ -21,6 +21,7 @@ from brace_drake.identification.noise_floor import (
     NoiseFloor,
     estimate_floor,
     on_grid,
+    quantum_of,
     written_quantum,
 )
 from brace_drake.recording.recording import Run
@@ -31,7 +32,6 @@ from brace_drake.recording_faults.channels import (
 from brace_drake.recording_faults.statistics import (
     largest_mean_square,
     local_error,
-    quantum_of,
     robust_deviation,
 )
 
@@ -95,8 +95,7 @@ class LawChecker:
                 noise = [self.residual(c) for c in copies]
                 rows = min(len(n) for n in noise)
                 cut = np.array([n[:rows] for n in noise])
-                quantum = np.zeros(cut.shape[2])
-                floor = estimate_floor(cut, self._rate, quantum)
+                floor = estimate_floor(cut, self._rate)
                 found[contact] = floor.scaled(self._noisier(mine, copies))
         return found
 
@@ -126,7 +125,7 @@ class LawChecker:
         found: list[Run] = []
         subject = np.array([p.nominal for p in twin.subject])
         measured = twin.measured(run)
-        grid = written_quantum(measured, np.zeros_like(measured))
+        grid = written_quantum(measured, np.zeros(measured.shape[1]))
         for k in range(_REPLICATES):
             generator = np.random.default_rng([self._seed, 41, k])
             motion = twin.motion(_before_rounding(run, generator))

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.channels import (
@@ -26,7 +27,6 @@ from brace_drake.recording_faults.library.time import (
     lost_samples,
     wrong_clock,
 )
-from brace_drake.recording_faults.statistics import quantum_of
 
 # Time over which increments are compared, s, and how many are needed.
 _WINDOW_S, _LEAST = 0.25, 20

@@ -62,7 +62,8 @@ def fit_friction(
         fits = [c.fit() for c in begun]
         beside += [f for f in fits if f.excess < lines.excess]
     most = least = min((f.excess for f in beside), default=0.0)
-    if lines.evaluator.tolerances.noise > 1.0:
+    tolerances = lines.evaluator.tolerances
+    if tolerances is not None and tolerances.noise > 1.0:
         # Weighed beside what is left, forms look much alike.
         most = max(least, thresholds.SHORTLIST * least)
     # What it does bends what tolerances do.

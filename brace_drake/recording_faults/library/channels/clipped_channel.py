@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
@@ -13,7 +14,6 @@ from brace_drake.recording_faults.channels import noisy_channels
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
     local_error,
-    quantum_of,
     robust_deviation,
     stretches,
 )

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import (
@@ -18,7 +19,6 @@ from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
     largest_normal,
     local_error,
-    quantum_of,
     robust_deviation,
 )
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel, split_unit
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
@@ -17,7 +18,6 @@ from brace_drake.recording_faults.channels import (
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
     FALSE_ALARM,
-    quantum_of,
     stretches,
 )
 

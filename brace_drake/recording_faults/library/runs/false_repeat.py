@@ -7,13 +7,13 @@ from posixpath import normpath
 
 import numpy as np
 
+from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.channels import references
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.runs import exchanged_runs
-from brace_drake.recording_faults.statistics import quantum_of
 
 CARD = RecordingFault(
     name="false_repeat",
