@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.special import chdtri, ndtri
 
@@ -10,6 +12,8 @@ FALSE_ALARM = 1e-4
 # Root mean square that the floor of a replayed law may be off by itself:
 # replicates are few, and readings between samples unknown.
 _FLOOR_ERROR = 1.5
+# Blocks of its length that chance may make.
+_BY_CHANCE = 0.01
 # Of a normal sample: its deviation over the median of its absolute values.
 _MAD = 1.4826
 
@@ -43,6 +47,29 @@ def local_error(values: np.ndarray) -> np.ndarray:
 def robust_deviation(values: np.ndarray) -> float:
     """Standard deviation of the bulk of values around 0."""
     return float(_MAD * np.median(np.abs(values)))
+
+
+def unlikely_blocks(lags: np.ndarray) -> list[tuple[int, int]]:
+    """Begin and end of blocks of rows that equal others so far away, too long
+    to be alike by chance.
+
+    Readings that are rounded coarsely coincide now and then: chance makes
+    blocks whose numbers fall geometrically with their length.
+
+    Args:
+        lags: How far away each row's equal is, 0 without (N,).
+    """
+    edges = np.flatnonzero(np.diff(lags, prepend=0, append=0))
+    blocks = [(int(a), int(b)) for a, b in pairwise(edges) if lags[a] != 0]
+    sizes = np.array([end - begin for begin, end in blocks], dtype=int)
+    singles = np.count_nonzero(sizes == 1)
+    ratio = (np.count_nonzero(sizes == 2) + 1.0) / (singles + 2.0)
+    by_chance = singles * min(ratio, 1.0) ** (sizes - 1.0)
+    return [
+        block
+        for block, size, chance in zip(blocks, sizes, by_chance, strict=True)
+        if size > 1 and chance < _BY_CHANCE
+    ]
 
 
 def stretches(marks: np.ndarray) -> list[tuple[int, int]]:

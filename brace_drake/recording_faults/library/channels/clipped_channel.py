@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -10,7 +10,10 @@ from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
-from brace_drake.recording_faults.channels import noisy_channels
+from brace_drake.recording_faults.channels import (
+    noisy_channels,
+    references,
+)
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
     local_error,
@@ -38,6 +41,8 @@ _LEAST = 20
 _BESIDE, _OFTEN = 8, 0.3
 # Samples at the level over those within this many deviations below.
 _PILED, _BAND = 3.0, 3.0
+# A channel moves where it changes by such a part of its range.
+_ASKED = 0.1
 
 
 def find_clipped(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -50,8 +55,9 @@ def find_clipped(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
             continue
         if np.ptp(values) == 0.0:
             continue
+        moving = _beside(run, known, name)
         for sign in (1.0, -1.0):
-            share = _share_at_top(sign * values)
+            share = _share_at_top(sign * values, moving)
             if share is None:
                 continue
             level = float(sign * np.max(sign * values))
@@ -70,24 +76,65 @@ def find_clipped(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     return found
 
 
-def _share_at_top(values: np.ndarray) -> float | None:
-    """Share of samples at the greatest value, None where noise made it.
+def _share_at_top(
+    values: np.ndarray, moving: Sequence[np.ndarray]
+) -> float | None:
+    """Share of samples at the greatest value, None where noise or rest made it.
 
     A noisy reading that comes to rest scatters around its last value, so that
-    its greatest is rare among the samples just below.
+    its greatest is rare among the samples just below. One of steps coarser
+    than its noise rests without that: see `_rests`.
     """
     top = values.max()
     at_top = int(np.count_nonzero(values == top))
     if at_top < _LEAST:
         return None
     step = quantum_of(values)
-    noise = max(robust_deviation(local_error(values)), step)
+    noise = robust_deviation(local_error(values))
     if _rests_beside(values, top):
         return None
-    below = values[(values < top) & (values > top - _BAND * noise - step)]
-    if at_top <= _PILED * len(below):
+    band = _BAND * max(noise, step) + step
+    below = np.count_nonzero((values < top) & (values > top - band))
+    if at_top <= _PILED * below:
+        return None
+    if noise < step and _rests(values, top, moving):
         return None
     return at_top / len(values)
+
+
+def _beside(
+    run: Run, known: Mapping[str, Channel], name: str
+) -> list[np.ndarray]:
+    """What a run is asked to move beside a channel; its other readings where
+    that is nothing.
+    """
+    for names in (references(run, known), noisy_channels(run, known)):
+        others = [run.channels[n] for n in names if n != name]
+        if others:
+            return others
+    return []
+
+
+def _rests(
+    values: np.ndarray, top: float, moving: Sequence[np.ndarray]
+) -> bool:
+    """Whether a reading rests at its greatest value as at others between its
+    ends, or at zero, or where nothing beside it moves.
+    """
+    if top == 0.0:
+        return True
+    edges = np.flatnonzero(np.diff(values) != 0.0)
+    begins, ends = np.append(0, edges + 1), np.append(edges + 1, len(values))
+    long = ends - begins >= _LEAST
+    between = (values[begins] < top) & (values[begins] > values.min())
+    if np.any(long & between):
+        return True
+    asked = [
+        float(np.ptp(x[b:e])) > _ASKED * float(np.ptp(x))
+        for x in moving
+        for b, e in zip(begins[long], ends[long], strict=True)
+    ]
+    return bool(moving) and not any(asked)
 
 
 def _rests_beside(values: np.ndarray, top: float) -> bool:

@@ -15,6 +15,7 @@ from brace_drake.recording_faults.library.runs.shared_noise import (
     compare_noise,
     noise_of,
 )
+from brace_drake.recording_faults.statistics import unlikely_blocks
 
 CARD = RecordingFault(
     name="copied_run",
@@ -30,6 +31,8 @@ CARD = RecordingFault(
     is_of_run=True,
 )
 _SHARE = 0.2
+# Rows of its own that a run must have to be told by them.
+_LEAST = 20
 # Digits that noise has are many: two channels and more tell rows apart.
 _CHANNELS = 2
 # Noise of two runs is one where it is so much alike, and more than so many
@@ -129,9 +132,23 @@ def shared_rows(run: Run, other: Run, known: Mapping[str, Channel]) -> float:
 
 
 def _share(a: np.ndarray, b: np.ndarray) -> float:
-    theirs = {row.tobytes() for row in np.ascontiguousarray(b + 0.0)}
-    alike = sum(r.tobytes() in theirs for r in np.ascontiguousarray(a + 0.0))
-    # Readings at rest are alike by chance where their steps are coarse: what a
-    # run shares with itself says how often.
-    distinct = len({row.tobytes() for row in np.ascontiguousarray(a + 0.0)})
-    return alike / len(a) * (distinct / len(a))
+    """Share of the rows that occur once in a run (N, C) which another one has
+    in the same order (M, C).
+
+    Readings at rest are alike by chance where their steps are coarse; these
+    occur more than once.
+    """
+    both = np.concatenate([b, a]) + 0.0
+    _, inverse = np.unique(both, axis=0, return_inverse=True)
+    theirs, mine = np.split(inverse.ravel(), [len(b)])
+    number = np.bincount(mine, minlength=len(both))
+    once = np.flatnonzero(number[mine] == 1)
+    if len(once) < _LEAST:
+        return 0.0
+    place = np.full(len(both), -1)
+    place[theirs] = np.arange(len(b))
+    found = place[mine[once]]
+    # Never 0 where there is an equal.
+    lags = np.where(found < 0, 0, once - found + len(b))
+    told = sum(end - begin for begin, end in unlikely_blocks(lags))
+    return told / len(once)

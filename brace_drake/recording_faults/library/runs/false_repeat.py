@@ -33,17 +33,19 @@ _GROSS, _EARLY = 0.01, 0.05
 
 
 def same_inputs(a: Run, b: Run, names: Sequence[str]) -> float:
-    """Greatest difference of two runs' inputs, in parts of their range."""
+    """Greatest difference of two runs' inputs beyond a step of their readings,
+    in parts of their range.
+    """
     largest = 0.0
     for name in names:
         x, y = a.channels[name], b.channels.get(name)
         if y is None:
             continue
         rows = min(len(x), len(y))
-        extent = max(np.ptp(x), np.ptp(y), 10.0 * quantum_of(x), 1e-9)
-        largest = max(
-            largest, float(np.abs(x[:rows] - y[:rows]).max() / extent)
-        )
+        step = quantum_of(x)
+        extent = max(np.ptp(x), np.ptp(y), 10.0 * step, 1e-9)
+        apart = float(np.abs(x[:rows] - y[:rows]).max())
+        largest = max(largest, (apart - step) / extent)
     return largest
 
 

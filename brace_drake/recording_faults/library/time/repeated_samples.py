@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import pairwise
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.channels import noisy_channels
 from brace_drake.recording_faults.finding import Finding
+from brace_drake.recording_faults.statistics import unlikely_blocks
 
 CARD = RecordingFault(
     name="repeated_samples",
@@ -25,10 +25,8 @@ CARD = RecordingFault(
     ),
     is_of_run=True,
 )
-# Noisy channels that tell two rows apart, and rows in a block.
-_CHANNELS, _LEAST = 4, 2
-# Blocks of its length that chance may make.
-_CHANCE = 0.01
+# Noisy channels that tell two rows apart.
+_CHANNELS = 4
 
 
 def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -60,34 +58,20 @@ def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
 
 
 def _copied_blocks(rows: np.ndarray) -> list[tuple[int, int]]:
-    """Begin and end of blocks of rows (N, C) that equal earlier ones, too long
-    to be alike by chance.
-
-    Readings that are rounded coarsely coincide now and then: chance makes
-    blocks whose numbers fall geometrically with their length.
-    """
-    blocks = _alike_blocks(rows)
-    sizes = np.array([end - begin for begin, end, _ in blocks], dtype=int)
-    singles = np.count_nonzero(sizes == 1)
-    ratio = (np.count_nonzero(sizes == 2) + 1.0) / (singles + 2.0)
-    by_chance = singles * min(ratio, 1.0) ** (sizes - 1.0)
+    """Begin and end of blocks of rows (N, C) that equal earlier ones."""
+    lags = _lags(rows)
     return [
         (begin, end)
-        for (begin, end, lag), chance in zip(blocks, by_chance, strict=True)
-        if _LEAST <= end - begin <= lag and chance < _CHANCE
+        for begin, end in unlikely_blocks(lags)
+        if end - begin <= lags[begin]
     ]
 
 
-def _alike_blocks(rows: np.ndarray) -> list[tuple[int, int, int]]:
-    """Begin, end and distance of blocks of rows that equal those so far before,
-    at each row the nearest.
-    """
+def _lags(rows: np.ndarray) -> np.ndarray:
+    """How far before each row the nearest equal one is; 0 without (N,)."""
     _, inverse = np.unique(rows, axis=0, return_inverse=True)
     order = np.argsort(inverse.ravel(), kind="stable")
     same = np.diff(inverse.ravel()[order]) == 0
-    lag = np.zeros(len(rows), dtype=int)
-    lag[order[1:][same]] = np.diff(order)[same]
-    edges = np.flatnonzero(np.diff(lag, prepend=0, append=0))
-    return [
-        (int(a), int(b), int(lag[a])) for a, b in pairwise(edges) if lag[a] > 0
-    ]
+    lags = np.zeros(len(rows), dtype=int)
+    lags[order[1:][same]] = np.diff(order)[same]
+    return lags
