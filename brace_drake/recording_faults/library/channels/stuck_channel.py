@@ -91,7 +91,7 @@ def _is_chanceless(run, known, name, place, total) -> bool:
     """Whether noise would have changed the value in such a stretch."""
     begin, end = place
     values = run.channels[name]
-    outside = np.concatenate([values[:begin], values[end:]])
+    outside = _outside(values, begin, end)
     alike = float(np.mean(np.diff(outside) == 0.0)) if len(outside) > 50 else 1
     if (end - begin) * np.log(_likeliest(alike)) > np.log(FALSE_ALARM / total):
         return False
@@ -112,13 +112,27 @@ def _is_limit(channel: Channel, value: float) -> bool:
 
 
 def _others_move(run, known, name, begin, end) -> bool:
-    """Whether the reference, or a channel of the same kind, moves there."""
+    """Whether the reference, or a channel of the same kind, moves there by so
+    much that this one would have, as they go together elsewhere.
+    """
     unit = split_unit(name)[1]
     kin = [
         n
         for n in (*noisy_channels(run, known), *references(run, known))
         if split_unit(n)[1] == unit and n != name
     ]
-    step = quantum_of(run.channels[name])
-    moved = [float(np.ptp(run.channels[n][begin:end])) for n in kin]
-    return step > 0.0 and max(moved, default=0.0) > _MOVED * step
+    values = run.channels[name]
+    step = quantum_of(values)
+    mine = float(np.ptp(_outside(values, begin, end)))
+    expected = 0.0
+    for other in kin:
+        way = run.channels[other]
+        elsewhere = float(np.ptp(_outside(way, begin, end)))
+        moved = float(np.ptp(way[begin:end]))
+        share = mine / elsewhere if elsewhere > 0.0 else 1.0
+        expected = max(expected, min(share, 1.0) * moved)
+    return step > 0.0 and expected > _MOVED * step
+
+
+def _outside(values: np.ndarray, begin: int, end: int) -> np.ndarray:
+    return np.concatenate([values[:begin], values[end:]])
