@@ -201,11 +201,14 @@ def diagnose(
         is_right = not criterion.is_beyond_level(best)
         recording += find_recording_faults(
             device,
+            campaign,
+            partial(MakeDevice, scenario=scenario, diagram=diagram),
             evaluator.prepared,
             validation.prepared,
             best,
             jobs,
             is_right,
+            seed,
         )
 
     say("where", 0.95)

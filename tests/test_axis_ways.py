@@ -94,7 +94,7 @@ class TestCheck(unittest.TestCase):
         code, lines = self.check()
         self.assertEqual(code, 2)
         self.assertIn(f"error: {self.path}: {said}", lines)
-        self.assertIn("position_m never changes in a fit run", said)
+        self.assertIn("position_m shows no more than its noise", said)
 
     def test_a_sound_axis_is_usable(self):
         self.write(lambda _, c: c)

@@ -70,6 +70,24 @@ class TestFloor(unittest.TestCase):
         self.assertAlmostEqual(quantum[0], 1e-3, delta=1e-9)
         self.assertLess(quantum[1], 1e-9)
 
+    def test_coarse_readings_have_the_noise_of_their_steps(self):
+        # Ramps and rests, less noise than a step: rounding is nowhere white.
+        t = np.arange(2000) / 200.0
+        ways = np.interp(t, [0, 2, 5, 7, 10], [0, 1, 1, 3, 3])
+        shifts = self.generator.random((60, 1)) * 0.2
+        exact = (ways + shifts)[:, :, None]
+        noise = 0.01 * self.generator.standard_normal(exact.shape)
+        rounding = 0.2 * np.round((exact + noise) / 0.2) - exact - noise
+        half = noise[:30], rounding[:30]
+        floor = estimate_floor(half[0], 200.0, half[1])
+        rest = to_frequency(noise[30:] + rounding[30:], axis=1)
+        squares = np.mean((rest * floor.weights(2000, 200.0)) ** 2)
+        self.assertAlmostEqual(squares, 1.0, delta=0.15)
+        # Repeats that round alike take nothing from it.
+        alike = floor.scaled(np.array([0.01]))
+        most = (rest * alike.weights(2000, 200.0))[:, 1:] ** 2
+        self.assertLess(np.mean(most), 1.5)
+
     def test_rounding_that_is_noise_of_the_instrument_counts_once(
         self,
     ):

@@ -143,6 +143,11 @@ class TestFit(unittest.TestCase):
         with self.assertRaisesRegex(CampaignError, "force does not change"):
             MakeDevice(campaign)
 
+    def test_a_pad_that_moves_and_never_touches_is_refused(self):
+        campaign = make_campaign(lambda motion, time: 0.0 * time)
+        with self.assertRaisesRegex(CampaignError, "no more than its noise"):
+            MakeDevice(campaign)
+
     def test_the_fit_command_takes_a_pad(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "campaign"

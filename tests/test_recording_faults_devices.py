@@ -1,13 +1,14 @@
 """Faults put into recordings of one drive, and of a pad on tissue."""
 
 import unittest
+from functools import partial
 
 import numpy as np
 
 from brace_drake.devices.device import MakeDevice
 from brace_drake.recording import LoadCampaign
 from brace_drake.recording_faults import check_recording
-from tests import pad_recordings, test_leg_bench
+from tests import axis_recordings, pad_recordings, test_leg_bench
 from tests.shared_data import SHARED
 from tests.test_recording_faults import spoil
 
@@ -23,6 +24,23 @@ def changed(name, law):
 
 def late(samples: int):
     return lambda v: np.concatenate([np.full(samples, v[0]), v[:-samples]])
+
+
+def rounded(**steps: float):
+    """A spoiler that rounds channels to steps."""
+
+    def change(columns):
+        new = {n: np.round(columns[n] / q) * q for n, q in steps.items() if q}
+        return {**columns, **new}
+
+    return change
+
+
+def at_rest(columns, rows: int):
+    """A run that rests where it begins before it moves."""
+    held = {n: np.r_[np.full(rows, x[0]), x] for n, x in columns.items()}
+    period = columns["time_s"][1] - columns["time_s"][0]
+    return {**held, "time_s": np.arange(len(held["time_s"])) * period}
 
 
 def swapped(a: str, b: str):
@@ -125,10 +143,32 @@ class TestPad(unittest.TestCase):
         )
         self.assertEqual(found.runs, ("stairs.csv",))
 
+    def test_coarse_readings_are_no_fault(self):
+        for way, force in ((1e-5, 0.05), (1e-4, 0.1), (1e-5, 0.2), (0.0, 1.0)):
+            with self.subTest(way=way, force=force):
+                found = self.found(rounded(displacement_m=way, force_N=force))
+                self.assertEqual(found, [])
+
     def test_a_zero_that_is_off_is_a_warning(self):
         (found,) = self.found(changed("force_N", lambda v: v - 5.0))
         self.assertEqual(found.fault.name, "contradiction")
         self.assertFalse(found.is_certain)
+
+
+class TestAxis(unittest.TestCase):
+    def found(self, campaign):
+        return check_recording(campaign, MakeDevice(campaign))
+
+    def test_coarse_readings_are_no_fault_at_rest_either(self):
+        sound = axis_recordings.make_campaign(
+            lambda p, b: 2.0 * p[:, 2] + 30.0 * p[:, 1] + 100.0 * p[:, 0]
+        )
+        for step in (1e-5, 1e-4, 1e-3):
+            for rest in (0, 200):
+                with self.subTest(step=step, rest=rest):
+                    coarse = spoil(sound, rounded(position_m=step, force_N=0.1))
+                    campaign = spoil(coarse, partial(at_rest, rows=rest))
+                    self.assertEqual(self.found(campaign), [])
 
 
 if __name__ == "__main__":

@@ -89,6 +89,21 @@ def estimate_white_noise(signals: Sequence[np.ndarray]) -> float:
     return float(np.sqrt(squares * (1.0 + 2.0 * np.sqrt(_VARIANCE / count))))
 
 
+def rises_above_noise(signals: Sequence[np.ndarray]) -> bool:
+    """Whether any of several readings ranges farther than white noise of their
+    own deviation and number would.
+    """
+    count = max(2, sum(len(s) for s in signals))
+    chance = 2.0 * (np.sqrt(2.0 * np.log(count)) + 1.0)
+    noise = estimate_white_noise(signals)
+    if not noise:
+        # Too short for that: the scatter of steps, to which a ramp adds none.
+        steps = [np.diff(s) for s in signals]
+        scatter = np.concatenate([d - np.mean(d) for d in steps])
+        noise = float(np.std(scatter)) / np.sqrt(2.0)
+    return any(float(np.ptp(s)) > chance * noise for s in signals)
+
+
 def white_noise(signal: np.ndarray) -> float:
     """Standard deviation of the white noise of a reading (N,).
 

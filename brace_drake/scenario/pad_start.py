@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.recording.recording import Run
+from brace_drake.scenario.pad_noise import rises_above_noise
 
 # Contact offsets that are tried, over twice the pad's excursion.
 _OFFSETS = 61
@@ -84,6 +85,12 @@ def estimate_contact(
         raise CampaignError(
             "the force does not change in any run with split: fit"
         )
+    for name in ("displacement_m", "force_N"):
+        if not rises_above_noise([run.channels[name] for run in runs]):
+            raise CampaignError(
+                f"{name} shows no more than its noise in the runs with split:"
+                " fit: record a pad that moves and touches"
+            )
     fits = [
         _fit_at(float(offset), parts, (stiffness, damping))
         for offset in np.linspace(low - span, high, _OFFSETS, endpoint=False)

@@ -17,6 +17,7 @@ from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import (
     estimate_noise_by_band,
     estimate_white_noise,
+    rises_above_noise,
 )
 
 _TERMS = ("mass", "viscous", "stiffness", "offset")
@@ -50,10 +51,10 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
     runs = campaign.split("fit")
     position, moved_by = way.columns
     for name in (position, moved_by):
-        if not any(np.ptp(r.channels[name]) > 0.0 for r in runs):
+        if not rises_above_noise([r.channels[name] for r in runs]):
             raise CampaignError(
-                f"{campaign.path}: {name} never changes in a fit run: nothing"
-                " can be learned"
+                f"{campaign.path}: {name} shows no more than its noise in the"
+                " fit runs: nothing can be learned"
             )
     sigma = estimate_white_noise([r.channels[position] for r in runs])
     scenario = AxisScenario(

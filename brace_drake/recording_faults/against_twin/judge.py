@@ -14,6 +14,11 @@ from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
+from brace_drake.recording_faults.against_twin.refits import (
+    Remake,
+    find_undone,
+)
+from brace_drake.recording_faults.against_twin.refitter import Refitter
 from brace_drake.recording_faults.against_twin.sensors import (
     find_few_runs,
     find_sensor_faults,
@@ -32,11 +37,14 @@ _NOTHING = 0.5
 
 def find_recording_faults(
     device: Device,
+    campaign: Campaign,
+    remake: Remake,
     fit_runs: Sequence[PreparedRun],
     validation: Sequence[PreparedRun],
     fit: CandidateFit,
     jobs=1,
     is_right: bool = False,
+    seed: int = 0,
 ) -> list[Finding]:
     """Faults that the twin shows and no effect explains.
 
@@ -46,15 +54,21 @@ def find_recording_faults(
 
     Args:
         device: Of the campaign.
+        campaign: As loaded.
+        remake: Makes the device of a campaign of some of its runs.
         fit_runs, validation: As prepared for fit and comparison.
         fit: The best explanation by subject and effects.
         jobs: As of `Evaluator`.
         is_right: Whether the fit is known to leave no more than a right twin.
+        seed: Of noise floors.
     """
     # Numbers within their tolerances are no fault of the recording.
     subject, uses = fit.subject, (*fit.uses, *fit.within)
     # What each run has of its own would have to be estimated anew.
-    if fit.has_run_parameters or not device.takes_subjects:
+    if fit.has_run_parameters:
+        return []
+    is_lawless = device.control_law is None
+    if not (device.takes_subjects or is_lawless):
         return []
     evaluator = Evaluator(device.twin, fit_runs, jobs)
     evaluator.tolerances = fit.tolerances
@@ -64,6 +78,9 @@ def find_recording_faults(
     found = find_few_runs(device, fit_runs, own, uses, jobs)
     if found:
         return found
+    if own.misfit > _NOTHING and not is_right and is_lawless:
+        every = Refitter(device, (), fit_runs, subject, uses, jobs)
+        return find_undone(every, campaign, remake, seed)
     if own.misfit > _NOTHING and not is_right:
         found = find_sensor_faults(device, fit_runs, subject, uses, jobs)
         return found or find_other_subjects(
@@ -80,6 +97,7 @@ def judge_campaign(
     effects: Sequence[Effect] = (),
     jobs=1,
     seed: int = 0,
+    remake: Remake | None = None,
 ) -> tuple[list[Finding], float]:
     """Faults beside given effects alone, and the misfit that these leave.
 
@@ -89,6 +107,7 @@ def judge_campaign(
         effects: That the machine is known to have, fitted with the subject.
         jobs: As of `Evaluator`.
         seed: Of the noise floor.
+        remake: As of `find_recording_faults`; None: the device is as it is.
     """
     twin, rate = device.twin, campaign.rate_hz
     usual = np.array([p.nominal for p in twin.subject])
@@ -101,5 +120,14 @@ def judge_campaign(
     if effects:
         starts = [e.starts()[0].astype(float) for e in effects]
         fit = fit_effects(evaluator, effects, starts)
-    found = find_recording_faults(device, runs, held_out, fit, jobs)
+    found = find_recording_faults(
+        device,
+        campaign,
+        remake or (lambda part: device),
+        runs,
+        held_out,
+        fit,
+        jobs,
+        seed=seed,
+    )
     return found, fit.excess / evaluator.count

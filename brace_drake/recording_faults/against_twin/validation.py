@@ -14,6 +14,7 @@ from brace_drake.recording_faults.against_twin.misfit import (
     make_evaluator,
     misfit_of,
 )
+from brace_drake.recording_faults.against_twin.refits import explain_runs
 from brace_drake.recording_faults.against_twin.sensors import (
     find_sensor_faults,
 )
@@ -55,6 +56,12 @@ def find_validation_faults(
     if not bad:
         return []
     runs = [p for p, _ in bad]
+    if device.control_law is None:
+        return [
+            f
+            for p in runs
+            for f in explain_runs(device, fit_runs, [p], subject, uses, jobs)
+        ]
     worst = max(m for _, m in bad)
     sensors = find_sensor_faults(device, runs, subject, uses, jobs)
     if sensors:

@@ -18,6 +18,8 @@ from brace_drake.recording_faults.channels import (
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
     FALSE_ALARM,
+    local_error,
+    robust_deviation,
     stretches,
 )
 
@@ -38,6 +40,8 @@ CARD = RecordingFault(
 _ALIKE = 0.7
 # Readings that repeat more rarely have noise of many steps everywhere.
 _FINE = 0.05
+# Rounding alone shakes by less than so many steps.
+_SHAKES = 2.0
 # Shorter holds are lost samples, which can be filled.
 _LEAST = 40
 # Steps that others move by while a stuck one should have moved too.
@@ -97,7 +101,12 @@ def _is_chanceless(run, known, name, place, total) -> bool:
         return False
     if end - begin < _LEAST or _is_limit(known[name], values[begin]):
         return False
-    return alike < _FINE or _others_move(run, known, name, begin, end)
+    # A reading that never repeats may move from step to step, or shake.
+    shakes = robust_deviation(local_error(outside)) > _SHAKES * quantum_of(
+        values
+    )
+    is_fine = alike < _FINE and shakes
+    return is_fine or _others_move(run, known, name, begin, end)
 
 
 def _likeliest(alike: float) -> float:

@@ -4,7 +4,7 @@ from brace_drake.recording_faults.card import RecordingFault
 
 CARD = RecordingFault(
     name="other_subject",
-    title="another subject",
+    title="another subject or machine",
     law="the subject's parameters differ between runs",
     signature="one subject fits some of the runs down to the noise and another"
     " the rest, no one both",

@@ -1,6 +1,43 @@
 """Blocks of samples that are not there, under times that go on evenly."""
 
+import numpy as np
+
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
+from brace_drake.recording_faults.statistics import (
+    local_error,
+    robust_deviation,
+)
+
+# A jump is so many times the steps on both sides of it, which are steps where
+# they are so many deviations of a reading.
+_JUMP, _SHAKE = 3.0, 4.0
+
+
+def jumps_of(way: np.ndarray) -> np.ndarray:
+    """Rows after which a way goes on elsewhere (J,).
+
+    A way that moves has steps much like their neighbours. One that begins or
+    ends to move has a larger one on one side; only a jump stands alone.
+
+    """
+    shake = _SHAKE * robust_deviation(local_error(way))
+    steps = np.abs(np.diff(way))
+    beside = np.maximum(steps[:-2], steps[2:])
+    rows = 1 + np.flatnonzero(steps[1:-1] > _JUMP * (beside + shake))
+    # Where it rests on both sides, it was asked to jump.
+    return rows[beside[rows - 1] > shake]
+
+
+def _undo(columns, channels, values):
+    """The longest part in which no channel jumps."""
+    rows = np.unique(np.concatenate([jumps_of(columns[c]) for c in channels]))
+    ends = np.array([0, *(rows + 1), len(columns["time_s"])])
+    longest = int(np.argmax(np.diff(ends)))
+    begin, end = ends[longest : longest + 2]
+    time = columns["time_s"][: end - begin]
+    kept = {name: series[begin:end] for name, series in columns.items()}
+    return {**kept, "time_s": time}
+
 
 CARD = RecordingFault(
     name="lost_samples",
@@ -14,5 +51,6 @@ CARD = RecordingFault(
         FaultParameter("lost_s", "s", "time that is missing there"),
         FaultParameter("jumps", "1", "number of jumps"),
     ),
+    undo=_undo,
     is_of_run=True,
 )

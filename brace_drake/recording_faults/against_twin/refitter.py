@@ -1,0 +1,111 @@
+"""The twin fitted anew to runs as they would have been without a fault."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from brace_drake.devices.declaration import Device
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import PreparedRun
+from brace_drake.identification.prepare import prepare_runs
+from brace_drake.recording.recording import Run
+from brace_drake.recording_faults.against_twin.misfit import (
+    SubjectFit,
+    fit_subject_to,
+    make_evaluator,
+)
+from brace_drake.recording_faults.against_twin.undone import (
+    Suspect,
+    is_usable,
+)
+
+
+class Refitter:
+    """Fits the subject of a device to runs as they would have been.
+
+    Args:
+        device: Of the runs.
+        sound: Runs that are taken as they are.
+        accused: Runs in which a fault is sought.
+        subject: To start from.
+        uses: Effects that are there, held.
+        jobs: As of `Evaluator`.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        sound: Sequence[PreparedRun],
+        accused: Sequence[PreparedRun],
+        subject: np.ndarray,
+        uses: Sequence[Use],
+        jobs,
+    ):
+        self.sound, self.accused = tuple(sound), tuple(accused)
+        self._device, self.jobs = device, jobs
+        self._subject, self._uses = subject, uses
+        recorded = {n for p in accused for n in p.run.channels}
+        self.names = [n for n in device.twin.channels if n in recorded]
+
+    def misfit(self, suspect: Suspect | None = None) -> float:
+        """Mean square beyond noise, in noise variances; inf where nothing is
+        left to be fitted.
+        """
+        accused = list(self.accused)
+        if suspect is not None:
+            for i, prepared in enumerate(accused):
+                run = suspect.hypothesis.undone(prepared.run)
+                if not is_usable(run):
+                    return np.inf
+                accused[i] = self._prepared(prepared, run)
+        fit = self.fit((*self.sound, *accused))
+        return np.inf if fit is None else fit.misfit
+
+    def fit(self, runs: Sequence[PreparedRun]) -> SubjectFit | None:
+        """The subject of some runs; None where the twin breaks down."""
+        runs = [replace(p, index=i) for i, p in enumerate(runs)]
+        evaluator = make_evaluator(
+            self._device, runs, self._subject, self._uses, self.jobs
+        )
+        return fit_subject_to(evaluator, self._subject, self._uses)
+
+    def _prepared(self, prepared: PreparedRun, run: Run) -> PreparedRun:
+        (found,) = prepare_runs(
+            self._device.twin,
+            [run],
+            {run.contact: prepared.floor},
+            self._device.rate,
+            prepared.seed,
+        )
+        return found
+
+    @property
+    def share(self) -> float:
+        """Part of the accused runs in all that is compared."""
+        mine = sum(p.count for p in self.accused)
+        return mine / (mine + sum(p.count for p in self.sound))
+
+    def apart(self) -> float | None:
+        """Misfit of all runs, with a subject of its own in the accused ones;
+        None where the twin breaks down.
+        """
+        one, other = self.fit(self.sound), self.fit(self.accused)
+        if one is None or other is None:
+            return None
+        return one.misfit + self.share * (other.misfit - one.misfit)
+
+    def gain(self) -> float | None:
+        """Recorded over expected in the accused runs, as the others have it."""
+        fit = self.fit(self.sound)
+        if fit is None:
+            return None
+        recorded, expected = [], []
+        for p in self.accused:
+            x = fit.evaluator.simulate(p, fit.subject, self._uses)
+            recorded.append(p.weigh(p.measured))
+            expected.append(p.weigh(x))
+        x, y = np.concatenate(expected), np.concatenate(recorded)
+        return float(x @ y / (x @ x)) if x @ x > 0.0 else None

@@ -1,0 +1,123 @@
+"""Faults that could have befallen runs of a device without a known controller.
+
+No law ties what such a machine is asked to what is read of it: any channel may
+be wrong, and the twin alone can tell.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from brace_drake.recording.columns import split_unit
+from brace_drake.recording.recording import Run
+from brace_drake.recording_faults.library.channels import (
+    exchanged_channels,
+    reversed_sign,
+    wrong_scale,
+)
+from brace_drake.recording_faults.library.time import (
+    lost_samples,
+    reversed_run,
+    skewed_channel,
+)
+from brace_drake.recording_faults.relations.hypotheses import Hypothesis
+
+# Delays that are tried, samples; the best is refined by single ones.
+_DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
+# Fewer rows between jumps tell nothing.
+_LEAST_ROWS = 50
+# Beforehand a named unit is so much more likely than a number.
+UNIT, OTHER = 1.0, 0.2
+
+
+class Suspect(NamedTuple):
+    """A fault that may be in some runs, and how likely it is beforehand."""
+
+    hypothesis: Hypothesis
+    weight: float
+
+
+def of_time(runs: Sequence[Run], names: Sequence[str]) -> Iterator[Suspect]:
+    """What can have befallen all of some runs: delays, order, lost blocks.
+
+    Args:
+        runs: Accused, all of them.
+        names: Channels that the twin is compared in; all but these are given.
+    """
+    h = float(np.median(np.diff(runs[0].time_s)))
+    for name in names:
+        for d, sign in itertools.product(_DELAYS, (1, -1)):
+            yield late(name, sign * d, h)
+    yield Suspect(Hypothesis(reversed_run.CARD, (), {}), OTHER)
+    lost = _lost(runs, h)
+    if lost is not None:
+        yield Suspect(lost, UNIT)
+
+
+def of_channels(
+    runs: Sequence[Run], names: Sequence[str], gain: float | None
+) -> Iterator[Suspect]:
+    """What can have befallen channels of a few among other runs: sign, unit,
+    scale, exchange.
+
+    Args:
+        runs, names: As of `of_time`.
+        gain: Recorded over expected in the compared channels, as the other
+            runs have it; None where it is not known.
+    """
+    every = [n for n in runs[0].channels if n != "time_s"]
+    for pair in itertools.combinations(every, 2):
+        yield Suspect(Hypothesis(exchanged_channels.CARD, pair, {}), OTHER)
+    for name in every:
+        yield Suspect(
+            Hypothesis(reversed_sign.CARD, (name,), {"zero": 0.0}), OTHER
+        )
+        units = wrong_scale.UNITS.get(split_unit(name)[1], {})
+        for size in units.values():
+            yield _scaled(name, size, UNIT)
+        # A force that reads twice is like a way that reads half.
+        if gain is not None and gain > 0.0:
+            size = gain if name in names else 1.0 / gain
+            near = any(abs(size / u - 1.0) < 0.02 for u in units.values())
+            if not near:
+                less = 1.0 if name in names else 0.5
+                yield _scaled(name, size, OTHER * less)
+
+
+def late(name: str, samples: int, period: float) -> Suspect:
+    """A channel that is written late by some samples."""
+    values = {"delay_s": samples * period}
+    return Suspect(Hypothesis(skewed_channel.CARD, (name,), values), OTHER)
+
+
+def _scaled(name: str, scale: float, weight: float) -> Suspect:
+    values = {"scale": scale, "zero": 0.0}
+    return Suspect(Hypothesis(wrong_scale.CARD, (name,), values), weight)
+
+
+def _lost(runs: Sequence[Run], period: float) -> Hypothesis | None:
+    """Blocks that are lost where a channel jumps; None where none does."""
+    for run in runs:
+        for name, series in run.channels.items():
+            rows = lost_samples.jumps_of(series) if name != "time_s" else []
+            if not len(rows):
+                continue
+            steps = np.abs(np.diff(series))
+            first = int(rows[0])
+            usual = max(steps[first - 1], steps[first + 1])
+            values = {
+                "start_s": float(run.time_s[first] - run.time_s[0]),
+                "lost_s": float(steps[first] / usual - 1.0) * period,
+                "jumps": float(len(rows)),
+            }
+            return Hypothesis(lost_samples.CARD, (name,), values)
+    return None
+
+
+def is_usable(run: Run) -> bool:
+    """Whether enough of a run is left with a fault undone."""
+    return len(run.time_s) >= _LEAST_ROWS
