@@ -80,7 +80,10 @@ def find_recording_faults(
         return found
     if own.misfit > _NOTHING and not is_right and is_lawless:
         every = Refitter(device, (), fit_runs, subject, uses, jobs)
-        return find_undone(every, campaign, remake, seed)
+        found = find_undone(every, campaign, remake, seed)
+        return found or find_validation_faults(
+            device, fit_runs, validation, own.subject, uses, jobs
+        )
     if own.misfit > _NOTHING and not is_right:
         found = find_sensor_faults(device, fit_runs, subject, uses, jobs)
         return found or find_other_subjects(

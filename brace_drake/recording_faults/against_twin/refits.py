@@ -5,6 +5,7 @@ The odd one out of the fit runs is found by fitting the twin to all the others.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -17,8 +18,11 @@ from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.columns import split_unit
-from brace_drake.recording.recording import Campaign
-from brace_drake.recording_faults.against_twin.refitter import Refitter
+from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording_faults.against_twin.refitter import (
+    LEAST,
+    Refitter,
+)
 from brace_drake.recording_faults.against_twin.subjects import NEAR, TIMES
 from brace_drake.recording_faults.against_twin.undone import (
     OTHER,
@@ -44,6 +48,9 @@ Remake = Callable[[Campaign], Device]
 # Another subject has all parameters of the twin to fit with.
 _SUBJECT = 0.5 * OTHER
 _CONTRADICTION = 0.8
+# Runs that are accused together; misfit below which there is none, and how much
+# more than the others' a run may leave that is one of them.
+_MOST_ODD, _LIKE_OTHERS = 2, 1.5
 
 
 def find_undone(
@@ -58,7 +65,7 @@ def find_undone(
             sizes of its scenario may be estimated.
         seed: Of the floors.
     """
-    odd = _odd_one_out(campaign, remake, seed, every.jobs)
+    odd = _odd_ones_out(campaign, remake, seed, every.jobs)
     tried = _tried(every)
     if odd is None:
         return _explained(every, tried)
@@ -66,25 +73,33 @@ def find_undone(
     return _explained(odd, [*tried, *_tried(odd)])
 
 
-def _odd_one_out(
+def _odd_ones_out(
     campaign: Campaign, remake: Remake, seed: int, jobs
 ) -> Refitter | None:
-    """The one run without which the twin fits all; None without."""
-    runs = campaign.split("fit")
-    found = []
-    for i, run in enumerate(runs if len(runs) > 2 else ()):
-        rest = [r for r in runs if r is not run]
-        one = _without(campaign, rest, run, remake, seed, jobs)
-        fit = None if one is None else one.fit(one.sound)
-        if fit is not None and fit.misfit < NEAR:
-            found.append((fit.misfit, i, one))
-    return min(found)[-1] if found else None
-
-
-def _without(campaign, rest, run, remake, seed, jobs) -> Refitter | None:
-    """Some runs beside an accused one, as a device sees them that knows
-    nothing of that; None where it cannot be made of them.
+    """The fewest runs without which the twin fits the others far better; None
+    where there are none.
     """
+    runs = campaign.split("fit")
+    for number in range(1, len(runs) - 1):
+        if number > _MOST_ODD or 2 * number > len(runs):
+            break
+        found = []
+        for few in itertools.combinations(runs, number):
+            one = _without(campaign, few, remake, seed, jobs)
+            if one is not None and one.misfit() > TIMES * one.level:
+                found.append((one.level, len(found), one))
+        if found:
+            return min(found)[-1]
+    return None
+
+
+def _without(
+    campaign: Campaign, few: Sequence[Run], remake: Remake, seed: int, jobs
+) -> Refitter | None:
+    """Accused runs beside the others, as a device sees them that knows nothing
+    of these; None where it cannot be made of the others.
+    """
+    rest = [r for r in campaign.split("fit") if r not in few]
     part = replace(campaign, runs=tuple(rest))
     try:
         device = remake(part)
@@ -93,12 +108,11 @@ def _without(campaign, rest, run, remake, seed, jobs) -> Refitter | None:
     twin = device.twin
     usual = np.array([p.nominal for p in twin.subject])
     floors, _ = estimate_floors(twin, part, usual, seed)
-    if run.contact not in floors:
+    if any(r.contact not in floors for r in few):
         return None
-    *sound, accused = prepare_runs(
-        twin, [*rest, run], floors, device.rate, seed
-    )
-    return Refitter(device, sound, [accused], usual, (), jobs)
+    runs = prepare_runs(twin, [*rest, *few], floors, device.rate, seed)
+    sound, accused = runs[: len(rest)], runs[len(rest) :]
+    return Refitter(device, sound, accused, usual, (), jobs)
 
 
 def explain_runs(
@@ -140,6 +154,14 @@ class _Tried(NamedTuple):
     parameters: Mapping[str, float]
     refitter: Refitter
 
+    @property
+    def is_told(self) -> bool:
+        """Whether what is left is noise, or much like what the other runs
+        leave.
+        """
+        level = self.refitter.level if self.refitter.sound else LEAST
+        return self.misfit < NEAR + _LIKE_OTHERS * (level - LEAST)
+
 
 def _tried(refitter: Refitter) -> list[_Tried]:
     """All faults that the accused runs could have, undone, the best delay to a
@@ -147,8 +169,13 @@ def _tried(refitter: Refitter) -> list[_Tried]:
     """
     runs = [p.run for p in refitter.accused]
     suspects = list(of_time(runs, refitter.names))
-    if refitter.sound:
-        suspects += of_channels(runs, refitter.names, refitter.gain())
+    expected = refitter.gain_and_zero() if refitter.sound else None
+    if expected is not None:
+        gain, off = expected
+        zeros = dict(zip(refitter.channels, map(float, off), strict=True))
+        names = refitter.names
+        zeros = {n: zeros[n] for n in names}
+        suspects += of_channels(runs, names, gain, zeros)
     tried = [(refitter.misfit(s), s) for s in suspects]
     tried.sort(key=lambda t: t[0])
     tried[:1] = _finer(refitter, *tried[0], runs)
@@ -195,8 +222,7 @@ def _log_scale(suspect: Suspect, names: Sequence[str]) -> float:
 def _explained(refitter: Refitter, tried: Sequence[_Tried]) -> list[Finding]:
     """The likeliest of faults, where what is left is noise."""
     before = refitter.misfit()
-    able = [t for t in tried if t.misfit < NEAR]
-    tried = [t for t in able if before > TIMES * max(t.misfit, 0.05)]
+    tried = [t for t in tried if t.is_told and before > TIMES * t.misfit]
     if not tried:
         return []
     least = min(t.deviance for t in tried)
@@ -260,8 +286,8 @@ def _contradiction(refitter: Refitter) -> list[Finding]:
             (),
             {},
             _CONTRADICTION,
-            "the twin fits all other runs down to their noise, and with it they"
-            f" leave a misfit of {before:.3g} noise variances",
+            f"the others leave a misfit of {refitter.level:.3g} noise"
+            f" variances, and with it {before:.3g}",
             severity="warning",
             before=1.0 + before,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from brace_drake.recording_faults.against_twin.undone import (
     Suspect,
     is_usable,
 )
+
+# No misfit is told from less, in noise variances.
+LEAST = 0.05
 
 
 class Refitter:
@@ -48,6 +52,7 @@ class Refitter:
         self._device, self.jobs = device, jobs
         self._subject, self._uses = subject, uses
         recorded = {n for p in accused for n in p.run.channels}
+        self.channels = device.twin.channels
         self.names = [n for n in device.twin.channels if n in recorded]
 
     def misfit(self, suspect: Suspect | None = None) -> float:
@@ -88,6 +93,14 @@ class Refitter:
         mine = sum(p.count for p in self.accused)
         return mine / (mine + sum(p.count for p in self.sound))
 
+    @cached_property
+    def level(self) -> float:
+        """Misfit that the other runs leave by themselves, at least `LEAST`; inf
+        where the twin breaks down.
+        """
+        fit = self.fit(self.sound)
+        return np.inf if fit is None else max(LEAST, fit.misfit)
+
     def apart(self) -> float | None:
         """Misfit of all runs, with a subject of its own in the accused ones;
         None where the twin breaks down.
@@ -97,15 +110,20 @@ class Refitter:
             return None
         return one.misfit + self.share * (other.misfit - one.misfit)
 
-    def gain(self) -> float | None:
-        """Recorded over expected in the accused runs, as the others have it."""
+    def gain_and_zero(self) -> tuple[float, np.ndarray] | None:
+        """Recorded over expected in the accused runs, as the others have it,
+        and recorded less expected in the mean (C,); None where the twin breaks
+        down.
+        """
         fit = self.fit(self.sound)
         if fit is None:
             return None
-        recorded, expected = [], []
+        recorded, expected, off = [], [], []
         for p in self.accused:
             x = fit.evaluator.simulate(p, fit.subject, self._uses)
             recorded.append(p.weigh(p.measured))
             expected.append(p.weigh(x))
+            off.append(np.mean(p.measured - x, axis=0))
         x, y = np.concatenate(expected), np.concatenate(recorded)
-        return float(x @ y / (x @ x)) if x @ x > 0.0 else None
+        gain = float(x @ y / (x @ x)) if x @ x > 0.0 else 1.0
+        return gain, np.mean(off, axis=0)

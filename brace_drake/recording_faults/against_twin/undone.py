@@ -7,7 +7,7 @@ be wrong, and the twin alone can tell.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from brace_drake.recording.columns import split_unit
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.library.channels import (
     exchanged_channels,
+    moved_zero,
     reversed_sign,
     wrong_scale,
 )
@@ -59,19 +60,25 @@ def of_time(runs: Sequence[Run], names: Sequence[str]) -> Iterator[Suspect]:
 
 
 def of_channels(
-    runs: Sequence[Run], names: Sequence[str], gain: float | None
+    runs: Sequence[Run],
+    names: Sequence[str],
+    gain: float,
+    zeros: Mapping[str, float],
 ) -> Iterator[Suspect]:
     """What can have befallen channels of a few among other runs: sign, unit,
-    scale, exchange.
+    scale, zero, exchange.
 
     Args:
         runs, names: As of `of_time`.
-        gain: Recorded over expected in the compared channels, as the other
-            runs have it; None where it is not known.
+        gain, zeros: Recorded over expected in the compared channels, as the
+            other runs have it, and recorded less expected by channel.
     """
     every = [n for n in runs[0].channels if n != "time_s"]
     for pair in itertools.combinations(every, 2):
         yield Suspect(Hypothesis(exchanged_channels.CARD, pair, {}), OTHER)
+    for name, zero in zeros.items():
+        values = {"offset": zero}
+        yield Suspect(Hypothesis(moved_zero.CARD, (name,), values), OTHER)
     for name in every:
         yield Suspect(
             Hypothesis(reversed_sign.CARD, (name,), {"zero": 0.0}), OTHER
@@ -80,7 +87,7 @@ def of_channels(
         for size in units.values():
             yield _scaled(name, size, UNIT)
         # A force that reads twice is like a way that reads half.
-        if gain is not None and gain > 0.0:
+        if gain > 0.0:
             size = gain if name in names else 1.0 / gain
             near = any(abs(size / u - 1.0) < 0.02 for u in units.values())
             if not near:
