@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -19,7 +19,7 @@ from brace_drake.devices.nominal_scenario import (
     choose_scenario,
 )
 from brace_drake.discrepancy import FoundLaw, find_law
-from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison, compare_runs
 from brace_drake.identification.intervals import EstimateTable, estimate_table
@@ -32,7 +32,10 @@ from brace_drake.isolation.locate import locate_gap
 from brace_drake.isolation.residual_shapes import describe_rest
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults import Finding, check_recording
-from brace_drake.recording_faults.against_twin import find_recording_faults
+from brace_drake.recording_faults.against_twin import (
+    Maker,
+    find_recording_faults,
+)
 from brace_drake.recording_faults.check import without_false_repeats
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import Verdict, decide
@@ -202,7 +205,10 @@ def diagnose(
         recording += find_recording_faults(
             device,
             campaign,
-            partial(MakeDevice, scenario=scenario, diagram=diagram),
+            Maker(
+                partial(MakeDevice, scenario=scenario, diagram=diagram),
+                partial(_explain, choice=choice, jobs=jobs),
+            ),
             evaluator.prepared,
             validation.prepared,
             best,
@@ -269,6 +275,20 @@ def diagnose(
         next_run=next_run,
         recording=tuple(recording),
     )
+
+
+def _explain(
+    device: Device, runs: Sequence[PreparedRun], choice: Choice, jobs
+) -> CandidateFit:
+    """The best fit that effects come to on some of the runs alone."""
+    effects = choice.effects_of(device.twin)
+    evaluator = Evaluator(device.twin, runs, jobs, effects)
+    nuisances = device.tolerances()
+    nominal = fit_nominal(evaluator, nuisances, device.uses_off)
+    criterion = make_criterion(evaluator, nominal, nuisances)
+    fits = search_causes(evaluator, criterion, lambda what, share: None)
+    criterion, fits = settle(evaluator, criterion, fits)
+    return decide(criterion, fits).winner or nominal
 
 
 def _part(

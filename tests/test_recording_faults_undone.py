@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.devices.device import MakeDevice
-from brace_drake.recording_faults.against_twin import judge_campaign
+from brace_drake.diagnosis import diagnose
 from brace_drake.recording_faults.library.time.lost_samples import jumps_of
 from tests import axis_recordings, pad_recordings
 
@@ -141,8 +140,8 @@ EFFECTS = {
 
 
 def judged(campaign):
-    found, _ = judge_campaign(campaign, MakeDevice(campaign), remake=MakeDevice)
-    return found
+    """Faults that a diagnosis finds."""
+    return list(diagnose(campaign, jobs=1).recording)
 
 
 class TestUndone(unittest.TestCase):

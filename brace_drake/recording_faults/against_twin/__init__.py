@@ -4,5 +4,6 @@ from brace_drake.recording_faults.against_twin.judge import (
     find_recording_faults,
     judge_campaign,
 )
+from brace_drake.recording_faults.against_twin.odd_runs import Maker
 
-__all__ = ["find_recording_faults", "judge_campaign"]
+__all__ = ["Maker", "find_recording_faults", "judge_campaign"]

@@ -14,8 +14,8 @@ from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
+from brace_drake.recording_faults.against_twin.odd_runs import Maker
 from brace_drake.recording_faults.against_twin.refits import (
-    Remake,
     find_undone,
 )
 from brace_drake.recording_faults.against_twin.refitter import Refitter
@@ -38,7 +38,7 @@ _NOTHING = 0.5
 def find_recording_faults(
     device: Device,
     campaign: Campaign,
-    remake: Remake,
+    maker: Maker,
     fit_runs: Sequence[PreparedRun],
     validation: Sequence[PreparedRun],
     fit: CandidateFit,
@@ -55,7 +55,7 @@ def find_recording_faults(
     Args:
         device: Of the campaign.
         campaign: As loaded.
-        remake: Makes the device of a campaign of some of its runs.
+        maker: Of the device of some of the runs.
         fit_runs, validation: As prepared for fit and comparison.
         fit: The best explanation by subject and effects.
         jobs: As of `Evaluator`.
@@ -80,7 +80,7 @@ def find_recording_faults(
         return found
     if own.misfit > _NOTHING and not is_right and is_lawless:
         every = Refitter(device, (), fit_runs, subject, uses, jobs)
-        found = find_undone(every, campaign, remake, seed)
+        found = find_undone(every, campaign, maker, seed)
         return found or find_validation_faults(
             device, fit_runs, validation, own.subject, uses, jobs
         )
@@ -100,7 +100,7 @@ def judge_campaign(
     effects: Sequence[Effect] = (),
     jobs=1,
     seed: int = 0,
-    remake: Remake | None = None,
+    maker: Maker | None = None,
 ) -> tuple[list[Finding], float]:
     """Faults beside given effects alone, and the misfit that these leave.
 
@@ -110,7 +110,8 @@ def judge_campaign(
         effects: That the machine is known to have, fitted with the subject.
         jobs: As of `Evaluator`.
         seed: Of the noise floor.
-        remake: As of `find_recording_faults`; None: the device is as it is.
+        maker: As of `find_recording_faults`; None: the device is as it is, and
+            has no effects.
     """
     twin, rate = device.twin, campaign.rate_hz
     usual = np.array([p.nominal for p in twin.subject])
@@ -126,7 +127,7 @@ def judge_campaign(
     found = find_recording_faults(
         device,
         campaign,
-        remake or (lambda part: device),
+        maker or Maker(lambda part: device, _nominal),
         runs,
         held_out,
         fit,
@@ -134,3 +135,7 @@ def judge_campaign(
         seed=seed,
     )
     return found, fit.excess / evaluator.count
+
+
+def _nominal(device: Device, runs: Sequence[PreparedRun]) -> CandidateFit:
+    return fit_nominal(Evaluator(device.twin, runs, 1), device.tolerances())

@@ -1,24 +1,21 @@
-"""Runs that the twin fits once a fault is undone, and not before.
-
-The odd one out of the fit runs is found by fitting the twin to all the others.
-"""
+"""Runs that the twin fits once a fault is undone, and not before."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Device
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
-from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.columns import split_unit
-from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults.against_twin.odd_runs import (
+    Maker,
+    find_odd_ones,
+)
 from brace_drake.recording_faults.against_twin.refitter import (
     LEAST,
     Refitter,
@@ -44,75 +41,31 @@ from brace_drake.recording_faults.library.time import skewed_channel
 
 # Squares for which a misfit counts: residuals of a twin are not independent.
 _SQUARES = 20.0
-Remake = Callable[[Campaign], Device]
 # Another subject has all parameters of the twin to fit with.
 _SUBJECT = 0.5 * OTHER
 _CONTRADICTION = 0.8
-# Runs that are accused together; misfit below which there is none, and how much
-# more than the others' a run may leave that is one of them.
-_MOST_ODD, _LIKE_OTHERS = 2, 1.5
+# How much more than the others' a run may leave that is one of them.
+_LIKE_OTHERS = 1.5
 
 
 def find_undone(
-    every: Refitter, campaign: Campaign, remake: Remake, seed: int
+    every: Refitter, campaign: Campaign, maker: Maker, seed: int
 ) -> list[Finding]:
     """Faults of fit runs: of the odd one out, or of all alike.
 
     Args:
         every: Accuses all fit runs.
         campaign: Theirs.
-        remake: Makes the device from some of them alone, since noise and
-            sizes of its scenario may be estimated.
+        maker: Of devices, since noise and sizes of a scenario may be
+            estimated from the runs.
         seed: Of the floors.
     """
-    odd = _odd_ones_out(campaign, remake, seed, every.jobs)
+    odd = find_odd_ones(campaign, maker, seed, every.jobs)
     tried = _tried(every)
     if odd is None:
         return _explained(every, tried)
     # A machine may do in one run what it does in no other.
     return _explained(odd, [*tried, *_tried(odd)])
-
-
-def _odd_ones_out(
-    campaign: Campaign, remake: Remake, seed: int, jobs
-) -> Refitter | None:
-    """The fewest runs without which the twin fits the others far better; None
-    where there are none.
-    """
-    runs = campaign.split("fit")
-    for number in range(1, len(runs) - 1):
-        if number > _MOST_ODD or 2 * number > len(runs):
-            break
-        found = []
-        for few in itertools.combinations(runs, number):
-            one = _without(campaign, few, remake, seed, jobs)
-            if one is not None and one.misfit() > TIMES * one.level:
-                found.append((one.level, len(found), one))
-        if found:
-            return min(found)[-1]
-    return None
-
-
-def _without(
-    campaign: Campaign, few: Sequence[Run], remake: Remake, seed: int, jobs
-) -> Refitter | None:
-    """Accused runs beside the others, as a device sees them that knows nothing
-    of these; None where it cannot be made of the others.
-    """
-    rest = [r for r in campaign.split("fit") if r not in few]
-    part = replace(campaign, runs=tuple(rest))
-    try:
-        device = remake(part)
-    except BraceError:
-        return None
-    twin = device.twin
-    usual = np.array([p.nominal for p in twin.subject])
-    floors, _ = estimate_floors(twin, part, usual, seed)
-    if any(r.contact not in floors for r in few):
-        return None
-    runs = prepare_runs(twin, [*rest, *few], floors, device.rate, seed)
-    sound, accused = runs[: len(rest)], runs[len(rest) :]
-    return Refitter(device, sound, accused, usual, (), jobs)
 
 
 def explain_runs(
