@@ -149,6 +149,51 @@ class TestPad(unittest.TestCase):
                 found = self.found(rounded(displacement_m=way, force_N=force))
                 self.assertEqual(found, [])
 
+    def test_a_block_of_rows_that_is_there_twice_is_named(self):
+        for at in (300, 700):
+            order = np.r_[np.arange(at), np.arange(at - 50, 1251)]
+            with self.subTest(at=at):
+                (found,) = self.found(
+                    lambda c, o=order: {
+                        n: x if n == "time_s" else x[o[: len(x)]]
+                        for n, x in c.items()
+                    },
+                    lambda run: run.file == "stairs.csv",
+                )
+                self.assertEqual(found.fault.name, "repeated_samples")
+                self.assertEqual(found.row, at + 1)
+
+    def test_holds_and_corners_of_an_exact_motion_are_no_fault(self):
+        for rate in (20.0, 1000.0):
+            with self.subTest(rate=rate):
+                exact = pad_recordings.make_campaign(
+                    pad_recordings.relaxing, rate=rate, displacement_noise=0.0
+                )
+                self.assertEqual(check_recording(exact, MakeDevice(exact)), [])
+
+    def test_a_repeat_that_is_answered_otherwise_is_told(self):
+        (found,) = self.found(
+            changed("force_N", lambda v: 2.0 * v),
+            lambda run: run.file == "again.csv",
+        )
+        self.assertEqual(found.fault.name, "false_repeat")
+        self.assertFalse(found.is_certain)
+        self.assertAlmostEqual(found.parameters["difference"], 0.6, delta=0.3)
+
+    def test_a_motion_that_comes_round_again_is_no_block_twice(self):
+        # Commanded exactly, and a force without any noise.
+        def force(motion, time):
+            return pad_recordings.standard_linear_solid(
+                motion, time, 900.0, 0.0, 1e-3
+            )
+
+        exact = pad_recordings.make_campaign(
+            force, force_noise=0.0, displacement_noise=0.0
+        )
+        found = check_recording(exact, MakeDevice(exact))
+        names = {f.fault.name for f in found}
+        self.assertNotIn("repeated_samples", names)
+
     def test_a_zero_that_is_off_is_a_warning(self):
         (found,) = self.found(changed("force_N", lambda v: v - 5.0))
         self.assertEqual(found.fault.name, "contradiction")
@@ -156,6 +201,17 @@ class TestPad(unittest.TestCase):
 
 
 class TestAxis(unittest.TestCase):
+    def test_an_encoder_that_stands_at_its_ends_is_not_cut_off(self):
+        def trapezoid(columns):
+            t = columns["time_s"]
+            y = np.interp(t % 8.0, [0, 1, 3, 5, 7, 8], [0, 5, 5, -5, -5, 0])
+            return {**columns, "position_m": np.round(0.01 * y, 4)}
+
+        sound = axis_recordings.make_campaign(lambda p, b: 1e3 * p[:, 0])
+        found = self.found(spoil(sound, trapezoid))
+        names = {f.fault.name for f in found}
+        self.assertNotIn("clipped_channel", names)
+
     def found(self, campaign):
         return check_recording(campaign, MakeDevice(campaign))
 

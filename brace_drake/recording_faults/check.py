@@ -26,6 +26,7 @@ from brace_drake.recording_faults.library.runs.false_repeat import (
 from brace_drake.recording_faults.library.runs.wrong_contact import (
     find_wrong_contact,
 )
+from brace_drake.recording_faults.library.time.lost_samples import find_lost
 from brace_drake.recording_faults.library.time.repeated_samples import (
     find_repeated,
 )
@@ -133,6 +134,7 @@ def _of_samples(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
         found += broken
         found += find_outliers(run, whole, number)
         found += find_repeated(run, whole)
+        found += find_lost(run, whole)
         found += find_reference_faults(run)
     return spread_clock(found, runs)
 

@@ -19,8 +19,8 @@ from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording_faults.against_twin.refitter import Refitter
 from brace_drake.recording_faults.against_twin.subjects import TIMES
 
-# Runs that are accused together.
-_MOST_ODD = 2
+# Runs that are accused together, and rows that are explained at most.
+_MOST_ODD, _ROWS = 2, 30_000
 
 
 class Maker(NamedTuple):
@@ -41,8 +41,8 @@ def find_odd_ones(
     """The fewest runs without which the twin fits the others far better; None
     where there are none.
 
-    Where no twin without effects does, the others of the run that is least
-    like them are explained first.
+    Where no twin without effects does, the others are explained first: of the
+    run that is least like them, of all where they are short.
 
     Args:
         campaign: With all fit runs.
@@ -50,7 +50,7 @@ def find_odd_ones(
         jobs: As of `Evaluator`.
     """
     runs = campaign.split("fit")
-    likeliest: tuple[float, Sequence[Run]] | None = None
+    likely: list[tuple[float, int, Sequence[Run]]] = []
     for number in range(1, len(runs) - 1):
         if number > _MOST_ODD or 2 * number > len(runs):
             break
@@ -62,14 +62,16 @@ def find_odd_ones(
             less = one.misfit() / one.level
             if less > TIMES:
                 found.append((one.level, len(found), one))
-            if number == 1 and (likeliest is None or less > likeliest[0]):
-                likeliest = less, few
+            if number == 1:
+                likely.append((-less, len(likely), few))
         if found:
             return min(found)[-1]
-    if likeliest is None:
-        return None
-    one = _without(campaign, likeliest[1], maker, seed, jobs, explained=True)
-    return one if one and one.misfit() > TIMES * one.level else None
+    rows = sum(len(r.time_s) for r in runs)
+    for _, _, few in sorted(likely)[: max(1, _ROWS // rows)]:
+        one = _without(campaign, few, maker, seed, jobs, explained=True)
+        if one is not None and one.misfit() > TIMES * one.level:
+            return one
+    return None
 
 
 def _without(

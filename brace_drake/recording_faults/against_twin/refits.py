@@ -43,9 +43,11 @@ from brace_drake.recording_faults.library.time import skewed_channel
 _SQUARES = 20.0
 # Another subject has all parameters of the twin to fit with.
 _SUBJECT = 0.5 * OTHER
-_CONTRADICTION = 0.8
+_CONTRADICTION, _UNKNOWN = 0.8, 0.5
 # How much more than the others' a run may leave that is one of them.
 _LIKE_OTHERS = 1.5
+# Part of a misfit that is next to nothing.
+_NOTHING = 1e-3
 
 
 def find_undone(
@@ -65,7 +67,8 @@ def find_undone(
     if odd is None:
         return _explained(every, tried)
     # A machine may do in one run what it does in no other.
-    return _explained(odd, [*tried, *_tried(odd)])
+    found = _explained(odd, [*tried, *_tried(odd)])
+    return found or _contradiction(odd, _UNKNOWN)
 
 
 def explain_runs(
@@ -107,11 +110,14 @@ class _Tried(NamedTuple):
     parameters: Mapping[str, float]
     refitter: Refitter
 
-    @property
-    def is_told(self) -> bool:
-        """Whether what is left is noise, or much like what the other runs
-        leave.
+    def tells(self, before: float) -> bool:
+        """Whether what is left of a misfit is noise, or much like what the
+        other runs leave, or next to nothing.
         """
+        if before < TIMES * self.misfit:
+            return False
+        if self.refitter.sound and self.misfit < _NOTHING * before:
+            return True
         level = self.refitter.level if self.refitter.sound else LEAST
         return self.misfit < NEAR + _LIKE_OTHERS * (level - LEAST)
 
@@ -175,7 +181,7 @@ def _log_scale(suspect: Suspect, names: Sequence[str]) -> float:
 def _explained(refitter: Refitter, tried: Sequence[_Tried]) -> list[Finding]:
     """The likeliest of faults, where what is left is noise."""
     before = refitter.misfit()
-    tried = [t for t in tried if t.is_told and before > TIMES * t.misfit]
+    tried = [t for t in tried if t.tells(before)]
     if not tried:
         return []
     least = min(t.deviance for t in tried)
@@ -230,7 +236,9 @@ def _finer(
     return [best]
 
 
-def _contradiction(refitter: Refitter) -> list[Finding]:
+def _contradiction(
+    refitter: Refitter, probability: float = _CONTRADICTION
+) -> list[Finding]:
     before = refitter.misfit()
     return [
         Finding(
@@ -238,7 +246,7 @@ def _contradiction(refitter: Refitter) -> list[Finding]:
             tuple(p.run.file for p in refitter.accused),
             (),
             {},
-            _CONTRADICTION,
+            probability,
             f"the others leave a misfit of {refitter.level:.3g} noise"
             f" variances, and with it {before:.3g}",
             severity="warning",

@@ -54,7 +54,7 @@ def of_time(runs: Sequence[Run], names: Sequence[str]) -> Iterator[Suspect]:
         for d, sign in itertools.product(_DELAYS, (1, -1)):
             yield late(name, sign * d, h)
     yield Suspect(Hypothesis(reversed_run.CARD, (), {}), OTHER)
-    lost = _lost(runs, h)
+    lost = _lost(runs)
     if lost is not None:
         yield Suspect(lost, UNIT)
 
@@ -106,22 +106,13 @@ def _scaled(name: str, scale: float, weight: float) -> Suspect:
     return Suspect(Hypothesis(wrong_scale.CARD, (name,), values), weight)
 
 
-def _lost(runs: Sequence[Run], period: float) -> Hypothesis | None:
+def _lost(runs: Sequence[Run]) -> Hypothesis | None:
     """Blocks that are lost where a channel jumps; None where none does."""
     for run in runs:
-        for name, series in run.channels.items():
-            rows = lost_samples.jumps_of(series) if name != "time_s" else []
-            if not len(rows):
-                continue
-            steps = np.abs(np.diff(series))
-            first = int(rows[0])
-            usual = max(steps[first - 1], steps[first + 1])
-            values = {
-                "start_s": float(run.time_s[first] - run.time_s[0]),
-                "lost_s": float(steps[first] / usual - 1.0) * period,
-                "jumps": float(len(rows)),
-            }
-            return Hypothesis(lost_samples.CARD, (name,), values)
+        for name in (n for n in run.channels if n != "time_s"):
+            values = lost_samples.lost_of(run, name)
+            if values is not None:
+                return Hypothesis(lost_samples.CARD, (name,), values)
     return None
 
 

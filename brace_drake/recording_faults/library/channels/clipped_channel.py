@@ -48,8 +48,12 @@ _ASKED = 0.1
 def find_clipped(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     """Readings of a run that are cut off at either end."""
     found = []
-    for name in noisy_channels(run, known):
+    ways = [n for n, c in known.items() if c.is_way and n in run.channels]
+    for name in dict.fromkeys((*noisy_channels(run, known), *ways)):
         values = run.channels[name]
+        if name in ways and not _has_noise(values):
+            # It may stand where it was asked to.
+            continue
         if known[name].saturates == "command":
             # A controller cuts off its own commands.
             continue
@@ -100,6 +104,12 @@ def _share_at_top(
     if noise < step and _rests(values, top, moving):
         return None
     return at_top / len(values)
+
+
+def _has_noise(values: np.ndarray) -> bool:
+    """Whether a reading that stands still would not repeat itself."""
+    step = quantum_of(values)
+    return 0.0 < step <= robust_deviation(local_error(values))
 
 
 def _beside(

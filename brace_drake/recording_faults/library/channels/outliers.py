@@ -78,8 +78,22 @@ def outliers_of(values: np.ndarray, number: int = 500_000) -> np.ndarray:
         beside = np.abs(error[max(0, i - 1) : i + 2]).max()
         away = min(abs(values[i] - n) for n in near)
         alone = abs(near[1] - near[0]) < _ALONE * away
+        # The peak of a triangle lies on the lines of both sides.
+        alone &= _off_lines(values, i) > _ALONE * away
         marks[i] = alone and abs(error[i]) >= beside
     return marks
+
+
+def _off_lines(values: np.ndarray, i: int) -> float:
+    """How far a sample is from the nearer one of the lines through the two
+    samples before it and the two behind it; inf where there is none.
+    """
+    off = [np.inf]
+    if i >= 2:
+        off.append(abs(values[i] - 2.0 * values[i - 1] + values[i - 2]))
+    if i + 2 < len(values):
+        off.append(abs(values[i] - 2.0 * values[i + 1] + values[i + 2]))
+    return float(min(off))
 
 
 def _roughness(error: np.ndarray, i: int) -> float:

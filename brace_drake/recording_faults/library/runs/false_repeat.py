@@ -11,9 +11,13 @@ from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
-from brace_drake.recording_faults.channels import references
+from brace_drake.recording_faults.channels import noisy_channels, references
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.runs import exchanged_runs
+from brace_drake.recording_faults.statistics import (
+    local_error,
+    robust_deviation,
+)
 
 CARD = RecordingFault(
     name="false_repeat",
@@ -30,6 +34,9 @@ CARD = RecordingFault(
 # Share of the range by which two references may be off, and rows that the end
 # of a recording may come early by, of all.
 _GROSS, _EARLY = 0.01, 0.05
+# Readings clearly above their noise repeat no other that is so far off, in
+# parts of their deviation.
+_CLEAR, _APART = 10.0, 0.25
 
 
 def same_inputs(a: Run, b: Run, names: Sequence[str]) -> float:
@@ -62,6 +69,7 @@ def find_false_repeats(
         names = references(run, known)
         difference = same_inputs(run, original, names)
         if difference <= _GROSS and run.contact == original.contact:
+            found += _of_answer(run, original, known)
             continue
         exchanged = _exchanged(run, original, runs, names)
         seen = (
@@ -90,6 +98,40 @@ def find_false_repeats(
             )
         )
     return found
+
+
+def _of_answer(
+    run: Run, original: Run, known: Mapping[str, Channel]
+) -> list[Finding]:
+    """A warning where a run with the same inputs is answered by readings that
+    are all far from the original's: that is no noise either.
+    """
+    given = references(run, known)
+    apart = []
+    for name in noisy_channels(run, known):
+        if name in given or "command" in name or name not in original.channels:
+            continue
+        x, y = run.channels[name], original.channels[name]
+        rows = min(len(x), len(y))
+        noise = robust_deviation(local_error(x))
+        if rows and np.std(x) > _CLEAR * noise:
+            off = float(np.sqrt(np.mean((x[:rows] - y[:rows]) ** 2)))
+            apart.append((off / float(np.std(x)), name))
+    least = min(apart, default=(0.0, ""))
+    if least[0] < _APART:
+        return []
+    return [
+        Finding(
+            CARD,
+            (run.file,),
+            (),
+            {"difference": least[0]},
+            probability=0.8,
+            detail=f"repeat_of {original.file}, but {least[1]} is"
+            f" {100 * least[0]:.3g} % of its own deviation off that",
+            severity="warning",
+        )
+    ]
 
 
 def _exchanged(

@@ -1,8 +1,15 @@
 """Blocks of samples that are not there, under times that go on evenly."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+
 import numpy as np
 
+from brace_drake.recording.columns import Channel
+from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
+from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
     local_error,
     robust_deviation,
@@ -26,6 +33,51 @@ def jumps_of(way: np.ndarray) -> np.ndarray:
     rows = 1 + np.flatnonzero(steps[1:-1] > _JUMP * (beside + shake))
     # Where it rests on both sides, it was asked to jump.
     return rows[beside[rows - 1] > shake]
+
+
+def find_lost(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
+    """A warning where a way that was measured jumps while it moves."""
+    found = []
+    for name, channel in known.items():
+        if not channel.is_way or name not in run.channels:
+            continue
+        values = lost_of(run, name)
+        if values is not None:
+            rows = jumps_of(run.channels[name])
+            detail = (
+                f"{name} jumps {len(rows)} times, first at"
+                f" {values['start_s']:.4g} s"
+            )
+            found.append(
+                Finding(
+                    CARD,
+                    (run.file,),
+                    (),
+                    values,
+                    probability=0.8,
+                    detail=detail,
+                    severity="warning",
+                    row=int(rows[0]) + 2,
+                )
+            )
+    return found
+
+
+def lost_of(run: Run, name: str) -> dict[str, float] | None:
+    """Parameters of what a run has lost where a channel jumps; None where it
+    does not.
+    """
+    rows = jumps_of(run.channels[name])
+    if not len(rows):
+        return None
+    steps, first = np.abs(np.diff(run.channels[name])), int(rows[0])
+    usual = max(steps[first - 1], steps[first + 1])
+    period = float(np.median(np.diff(run.time_s)))
+    return {
+        "start_s": float(run.time_s[first] - run.time_s[0]),
+        "lost_s": float(steps[first] / usual - 1.0) * period,
+        "jumps": float(len(rows)),
+    }
 
 
 def _undo(columns, channels, values):

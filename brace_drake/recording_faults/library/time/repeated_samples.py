@@ -6,12 +6,18 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.channels import noisy_channels
 from brace_drake.recording_faults.finding import Finding
-from brace_drake.recording_faults.statistics import unlikely_blocks
+from brace_drake.recording_faults.library.time.lost_samples import jumps_of
+from brace_drake.recording_faults.statistics import (
+    local_error,
+    robust_deviation,
+    unlikely_blocks,
+)
 
 CARD = RecordingFault(
     name="repeated_samples",
@@ -27,6 +33,8 @@ CARD = RecordingFault(
 )
 # Noisy channels that tell two rows apart.
 _CHANNELS = 4
+# Steps of noise after which a reading is not the same again.
+_MANY = 10.0
 
 
 def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -34,13 +42,25 @@ def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     names = [
         n for n in noisy_channels(run, known) if np.ptp(run.channels[n]) > 0.0
     ]
-    if len(names) < _CHANNELS:
+    if not names:
         return []
+    may_return = len(names) < _CHANNELS and not any(
+        _shakes(n, run.channels[n]) for n in names
+    )
+    if len(names) < _CHANNELS:
+        # What is put in tells rows apart as well.
+        names = [n for n, x in run.channels.items() if np.ptp(x) > 0.0]
+        names.remove("time_s")
     found = _copied_blocks(run.stack(names))
+    if may_return:
+        # A motion that comes round again does not jump to do so.
+        rows = [jumps_of(run.channels[n]) for n in names]
+        begins = set(np.concatenate(rows).tolist())
+        found = [b for b in found if b[0] - 1 in begins]
     if not found:
         return []
-    begin, _ = max(found, key=lambda s: s[1] - s[0])
     samples = sum(b - a for a, b in found)
+    begin, _ = max(found, key=lambda s: s[1] - s[0])
     start = float(run.time_s[begin] - run.time_s[0])
     detail = (
         f"{samples} rows were there before, the longest block at {start:.4g} s"
@@ -55,6 +75,14 @@ def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
             row=begin + 1,
         )
     ]
+
+
+def _shakes(name: str, values: np.ndarray) -> bool:
+    """Whether a sensor has noise of many steps, which does not come again."""
+    if "command" in name or "virtual" in name:
+        return False
+    noise = robust_deviation(local_error(values))
+    return noise > _MANY * quantum_of(values)
 
 
 def _copied_blocks(rows: np.ndarray) -> list[tuple[int, int]]:
