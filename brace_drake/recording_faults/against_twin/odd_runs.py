@@ -19,8 +19,9 @@ from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording_faults.against_twin.refitter import Refitter
 from brace_drake.recording_faults.against_twin.subjects import TIMES
 
-# Runs that are accused together, and rows that are explained at most.
-_MOST_ODD, _ROWS = 2, 30_000
+# Runs that are accused together; rows that are fitted, and that are explained,
+# at most.
+_MOST_ODD, _FITTED_ROWS, _ROWS = 2, 300_000, 30_000
 
 
 class Maker(NamedTuple):
@@ -50,12 +51,15 @@ def find_odd_ones(
         jobs: As of `Evaluator`.
     """
     runs = campaign.split("fit")
+    rows = sum(len(r.time_s) for r in runs)
     likely: list[tuple[float, int, Sequence[Run]]] = []
     for number in range(1, len(runs) - 1):
-        if number > _MOST_ODD or 2 * number > len(runs):
+        every = list(itertools.combinations(runs, number))
+        is_dear = len(every) * rows > _FITTED_ROWS
+        if number > _MOST_ODD or 2 * number > len(runs) or is_dear:
             break
         found = []
-        for few in itertools.combinations(runs, number):
+        for few in every:
             one = _without(campaign, few, maker, seed, jobs)
             if one is None:
                 continue
@@ -66,7 +70,6 @@ def find_odd_ones(
                 likely.append((-less, len(likely), few))
         if found:
             return min(found)[-1]
-    rows = sum(len(r.time_s) for r in runs)
     for _, _, few in sorted(likely)[: max(1, _ROWS // rows)]:
         one = _without(campaign, few, maker, seed, jobs, explained=True)
         if one is not None and one.misfit() > TIMES * one.level:
