@@ -15,9 +15,7 @@ from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
 from brace_drake.recording_faults.against_twin.odd_runs import Maker
-from brace_drake.recording_faults.against_twin.refits import (
-    find_undone,
-)
+from brace_drake.recording_faults.against_twin.refits import find_undone
 from brace_drake.recording_faults.against_twin.refitter import Refitter
 from brace_drake.recording_faults.against_twin.sensors import (
     find_few_runs,

@@ -31,9 +31,8 @@ CARD = RecordingFault(
     ),
     is_of_run=True,
 )
-# Share of the range by which two references may be off, and rows that the end
-# of a recording may come early by, of all.
-_GROSS, _EARLY = 0.01, 0.05
+# Share of the range by which two references may be off.
+_GROSS = 0.01
 # Readings clearly above their noise repeat no other that is so far off, in
 # parts of their deviation.
 _CLEAR, _APART = 10.0, 0.25

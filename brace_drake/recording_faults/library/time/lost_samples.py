@@ -25,7 +25,6 @@ def jumps_of(way: np.ndarray) -> np.ndarray:
 
     A way that moves has steps much like their neighbours. One that begins or
     ends to move has a larger one on one side; only a jump stands alone.
-
     """
     shake = _SHAKE * robust_deviation(local_error(way))
     steps = np.abs(np.diff(way))
