@@ -1,12 +1,14 @@
 """The fit bank: every candidate fit of many opened blind cases.
 
-    python tools/fit_bank.py make CASES --out FOLDER
+    python tools/fit_bank.py make CASES --out FOLDER [--answers FOLDER]
     python tools/fit_bank.py pack FOLDER --vault VAULT.json --out BANK.npz
 
 `make` diagnoses cases of `brace-drake withheld make` and stores for each what
 a decision needs: of the case the number of values and the level, of every fit
 its effects, what it leaves on the runs that it was fitted to and on motions
 left out, how far it stretches tolerances and which effects are within theirs.
+With `--answers` the diagnoses themselves are kept beside, as `brace-drake
+withheld answer` writes them: a blind set is answered and banked in one go.
 `pack` puts them into one file, with the truth. tools/score_criterion.py decides
 all of them anew, in seconds, and counts which verdicts are right.
 
@@ -19,6 +21,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import multiprocessing
+import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -33,6 +37,7 @@ from brace_drake.identification.least_squares import LeastSquaresSolution
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.tolerated import is_within
+from brace_drake.withheld.answer import SECONDS
 
 BANK = Path(__file__).resolve().parents[1] / "tests/data/fit_bank.npz"
 FORMAT = "brace-fit-bank/1"
@@ -59,12 +64,18 @@ class StoredCriterion(Criterion):
         return [effect for effect, within in pairs if not within]
 
 
-def collect(case: Path, folder: Path) -> str:
+def collect(case: Path, folder: Path, answers: Path | None) -> str:
     """Diagnoses a case and writes its fits; returns the case's name."""
-    from brace_drake.diagnosis import diagnose
     from brace_drake.recording import LoadCampaign
+    from brace_drake.results.diagnoses import diagnose
 
-    d = diagnose(LoadCampaign(case), jobs=1, seed=0)
+    began = time.process_time()
+    result = diagnose(LoadCampaign(case), jobs=1, seed=0)
+    if answers is not None:
+        result.save(answers / case.name)
+        seconds = time.process_time() - began
+        (answers / case.name / SECONDS).write_text(f"{seconds:.1f}\n")
+    d = result.found
     record = {
         "name": case.name,
         "count": d.criterion.count,
@@ -164,6 +175,7 @@ def main() -> None:
     make = parts.add_parser("make")
     make.add_argument("cases", type=Path)
     make.add_argument("--out", type=Path, required=True)
+    make.add_argument("--answers", type=Path)
     make.add_argument("--jobs", type=int, default=2)
     packed = parts.add_parser("pack")
     packed.add_argument("folder", type=Path)
@@ -174,8 +186,17 @@ def main() -> None:
         print(f"{pack(args.folder, args.vault, args.out)} cases: {args.out}")
     else:
         cases = sorted(p for p in args.cases.iterdir() if p.is_dir())
-        with ProcessPoolExecutor(args.jobs) as pool:
-            tasks = [pool.submit(collect, c, args.out) for c in cases]
+        done = {p.stem for p in args.out.glob("*.json")}
+        # A process for each case: memory and CPU time are its own.
+        context = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(
+            args.jobs, context, max_tasks_per_child=1
+        ) as pool:
+            tasks = [
+                pool.submit(collect, c, args.out, args.answers)
+                for c in cases
+                if c.name not in done
+            ]
             for task in tasks:
                 print(task.result(), flush=True)
 
