@@ -18,8 +18,14 @@ from brace_drake.link.protocol.codec import (
     make_codec,
     seal_fits,
 )
-from brace_drake.link.protocol.limits import as_sent
-from brace_drake.link.protocol.messages import MESSAGES, num_items
+from brace_drake.link.protocol.limits import SHARED, as_sent
+from brace_drake.link.protocol.messages import (
+    BY_NAME,
+    MESSAGES,
+    ORDERED,
+    num_items,
+)
+from brace_drake.link.protocol.sequence import SOON_US, is_newer
 from tools.write_protocol import (
     DOCUMENT,
     HEADER_FILE,
@@ -237,7 +243,7 @@ class TestWhatIsMadeFromTheDefinition(unittest.TestCase):
         self.assertEqual(len(set(codes)), len(codes))
 
 
-_PROGRAM = """
+_FRAMES = """
 #include <stdio.h>
 #include "brace_protocol.h"
 /* Frames as lines of hex in, the same made anew out, with size and seal. */
@@ -261,13 +267,41 @@ int main(void) {
 }
 """
 
+_ORDER = """
+#include <stdio.h>
+#include "brace_protocol.h"
+/* Session, code, sequence and clock of messages in; whether each counts out. */
+int main(void) {
+  struct brace_newest newest = {0, 0};
+  struct brace_header header = {BRACE_VERSION, 0, 0, 0};
+  unsigned session, type, sequence;
+  unsigned long long time_us;
+  while (scanf("%u %u %u %llu", &session, &type, &sequence, &time_us) == 4) {
+    header.type = (uint8_t)type;
+    header.sequence = (uint16_t)sequence;
+    header.time_us = time_us;
+    printf("%d\\n", !BRACE_IS_ORDERED(header.type) ||
+                     brace_is_newer(&newest, &header, session));
+  }
+  return 0;
+}
+"""
+_BOUNDS = """
+#include <stdio.h>
+#include "brace_protocol.h"
+int main(void) {
+  printf("%s\\n");
+  return 0;
+}
+"""
+
 
 @unittest.skipUnless(shutil.which("cc"), "no C compiler")
 class TestHeaderInC(unittest.TestCase):
-    def run_program(self, stages, lines):
+    def run_program(self, text, stages, lines):
         with tempfile.TemporaryDirectory() as folder:
             source, program = Path(folder, "x.c"), Path(folder, "x")
-            source.write_text(_PROGRAM)
+            source.write_text(text)
             subprocess.run(
                 ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-O1",
                  f"-DBRACE_STAGES={stages}", f"-I{HEADER_FILE.parent}",
@@ -297,13 +331,46 @@ class TestHeaderInC(unittest.TestCase):
                 expected.append((frame.hex(), codec.size(message.name), seal))
             damaged = bytearray.fromhex(frames[0])
             damaged[3] ^= 0x10
-            out = self.run_program(stages, [*frames, damaged.hex()])
+            out = self.run_program(_FRAMES, stages, [*frames, damaged.hex()])
             self.assertEqual(out.pop(), "none")
             for line, (frame, size, seal) in zip(out, expected, strict=True):
                 got = line.split()
                 self.assertEqual(got[:2], [frame, str(size)])
                 if seal is not None:
                     self.assertEqual(int(got[2]), seal)
+
+    def test_the_bounds_of_limits_are_numbers_of_c(self):
+        bounds = {
+            f"BRACE_{limit.name.upper()}_{side}": value
+            for limit in SHARED
+            for side, value in (("LEAST", limit.least), ("MOST", limit.most))
+        }
+        text = _BOUNDS % ("%.9g " * len(bounds) + '", ' + ", ".join(bounds))
+        text = text.replace('\\n");', ");")
+        (line,) = self.run_program(text, 1, [])
+        for found, value in zip(line.split(), bounds.values(), strict=True):
+            self.assertEqual(as_sent(float(found)), as_sent(value))
+
+    def test_c_and_python_agree_on_what_is_newer(self):
+        draw = random.Random(5)
+        lines, expected, newest = [], [], (0, 0)
+        sequence, clock = 65_000, 0
+        for i in range(4000):
+            message = BY_NAME[draw.choice([*ORDERED, "HEARTBEAT"])]
+            sequence += draw.choice((1, 1, 1, 2, 0, -1, -3, 2**15, -(2**15)))
+            clock += draw.choice((1000, 1000, 0, -1000, SOON_US, SOON_US + 1))
+            sequence, clock = sequence % 2**16, max(clock, 0)
+            session = int(i >= 5)
+            counts = not session or is_newer(sequence, clock, newest)
+            if message.name not in ORDERED:
+                counts = True
+            elif counts:
+                newest = sequence, clock
+            expected.append(int(counts))
+            lines.append(f"{session} {message.code} {sequence} {clock}")
+        out = self.run_program(_ORDER, 1, lines)
+        self.assertEqual([int(line) for line in out], expected)
+        self.assertTrue(500 < sum(expected) < 3500)
 
 
 class TestLightness(unittest.TestCase):

@@ -21,9 +21,11 @@ from brace_drake.link.protocol.messages import (
     HEADER,
     KINDS,
     MESSAGES,
+    ORDERED,
     VERSION,
     Field,
 )
+from brace_drake.link.protocol.sequence import SOON_US
 
 _FOLDER = Path(protocol.__file__).parent
 DOCUMENT = _FOLDER / "PROTOCOL.md"
@@ -163,7 +165,7 @@ def _constants() -> str:
     lines += [f"#define BRACE_{m.name} 0x{m.code:02X}" for m in MESSAGES]
     lines.append("\n/* What a device must refuse: limits below or above. */")
     lines += [
-        f"#define BRACE_{limit.name.upper()}_{side} {value:g}f"
+        f"#define BRACE_{limit.name.upper()}_{side} {float(value)!r}f"
         for limit in SHARED
         for side, value in (("LEAST", limit.least), ("MOST", limit.most))
     ]
@@ -176,6 +178,12 @@ def _constants() -> str:
         ]
         joined = " || \\\n  ".join(tests)
         lines.append(f"#define BRACE_FEEDS_{what.upper()}(t) ( \\\n  {joined})")
+    lines.append(
+        "\n/* What has to be newer than all of these that have come. */"
+    )
+    tests = " || \\\n  ".join(f"(t) == BRACE_{name}" for name in ORDERED)
+    lines.append(f"#define BRACE_IS_ORDERED(t) ( \\\n  {tests})")
+    lines.append(f"#define BRACE_SOON_US {SOON_US}u")
     for prefix, _, kind in _ENUMS:
         lines.append(f"\nenum brace_{prefix.lower()}_code {{")
         for w in kind:

@@ -15,15 +15,9 @@ from brace_drake.link.protocol.limits import (
     shared_of,
     shared_values,
 )
-from brace_drake.link.protocol.messages import BY_NAME
-from brace_drake.link.protocol.sequence import steps_ahead
+from brace_drake.link.protocol.messages import BY_NAME, ORDERED
+from brace_drake.link.protocol.sequence import is_newer, steps_ahead
 from brace_drake.link.protocol.words import Cause, DeviceState, Mode, Reason
-
-# Once one has come, nothing of these that was sent before it counts any more.
-_ORDERED = ("LIMITS", "COMMAND", "ARM", "CLEAR", "DISARM", "STOP")
-# A sequence goes round: of messages that are so far apart only the sender's
-# clock tells which is newer, us.
-_SOON = 10_000_000
 
 
 class Firmware(DeviceTicks):
@@ -53,17 +47,15 @@ class Firmware(DeviceTicks):
         It is remembered even where it is refused: else it would do later, sent
         again, what it was refused to do now.
         """
-        if packet.name not in _ORDERED:
+        if packet.name not in ORDERED:
             return Reason.ACCEPTED
         session = 0 if packet.name == "LIMITS" else self.session
         if packet.sealed_bytes and not seal_fits(packet, session):
             return Reason.WRONG_SESSION
-        sequence, time_us = self._mark
-        later = packet.time_us - time_us
-        ahead = steps_ahead(packet.sequence, sequence)
-        if self.session and later <= _SOON and (later < 0 or ahead <= 0):
+        mark = packet.sequence, packet.time_us
+        if self.session and not is_newer(*mark, self._mark):
             return Reason.REPLAYED
-        self._mark = packet.sequence, packet.time_us
+        self._mark = mark
         return Reason.ACCEPTED
 
     def _on_hello_request(self, packet: Packet, now: float):

@@ -37,28 +37,28 @@
 #define BRACE_FAULT 0x18
 
 /* What a device must refuse: limits below or above. */
-#define BRACE_LEG_FORCE_LEAST 1f
-#define BRACE_LEG_FORCE_MOST 200f
-#define BRACE_LEG_FORCE_RATE_LEAST 100f
-#define BRACE_LEG_FORCE_RATE_MOST 50000f
+#define BRACE_LEG_FORCE_LEAST 1.0f
+#define BRACE_LEG_FORCE_MOST 200.0f
+#define BRACE_LEG_FORCE_RATE_LEAST 100.0f
+#define BRACE_LEG_FORCE_RATE_MOST 50000.0f
 #define BRACE_LEG_SHORTEST_LEAST 0.05f
 #define BRACE_LEG_SHORTEST_MOST 0.4f
 #define BRACE_LEG_LONGEST_LEAST 0.05f
 #define BRACE_LEG_LONGEST_MOST 0.4f
 #define BRACE_LEG_SPEED_LEAST 0.001f
 #define BRACE_LEG_SPEED_MOST 0.5f
-#define BRACE_PAD_FORCE_LEAST 1f
-#define BRACE_PAD_FORCE_MOST 200f
+#define BRACE_PAD_FORCE_LEAST 1.0f
+#define BRACE_PAD_FORCE_MOST 200.0f
 #define BRACE_PAD_PRELOAD_LEAST 0.1f
-#define BRACE_PAD_PRELOAD_MOST 50f
-#define BRACE_TOTAL_FORCE_LEAST 1f
-#define BRACE_TOTAL_FORCE_MOST 500f
+#define BRACE_PAD_PRELOAD_MOST 50.0f
+#define BRACE_TOTAL_FORCE_LEAST 1.0f
+#define BRACE_TOTAL_FORCE_MOST 500.0f
 #define BRACE_WATCHDOG_LEAST 0.005f
-#define BRACE_WATCHDOG_MOST 1f
+#define BRACE_WATCHDOG_MOST 1.0f
 #define BRACE_RELEASE_TIME_LEAST 0.05f
-#define BRACE_RELEASE_TIME_MOST 2f
-#define BRACE_RELEASE_DAMPING_LEAST 1f
-#define BRACE_RELEASE_DAMPING_MOST 100f
+#define BRACE_RELEASE_TIME_MOST 2.0f
+#define BRACE_RELEASE_DAMPING_LEAST 1.0f
+#define BRACE_RELEASE_DAMPING_MOST 100.0f
 
 /* What feeds the watchdog, and what the session. */
 #define BRACE_FEEDS_WATCHDOG(t) ( \
@@ -71,6 +71,16 @@
   (t) == BRACE_DISARM || \
   (t) == BRACE_STOP || \
   (t) == BRACE_CLEAR)
+
+/* What has to be newer than all of these that have come. */
+#define BRACE_IS_ORDERED(t) ( \
+  (t) == BRACE_LIMITS || \
+  (t) == BRACE_COMMAND || \
+  (t) == BRACE_ARM || \
+  (t) == BRACE_CLEAR || \
+  (t) == BRACE_DISARM || \
+  (t) == BRACE_STOP)
+#define BRACE_SOON_US 10000000u
 
 enum brace_state_code {
   BRACE_STATE_BOOT = 0, /* self-test; silent, but for noise; drives released */
@@ -326,6 +336,34 @@ static inline uint32_t brace_seal(const uint8_t *data, size_t size,
       crc = crc & 1 ? (crc >> 1) ^ 0xEDB88320u : crc >> 1;
   }
   return ~crc;
+}
+
+/* The newest message that has come in a session. */
+struct brace_newest {
+  uint16_t sequence;
+  uint64_t time_us;
+};
+
+/* Whether a message may count, by PROTOCOL.md, "Newer"; it is remembered then.
+ * Call it once for each message that BRACE_IS_ORDERED, if it has no seal or its
+ * seal fits, before anything else is judged. Answer REPLAYED if it says 0, but
+ * obey DISARM and STOP all the same. Session 0: none has begun. */
+static inline int brace_is_newer(struct brace_newest *newest,
+                                 const struct brace_header *header,
+                                 uint32_t session) {
+  uint16_t ahead = (uint16_t)(header->sequence - newest->sequence);
+  int is_newer = 1;
+  if (session != 0) {
+    if (header->time_us < newest->time_us)
+      is_newer = 0;
+    else if (header->time_us - newest->time_us <= BRACE_SOON_US)
+      is_newer = ahead > 0 && ahead < 0x8000;
+  }
+  if (is_newer) {
+    newest->sequence = header->sequence;
+    newest->time_us = header->time_us;
+  }
+  return is_newer;
 }
 
 /* Writes the stuffed bytes, at most size + size / 254 + 1; returns how many. */

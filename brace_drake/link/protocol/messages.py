@@ -254,6 +254,8 @@ class FAULT:
 
 
 MESSAGES = tuple(BY_NAME.values())
+# Once one has come, nothing of these that was sent before it counts any more.
+ORDERED = ("LIMITS", "COMMAND", "ARM", "CLEAR", "DISARM", "STOP")
 
 
 def num_items(field: Field, stages: int) -> int:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+# Messages farther apart than this are told by their clocks alone, us.
+SOON_US = 10_000_000
+
 
 def steps_ahead(number: int, other: int, bits: int = 16) -> int:
     """How far a number that goes round at 2^bits is in front of another.
@@ -12,6 +15,21 @@ def steps_ahead(number: int, other: int, bits: int = 16) -> int:
     """
     half = 1 << bits - 1
     return (number - other + half) % (2 * half) - half
+
+
+def is_newer(sequence: int, time_us: int, newest: tuple[int, int]) -> bool:
+    """Whether a message was sent after the newest one that has come.
+
+    A sequence goes round: of messages that are far apart only the sender's
+    clock tells which is newer. PROTOCOL.md, "Newer".
+
+    Args:
+        sequence, time_us: Of the message.
+        newest: Sequence and clock, us, of the newest so far.
+    """
+    later = time_us - newest[1]
+    ahead = steps_ahead(sequence, newest[0])
+    return later > SOON_US or (later >= 0 and ahead > 0)
 
 
 class Counts(NamedTuple):
