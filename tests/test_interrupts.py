@@ -75,7 +75,10 @@ class TestInterrupts(unittest.TestCase):
             "        print('in order', file=sys.stderr)\n"
             "command._Run = deaf\n",
         )
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (
+            signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT,
+            signal.SIGXCPU, signal.SIGUSR1, signal.SIGUSR2,
+        ):  # fmt: skip
             errors, status = self.stop((), 0.1, start=swallow, number=number)
             self.assertEqual(status, 130)
             self.assertEqual(errors, "in order\nbrace-drake: stopped\n")

@@ -1,5 +1,6 @@
 """Policies on numpy: files, ONNX, and in the diagram at run time."""
 
+import copy
 import subprocess
 import sys
 import tempfile
@@ -20,6 +21,7 @@ from brace_drake.learning.env import RlpicEnv
 from brace_drake.learning.episode import run_episode
 from brace_drake.learning.policy import ExportOnnx, LoadPolicy, SavePolicy
 from brace_drake.learning.predict import predict_impedance
+from brace_drake.learning.subjects import EffectRange
 from brace_drake.model.brace_station import MakeBraceStation
 from brace_drake.model.systems.brace_controllers import MakeController
 from brace_drake.scenario.brace_numbers import pack_rings
@@ -64,6 +66,37 @@ class TestFiles(unittest.TestCase):
         SavePolicy(replace(policy, weights=short), self.path)
         with self.assertRaisesRegex(PolicyError, "layer 0"):
             LoadPolicy(self.path)
+
+    def test_every_field_of_the_task_within_is_checked(self):
+        task = short_task()
+        wrong = {
+            "observation": "ring", "sample_time": -1.0, "max_steps": 10**9,
+            "displacement": np.full(6, 100.0), "motion_time": 0.0,
+            "readings": "loud", "failure_reward": np.nan, "backend": "none",
+            "scenario": "/etc/passwd", "action.rate": 0.0,
+            "action.scale": "square", "reward.kind": "none",
+            "reward.position_weight": np.full(6, np.inf),
+            "reward.force_scale": np.full(6, -1.0),
+            "reward.force_limit": np.zeros(6), "reward.barrier_share": 1.0,
+            "reward.smoothness_weight": -1.0, "limits.upper": np.ones(5),
+            "limits.lower": np.full(6, 1.0), "limits.speed": np.zeros(6),
+            "limits.force": np.full(6, np.nan),
+            "subjects.preload": np.array([2.0, 1.0]),
+            "subjects.torso_mass": np.array([1.0, 1e30]),
+            "subjects.effects": [EffectRange("nothing")],
+            "subjects.effects[0].probability": [EffectRange("gain", "", 2.0)],
+        }  # fmt: skip
+        for key, value in wrong.items():
+            bad = copy.deepcopy(task)
+            *holders, name = key.replace("[0].probability", "").split(".")
+            setattr(getattr(bad, *holders) if holders else bad, name, value)
+            SavePolicy(replace(random_policy(task), task=bad), self.path)
+            with self.subTest(key), self.assertRaises(PolicyError) as caught:
+                LoadPolicy(self.path)
+            message = str(caught.exception)
+            self.assertTrue(message.startswith(f"{self.path}: task: "))
+            self.assertNotIn("\n", message)
+            self.assertIn(key, message)
 
     def test_onnx_says_the_same(self):
         try:

@@ -98,6 +98,12 @@ def _Run(given: list[str]) -> int:
         ReleaseFolders()
 
 
+# Of the keyboard, the terminal, the system, and of what hands out time.
+_SIGNALS = (
+    "SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGXCPU", "SIGUSR1", "SIGUSR2",
+)  # fmt: skip
+
+
 class _Stop:
     """Ctrl-C: once to end a command in order, again to end it at once.
 
@@ -118,7 +124,7 @@ class _Stop:
         """Listens, unless Ctrl-C is ignored or heard by somebody else."""
         import atexit
 
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        for name in _SIGNALS:
             number = getattr(signal, name, signal.SIGINT)
             if self._for_good:
                 # Else one kills a process in the last of its cleaning up.

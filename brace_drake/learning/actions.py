@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SCALES = ("linear", "log")
+from brace_drake.scenario.fields import number, word
+
+SCALES = ("log", "linear")
 
 
 @dataclass
@@ -17,8 +19,8 @@ class ActionNumbers:
     jump between the ends, and the force with it.
     """
 
-    scale: str = "log"
-    rate: float = 1.0
+    scale: str = word(*SCALES)
+    rate: float = number(1.0, "1/s", above=0.0, most=1e6)
 
 
 @dataclass(frozen=True)

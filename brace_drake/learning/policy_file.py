@@ -6,20 +6,23 @@ from pathlib import Path
 
 import numpy as np
 
-from brace_drake.core.errors import PolicyError, ReadError, ScenarioError
+from brace_drake.core.errors import (
+    EffectError,
+    PolicyError,
+    ReadError,
+    ScenarioError,
+)
 from brace_drake.core.errors import quoted as quote
 from brace_drake.core.reading import parse_yaml
 from brace_drake.core.reading.arrays import ReadArrays
 from brace_drake.learning.actions import SCALES, ActionLaw
-from brace_drake.learning.signals import OBSERVERS, observation_size
-from brace_drake.learning.task import LearningTask
+from brace_drake.learning.signals import observation_size
+from brace_drake.learning.task import LearningTask, check_numbers
 from brace_drake.recording.fields import HUGE
 from brace_drake.scenario.fields import merge
 
 FORMAT = 1
 _MOST_LAYERS, _MOST_OUTPUTS = 20, 100_000
-# Of an episode.
-_LONGEST_S = 3600.0
 
 
 class PolicyFile:
@@ -92,30 +95,14 @@ class PolicyFile:
 
     def take_task(self, size: int) -> LearningTask:
         """What the policy was trained for, on a brace of `size` coordinates."""
-        task = LearningTask()
+        task, source = LearningTask(), f"{self._path}: task"
         try:
-            merge(task, parse_yaml(self.text("task")), f"{self._path}: task")
+            merge(task, parse_yaml(self.text("task")), source)
+            check_numbers(task, size // 6, source)
         except ReadError as error:
-            raise PolicyError(f"{self._path}: task: {error}") from error
-        except ScenarioError as error:
+            raise PolicyError(f"{source}: {error}") from error
+        except (ScenarioError, EffectError) as error:
             raise PolicyError(str(error)) from error
-        if task.observation not in OBSERVERS:
-            allowed = " or ".join(OBSERVERS)
-            self.fail("task.observation", task.observation, allowed)
-        for name, most in (
-            ("sample_time", 10.0),
-            ("motion_time", _LONGEST_S),
-            ("max_steps", 1e6),
-        ):
-            value = getattr(task, name)
-            if not 1e-6 <= value <= most:
-                self.fail(f"task.{name}", value, f"1e-06 to {most:g}")
-        if task.max_steps * task.sample_time > _LONGEST_S:
-            allowed = f"episodes of at most {_LONGEST_S:g} s"
-            self.fail("task.max_steps", task.max_steps, allowed)
-        way = task.displacement
-        if way.shape not in ((6,), (size,)) or not (abs(way) < HUGE).all():
-            self.fail("task.displacement", way, f"6 or {size} numbers")
         return task
 
     def take_selected(self) -> np.ndarray:

@@ -1,17 +1,23 @@
 """How a step is judged: the paper's reward, a better one, and its limits."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from brace_drake.learning.signals import Signals, name_of
+from brace_drake.scenario.fields import number, vector, word
 
 _NONE = np.inf
 
 
-def vector(*values: float):
-    """A field of a dataclass whose default is a new array."""
-    return field(default_factory=lambda: np.array(values, dtype=float))
+def _weights(*values: float):
+    """A field of weights or coefficients, of one ring or of all."""
+    return vector(*values, least=0.0, most=1e6, per_ring=6)
+
+
+def _ends(*values: float, **limits):
+    """A field of limits, of one ring or of all; infinite: there is none."""
+    return vector(*values, or_infinite=True, per_ring=6, **limits)
 
 
 @dataclass
@@ -36,16 +42,19 @@ class RewardNumbers:
               of the range: the paper's hope for a constant stiffness, said.
     """
 
-    kind: str = "paper"
-    position_weight: np.ndarray = vector(2, 2, 2, 0, 0, 0)
-    velocity_weight: np.ndarray = vector(0, 2, 0, 0, 0, 0)
-    force_weight: np.ndarray = vector(0, 2, 0, 0, 0, 0)
-    position_scale: np.ndarray = vector(80, 80, 80, 80, 80, 80)  # 1/m, 1/rad
-    velocity_scale: np.ndarray = vector(80, 80, 80, 80, 80, 80)  # s/m
-    force_scale: np.ndarray = vector(5, 5, 5, 5, 5, 5)  # 1/N
-    force_limit: np.ndarray = vector(4, 4, 4, 4, 4, 4)  # N, F_max
-    barrier_share: float = 0.8
-    smoothness_weight: float = 0.0
+    kind: str = word("paper", "barrier")
+    position_weight: np.ndarray = _weights(2, 2, 2, 0, 0, 0)
+    velocity_weight: np.ndarray = _weights(0, 2, 0, 0, 0, 0)
+    force_weight: np.ndarray = _weights(0, 2, 0, 0, 0, 0)
+    position_scale: np.ndarray = _weights(80, 80, 80, 80, 80, 80)  # 1/m, 1/rad
+    velocity_scale: np.ndarray = _weights(80, 80, 80, 80, 80, 80)  # s/m
+    force_scale: np.ndarray = _weights(5, 5, 5, 5, 5, 5)  # 1/N
+    # F_max.
+    force_limit: np.ndarray = vector(
+        4, 4, 4, 4, 4, 4, unit="N", above=0.0, most=1e6, per_ring=6
+    )
+    barrier_share: float = number(0.8, least=0.0, most=0.999)
+    smoothness_weight: float = number(0.0, least=0.0, most=1e6)
 
 
 def improved() -> RewardNumbers:
@@ -118,10 +127,12 @@ class EpisodeLimits:
     been meant: the legs' strokes end at 0.03 m).
     """
 
-    lower: np.ndarray = vector(-0.02, -0.4, -0.02, -_NONE, -_NONE, -_NONE)
-    upper: np.ndarray = vector(0.02, 0.006, 0.02, _NONE, _NONE, _NONE)
-    speed: np.ndarray = vector(_NONE, 0.6, _NONE, _NONE, _NONE, _NONE)
-    force: np.ndarray = vector(_NONE, 50.0, _NONE, _NONE, _NONE, _NONE)
+    lower: np.ndarray = _ends(-0.02, -0.4, -0.02, -_NONE, -_NONE, -_NONE)
+    upper: np.ndarray = _ends(0.02, 0.006, 0.02, _NONE, _NONE, _NONE)
+    speed: np.ndarray = _ends(_NONE, 0.6, _NONE, _NONE, _NONE, _NONE, above=0.0)
+    force: np.ndarray = _ends(
+        _NONE, 50.0, _NONE, _NONE, _NONE, _NONE, above=0.0
+    )
 
 
 def find_violation(

@@ -9,10 +9,12 @@ from brace_drake.core.errors import EffectError, ScenarioError
 from brace_drake.effects.card import Effect
 from brace_drake.effects.registry import find_effect
 from brace_drake.effects.stack import Use
+from brace_drake.scenario.fields import number, vector
 
 
-def _range(low: float = 1.0, high: float = 1.0):
-    return field(default_factory=lambda: np.array([low, high]))
+def _range():
+    """A field of lowest and highest factor."""
+    return vector(1.0, 1.0, least=1e-3, most=1e3)
 
 
 @dataclass
@@ -25,7 +27,7 @@ class EffectRange:
 
     name: str = ""
     form: str = ""
-    probability: float = 1.0
+    probability: float = number(1.0, least=0.0, most=1.0)
     parameters: dict[str, np.ndarray] = field(default_factory=dict)
 
 
@@ -80,19 +82,17 @@ def check_ranges(ranges: SubjectRanges, source: str = "subjects") -> None:
     """Checks ranges and names of effects.
 
     Raises:
-        ScenarioError: A range is not two numbers above 0, lowest first, or a
-            probability not within 0 to 1.
+        ScenarioError: A range is not two numbers, lowest first.
         EffectError: No such effect, or no such parameter.
     """
     for name in FACTORS:
-        _check_range(f"{source}.{name}", getattr(ranges, name), 1e-6)
+        _check_range(f"{source}.{name}", getattr(ranges, name), 1e-3, 1e3)
     for i, use in enumerate(ranges.effects):
         at = f"{source}.effects[{i}]"
-        card = find_card(use)
-        if not 0.0 <= use.probability <= 1.0:
-            raise ScenarioError(
-                f"{at}.probability: {use.probability!r}; allowed: 0 to 1"
-            )
+        try:
+            card = find_card(use)
+        except EffectError as error:
+            raise EffectError(f"{at}: {error}") from error
         for name, values in use.parameters.items():
             if name not in card.parameter_names:
                 raise EffectError(

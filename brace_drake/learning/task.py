@@ -8,17 +8,20 @@ import numpy as np
 
 from brace_drake.core.errors import ScenarioError
 from brace_drake.core.resources import scenario_path
-from brace_drake.learning.actions import SCALES, ActionLaw, ActionNumbers
-from brace_drake.learning.rewards import EpisodeLimits, RewardNumbers, vector
+from brace_drake.learning.actions import ActionLaw, ActionNumbers
+from brace_drake.learning.rewards import EpisodeLimits, RewardNumbers
 from brace_drake.learning.signals import OBSERVERS
 from brace_drake.learning.subjects import SubjectRanges, check_ranges
 from brace_drake.recording.columns import BRACE
 from brace_drake.scenario.brace import BraceScenario
 from brace_drake.scenario.control_numbers import parse_coordinates, spread
+from brace_drake.scenario.fields import check_fields, fail, number, vector, word
 from brace_drake.scenario.load import LoadScenario
 
 BACKENDS = ("compiled", "diagram")
 READINGS = ("exact", "noisy")
+# Of an episode.
+LONGEST_S = 3600.0
 
 
 @dataclass
@@ -39,14 +42,16 @@ class LearningTask:
     """
 
     scenario: str = "rlpic.scenario.yaml"
-    observation: str = "stage"
-    sample_time: float = 0.05
-    max_steps: int = 240
-    displacement: np.ndarray = vector(0, -0.01, 0, 0, 0, 0)
-    motion_time: float = 12.0
-    readings: str = "exact"
-    failure_reward: float = 0.0
-    backend: str = "compiled"
+    observation: str = word(*OBSERVERS)
+    sample_time: float = number(0.05, "s", least=1e-6, most=10.0)
+    max_steps: int = number(240, least=1, most=1_000_000)
+    displacement: np.ndarray = vector(
+        0, -0.01, 0, 0, 0, 0, unit="m or rad", least=-1.0, most=1.0, per_ring=6
+    )
+    motion_time: float = number(12.0, "s", least=1e-3, most=LONGEST_S)
+    readings: str = word(*READINGS)
+    failure_reward: float = number(0.0, least=-1e6, most=1e6)
+    backend: str = word(*BACKENDS)
     action: ActionNumbers = field(default_factory=ActionNumbers)
     reward: RewardNumbers = field(default_factory=RewardNumbers)
     limits: EpisodeLimits = field(default_factory=EpisodeLimits)
@@ -84,6 +89,13 @@ def full_task() -> LearningTask:
 _SUFFIXES = (".yaml", ".yml")
 
 
+def _check_name(name: str, source: str) -> None:
+    """Refuses what is no name of a scenario."""
+    if Path(name).suffix not in _SUFFIXES:
+        allowed = f"a name that ends in {' or '.join(_SUFFIXES)}"
+        fail(source, "scenario", name, allowed)
+
+
 def load_task_scenario(task: LearningTask) -> BraceScenario:
     """The scenario of a task, its controller the variable stiffness.
 
@@ -91,11 +103,7 @@ def load_task_scenario(task: LearningTask) -> BraceScenario:
         ScenarioError: It cannot be read, or is none that can be learnt on.
     """
     path = Path(task.scenario)
-    if path.suffix not in _SUFFIXES:
-        raise ScenarioError(
-            f"task: scenario: {task.scenario!r}; allowed: a name that ends in"
-            f" {' or '.join(_SUFFIXES)}"
-        )
+    _check_name(task.scenario, "task")
     if not path.exists() and path.parent == Path("."):
         path = scenario_path(task.scenario)
     scenario = LoadScenario(path)
@@ -113,53 +121,54 @@ def load_task_scenario(task: LearningTask) -> BraceScenario:
     return scenario
 
 
-def check_task(task: LearningTask, scenario: BraceScenario) -> None:
+def check_numbers(task: LearningTask, num_rings: int, source: str) -> None:
+    """Checks every field of a task by itself.
+
+    Args:
+        task: The task.
+        num_rings: Of the brace it is for.
+        source: Named in the error.
+
+    Raises:
+        ScenarioError: One line: source, key path, value, what is allowed.
+        EffectError: An effect of the subjects is none.
+    """
+    check_fields(task, source, num_rings=num_rings)
+    _check_name(task.scenario, source)
+    if task.max_steps * task.sample_time > LONGEST_S:
+        allowed = f"episodes of at most {LONGEST_S:g} s"
+        fail(source, "max_steps", task.max_steps, allowed)
+    if task.observation == "stage" and num_rings != 1:
+        allowed = f"all, as the brace has {num_rings} stages"
+        fail(source, "observation", "stage", allowed)
+    if not (task.limits.lower < task.limits.upper).all():
+        allowed = "less than limits.upper"
+        fail(source, "limits.lower", task.limits.lower, allowed)
+    if num_rings > 1 and task.subjects.effects:
+        number = len(task.subjects.effects)
+        fail(source, "subjects.effects", number, f"none: {num_rings} stages")
+    check_ranges(task.subjects, f"{source}: subjects")
+
+
+def check_task(
+    task: LearningTask, scenario: BraceScenario, source: str = "task"
+) -> None:
     """Checks a task against its scenario.
 
     Raises:
-        ScenarioError: One line: key path, value, what is allowed.
+        ScenarioError: One line: source, key path, value, what is allowed.
         EffectError: An effect of the subjects is none.
     """
-    n = len(scenario.stages)
+    check_numbers(task, len(scenario.stages), source)
     period = 1.0 / scenario.control.rate
-    words = (
-        ("observation", task.observation, tuple(OBSERVERS)),
-        ("readings", task.readings, READINGS),
-        ("backend", task.backend, BACKENDS),
-        ("reward.kind", task.reward.kind, ("paper", "barrier")),
-        ("action.scale", task.action.scale, SCALES),
-    )
-    for key, value, allowed in words:
-        if value not in allowed:
-            _fail(key, value, " or ".join(allowed))
     ticks = task.sample_time / period
     if not (round(ticks) >= 1 and abs(ticks - round(ticks)) < 1e-6):
-        _fail("sample_time", task.sample_time, f"whole periods of {period:g} s")
-    for key, value in (
-        ("motion_time", task.motion_time),
-        ("max_steps", task.max_steps),
-        ("action.rate", task.action.rate),
-    ):
-        if not value > 0:
-            _fail(key, value, "greater than 0")
-    if task.observation == "stage" and n != 1:
-        _fail("observation", "stage", f"all, as the brace has {n} stages")
-    if not 0.0 <= task.reward.barrier_share < 1.0:
-        _fail("reward.barrier_share", task.reward.barrier_share, "0 to 1")
-    for holder, key in (
-        (task, "displacement"),
-        *((task.reward, k) for k in _arrays_of(task.reward)),
-        *((task.limits, k) for k in _arrays_of(task.limits)),
-    ):
-        size = np.shape(getattr(holder, key))
-        if size not in ((6,), (6 * n,)):
-            _fail(key, list(size), f"6 or {6 * n} numbers")
+        allowed = f"whole periods of {period:g} s"
+        fail(source, "sample_time", task.sample_time, allowed)
     models = [c.model for c in scenario.contacts]
     if task.backend == "compiled" and "hydroelastic" in models:
-        _fail("backend", "compiled", "diagram, where contact is hydroelastic")
-    if n > 1 and task.subjects.effects:
-        _fail("subjects.effects", len(task.subjects.effects), "none: 3 stages")
-    check_ranges(task.subjects)
+        allowed = "diagram, where contact is hydroelastic"
+        fail(source, "backend", "compiled", allowed)
     _check_friction(task, scenario)
 
 
@@ -214,7 +223,3 @@ def make_action_law(task: LearningTask, scenario: BraceScenario) -> ActionLaw:
 
 def _arrays_of(part) -> list[str]:
     return [k for k, v in vars(part).items() if isinstance(v, np.ndarray)]
-
-
-def _fail(key: str, value, allowed: str) -> None:
-    raise ScenarioError(f"task: {key}: {value!r}; allowed: {allowed}")

@@ -29,6 +29,7 @@ class Limits:
         above: Numbers are greater.
         least, most: Numbers lie between, these included.
         words: One of these.
+        or_infinite: Numbers may be infinite: what is limited by nothing.
         per_ring: Numbers of a ring where there may be those of one ring, for
             all, or of each; 0: as many as the default has.
     """
@@ -38,12 +39,16 @@ class Limits:
     least: float = -math.inf
     most: float = math.inf
     words: tuple[str, ...] = ()
+    or_infinite: bool = False
     per_ring: int = 0
 
     @property
     def in_words(self) -> str:
         """What numbers are allowed."""
-        if self.most < math.inf:
+        if self.above > -math.inf and self.most < math.inf:
+            most = f"{self.most:g} {self.unit}".rstrip()
+            allowed = f"greater than {self.above:g}, {most} at most"
+        elif self.most < math.inf:
             allowed = f"{self.least:g} to {self.most:g} {self.unit}"
         elif self.above > -math.inf:
             allowed = f"greater than {self.above:g} {self.unit}"
@@ -123,11 +128,17 @@ def check_fields(node, source: str, at: str = "", num_rings: int = 1) -> None:
             if len(value) not in sizes:
                 sizes = " or ".join(str(size) for size in sorted(sizes))
                 fail(source, path, value, f"{sizes} numbers")
-        if not np.isfinite(value).all():
+        is_wrong = (
+            np.isnan(value) if limits.or_infinite else ~np.isfinite(value)
+        )
+        if np.any(is_wrong):
             kind = "numbers" if isinstance(value, np.ndarray) else "number"
-            fail(source, path, value, f"finite {kind}")
+            which = "" if limits.or_infinite else "finite "
+            fail(source, path, value, which + kind)
         within = (limits.least <= value) & (value <= limits.most)
-        if not np.all(within & (limits.above < value)):
+        if limits.above > -math.inf:
+            within &= limits.above < value
+        if not np.all(within):
             fail(source, path, value, limits.in_words)
 
 

@@ -92,8 +92,16 @@ def parse_yaml(data: bytes | str, may_be_empty: bool = False) -> dict:
     if found is None and may_be_empty:
         return {}
     if not isinstance(found, dict):
-        raise ReadError(f"must hold a mapping of keys, found {quoted(found)}")
+        # Its kind alone: what a file holds that is none of ours is not shown.
+        raise ReadError(f"must hold a mapping of keys, found {_kind(found)}")
     return found
+
+
+def _kind(found: object) -> str:
+    """Of a value, in a word."""
+    if found is None:
+        return "nothing"
+    return {list: "a list", str: "a text"}.get(type(found), "a value")
 
 
 def _place(mark: Any) -> str:
