@@ -42,7 +42,12 @@ def verdict(**effects):
     }
 
 
-MOVED = [{"name": "ring_mass_kg", "deviations": 1.2}]
+MOVED = [
+    {"name": "ring_mass_kg", "unit": "kg", "value": 0.018, "deviations": 1.2}
+]
+SCALE_OFF = {
+    "name": "force_scale", "unit": "1", "value": -0.0325, "deviations": -5.42
+}  # fmt: skip
 
 
 def sentence(told, closed=None, moved=(), off=None):
@@ -113,13 +118,13 @@ class TestVerdictText(unittest.TestCase):
         self.assertIn("adding it closes 44.0 % of the gap", text)
 
     def test_a_number_beyond_its_tolerance_is_told_with_and_without_a_gap(self):
-        far = [*MOVED, {"name": "force_scale", "deviations": -5.42}]
-        told = "force_scale is 5.4 tolerances off."
+        far = [*MOVED, SCALE_OFF]
+        told = "force scale is off by -3.2 %, 5.4 of its tolerances."
         none = verdict() | {"gap": False}
         text = sentence(none, moved=far, off=1.2)
         self.assertTrue(text.endswith(told), text)
         self.assertIn("more than tolerances allow", text)
-        self.assertNotIn("ring_mass", text)
+        self.assertNotIn("ring mass", text)
         text = sentence(verdict(clearance=CLEARANCE), closed=0.9, moved=far)
         self.assertTrue(text.endswith(f"Beside them {told}"), text)
         text = sentence(none, moved=MOVED, off=1.2)

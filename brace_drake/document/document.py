@@ -21,6 +21,7 @@ from brace_drake.document.rows import (
 )
 from brace_drake.document.verdict_text import (
     controller_text,
+    off_text,
     stated_text,
     verdict_sentence,
 )
@@ -31,8 +32,6 @@ from brace_drake.recording_faults.finding import recording_verdict
 from brace_drake.selection import thresholds
 
 FORMAT = "brace-diagnosis/2"
-# Deviations of a number known to a tolerance that are worth a word.
-_STRETCHED = 2.0
 
 
 def MakeDocument(d: Diagnosis, origin: Origin | None = None) -> dict:
@@ -171,11 +170,7 @@ def _warnings(d: Diagnosis) -> list[str]:
             " times the floor off, more than noise: another, smaller effect"
             " may hide in that"
         )
-    found += [
-        f"{row['name']} is {row['deviations']:.1f} tolerances off"
-        for row in tolerance_rows(d)
-        if abs(row["deviations"]) > _STRETCHED
-    ]
+    found += map(off_text, tolerance_rows(d))
     if d.nuisances and not d.device.twin.scenario.tolerances.is_stated:
         found.append("the scenario states no tolerances: defaults were assumed")
     found += [

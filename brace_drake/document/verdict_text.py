@@ -32,8 +32,8 @@ def verdict_sentence(
         name: Of the campaign.
         verdict: Of the document, without its sentence.
         closed: Share of the gap that all effects close on validation runs.
-        moved: Numbers known to a tolerance that the data move, with their name
-            and `deviations`.
+        moved: Numbers known to a tolerance that the data move: name, unit,
+            value and `deviations`.
         off: Times the floor that the twin is off on validation runs; None
             without any.
     """
@@ -83,13 +83,24 @@ def _far_text(moved: Sequence[dict]) -> str:
     far = [row for row in moved if abs(row["deviations"]) > WITHIN]
     if not far:
         return ""
-    told = [
-        f"{row['name']} is {abs(row['deviations']):.2g} tolerances off"
-        for row in far[:_MOST_FAR]
-    ]
+    told = [off_text(row) for row in far[:_MOST_FAR]]
     if len(far) > _MOST_FAR:
         told.append(f"{len(far) - _MOST_FAR} more by more than {WITHIN:.0f}")
     return " and ".join(told)
+
+
+def off_text(row: Mapping) -> str:
+    """How far a number is from what the scenario says, and in tolerances."""
+    value, unit = row["value"], row["unit"]
+    name = parameter_text(row["name"], unit)
+    if unit == "1":
+        value, unit = 100.0 * value, "%"
+    elif unit == "m":
+        value, unit = 1e3 * value, "mm"
+    return (
+        f"{name} is off by {value:+.2g} {unit},"
+        f" {abs(row['deviations']):.2g} of its tolerances"
+    )
 
 
 def _partly_text(name: str, verdict: dict, rest: str) -> str:

@@ -162,11 +162,11 @@ class DiagnosisResult:
         from brace_drake.validation.repaired import WriteRepairedScenario
 
         folder = MakeFolder(Path(folder))
-        self.report(folder / "report.html")
+        WriteJson(folder / "diagnosis.json", self.document)
         twin = self.found.device.twin
         WriteRepairedScenario(twin, self.found.repair, folder)
         WriteNextRun(self.found.next_run, folder)
-        WriteJson(folder / "diagnosis.json", self.document)
+        self.report(folder / "report.html")
         return folder
 
     def export(
