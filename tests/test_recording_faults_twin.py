@@ -109,6 +109,40 @@ def reading_of(file, late, seed, sigma=5e-5):
     return Reading(prepared, y[:, None], ("torso_y_m",))
 
 
+def force_of(small, leak, scale, sigma=0.02):
+    """A force of the twin's noise, with what leaks into it, as recorded."""
+    time = np.arange(800) / 200.0
+    sine = np.sin(2.0 * np.pi * 0.5 * time)
+    noise = sigma * np.random.default_rng(1).standard_normal(len(time))
+    name = "ring2_force_x_N"
+    read = scale * ((small + leak) * sine + noise)
+    prepared = SimpleNamespace(
+        run=Run("push.csv", True, "push", None, "fit",
+                {"time_s": time, name: read}),
+        used=np.array([True]),
+        weights=np.full((len(time), 1), 1.0 / sigma),
+        floor=SimpleNamespace(
+            rms=np.array([sigma]), density=np.array([[sigma**2]])
+        ),
+    )  # fmt: skip
+    return Reading(prepared, small * sine[:, None], (name,))
+
+
+class TestScaledReadings(unittest.TestCase):
+    def named(self, *force):
+        reading = force_of(*force)
+        bars = _Bars(10.0, 3.0, 0.02)
+        return list(_named([reading], reading.names, bars, 1))
+
+    def test_a_reading_in_another_unit_is_named_with_its_scale(self):
+        (found,) = self.named(0.3, 0.0, 1000.0)
+        self.assertEqual(found.fault.name, "wrong_scale")
+        self.assertAlmostEqual(found.parameters["scale"], 1000.0, delta=20.0)
+
+    def test_what_leaks_in_beside_the_usual_noise_is_no_other_unit(self):
+        self.assertEqual(self.named(1e-3, 0.3, 1.0), [])
+
+
 class TestFewRuns(unittest.TestCase):
     def judged(self, file, edit, uses=()):
         """Faults of a twin's campaign, the marker of one of its runs edited."""

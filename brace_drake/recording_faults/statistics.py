@@ -16,6 +16,8 @@ _FLOOR_ERROR = 1.5
 _BY_CHANCE = 0.01
 # Of a normal sample: its deviation over the median of its absolute values.
 _MAD = 1.4826
+# Variance of `local_error` over that of white noise: 1 + 2 (4^2 + 1) / 6^2.
+LOCAL_VARIANCE = 35.0 / 18.0
 
 
 def largest_normal(number: int) -> float:

@@ -11,6 +11,11 @@ from brace_drake.core.cosine_transform import to_frequency
 from brace_drake.devices.declaration import Device
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
+from brace_drake.recording_faults.statistics import (
+    LOCAL_VARIANCE,
+    local_error,
+    robust_deviation,
+)
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,16 @@ class Reading:
             weighted = difference[: len(weights)] * weights
             found[name] = float(np.mean(weighted**2))
         return found
+
+    def noise_ratio(self, name: str) -> float:
+        """A recorded reading's noise over the twin's, by what changes from
+        sample to sample; infinite where the twin's has none.
+        """
+        floor = self.prepared.floor
+        white = float(floor.density[-1, self.names.index(name)])
+        errors = local_error(self.prepared.run.channels[name])
+        least = np.sqrt(LOCAL_VARIANCE * white)
+        return robust_deviation(errors) / least if least > 0.0 else np.inf
 
     def unread(self, names: Sequence[str]) -> dict[str, float]:
         """The same of those of some channels that the run has."""
