@@ -27,12 +27,14 @@ def cause_rows(d: Diagnosis) -> list[dict]:
     for cause in d.causes:
         fit, is_winner = cause.fit, cause.fit is d.verdict.winner
         seen, same = cause.prediction, simpler_twin(cause.fit, fits)
+        found = d.criterion.findings(fit)
         rows.append(
             {
                 "effect": fit.name,
                 "chosen": is_winner,
                 "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
                 "title": " and ".join(e.title for e in fit.effects),
+                "within": [e.name for e in fit.effects if e not in found],
                 "score": cause.score,
                 "excess": d.criterion.misfit(fit),
                 "held_out": fit.held_out,
