@@ -8,7 +8,11 @@ folder can be used; `importing` makes campaigns of a lab's own files.
 
 from brace_drake.recording.columns import DEVICES, Channel
 from brace_drake.recording.findings import Problem
-from brace_drake.recording.read import CheckCampaign, LoadCampaign
+from brace_drake.recording.read import (
+    CheckCampaign,
+    ExamineCampaign,
+    LoadCampaign,
+)
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.samples import Limits
 from brace_drake.recording.write import WriteCampaign
@@ -18,6 +22,7 @@ __all__ = [
     "Campaign",
     "Channel",
     "CheckCampaign",
+    "ExamineCampaign",
     "Limits",
     "LoadCampaign",
     "Problem",

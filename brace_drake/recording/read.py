@@ -58,7 +58,7 @@ def LoadCampaign(path: str | Path) -> Campaign:
         CampaignError: The campaign has errors. The message is one line: the
             first error and how many more there are.
     """
-    campaign, problems = _examine(Path(path), None)
+    campaign, problems = ExamineCampaign(path)
     if campaign is not None:
         return campaign
     errors = [p for p in problems if p.severity == "error"]
@@ -85,13 +85,18 @@ def CheckCampaign(
         Errors and warnings, campaign.yaml first, then file by file; at most
         one per file, column and kind.
     """
-    return _examine(Path(path), limits)[1]
+    return ExamineCampaign(path, limits)[1]
 
 
-def _examine(
-    path: Path, limits: Limits | None
+def ExamineCampaign(
+    path: str | Path, limits: Limits | None = None
 ) -> tuple[Campaign | None, list[Problem]]:
-    """A campaign, None where it has errors, and everything wrong with it."""
+    """A campaign, None where it has errors, and everything wrong with it.
+
+    Args:
+        path, limits: As of `CheckCampaign`.
+    """
+    path = Path(path)
     try:
         campaign, problems = parse_manifest(ReadBytes(path / MANIFEST, 4))
     except ReadError as e:

@@ -15,7 +15,7 @@ from brace_drake.cli.options import (
     scenario_note,
 )
 from brace_drake.core.errors import BraceError
-from brace_drake.recording import DEVICES, CheckCampaign, LoadCampaign
+from brace_drake.recording import DEVICES, Campaign, ExamineCampaign
 from brace_drake.recording.findings import Problem, by_message, counted, error
 
 _EPILOG = """\
@@ -47,9 +47,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Prints the problems and a summary; 2 when there are errors, else 0."""
     scenario, note = name_scenario_option(args.scenario), ""
-    problems = CheckCampaign(args.campaign)
-    if not any(problem.severity == "error" for problem in problems):
-        problems, note = _WithRecordingFaults(problems, args.campaign, scenario)
+    campaign, problems = ExamineCampaign(args.campaign)
+    if campaign is not None:
+        problems, note = _WithRecordingFaults(problems, campaign, scenario)
     errors = sum(problem.severity == "error" for problem in problems)
     warnings = len(problems) - errors
     if args.json:
@@ -70,7 +70,7 @@ def Run(args: argparse.Namespace) -> int:
 
 
 def _WithRecordingFaults(
-    problems: list[Problem], path: str, scenario
+    problems: list[Problem], campaign: Campaign, scenario
 ) -> tuple[list[Problem], str]:
     """Problems with the faults of the recording behind them, and with what no
     twin can be made of; and which scenario was used, empty where nobody has
@@ -81,7 +81,6 @@ def _WithRecordingFaults(
     from brace_drake.devices.nominal_scenario import choose_scenario
     from brace_drake.recording_faults import check_recording
 
-    campaign = LoadCampaign(path)
     named = choose_scenario(campaign, scenario)
     refused, device = [], None
     try:
@@ -93,7 +92,7 @@ def _WithRecordingFaults(
         # still be asked.
         if not DEVICES[campaign.device].has_ports:
             reason = str(e).removeprefix(f"{campaign.path}: ")
-            refused = [error(path, reason)]
+            refused = [error(str(campaign.path), reason)]
     found = [
         problem
         for finding in check_recording(campaign, device)
