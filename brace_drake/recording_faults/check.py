@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from brace_drake.devices.declaration import Device
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Campaign, Run
@@ -59,7 +57,11 @@ def check_recording(
         device: Its device; without one no law of a controller is asked.
         seed: Of the noise in the law's floor.
     """
-    runs = [r for r in campaign.runs if len(r.time_s) >= _LEAST_ROWS]
+    runs = [
+        _as_declared(r, campaign)
+        for r in campaign.runs
+        if len(r.time_s) >= _LEAST_ROWS
+    ]
     checker = None
     if device is not None and device.control_law is not None:
         checker = LawChecker(device, runs, seed)
@@ -93,6 +95,15 @@ def check_recording(
     return kept + merge(contact, sum(r.contact for r in runs))
 
 
+def _as_declared(run: Run, campaign: Campaign) -> Run:
+    """A run without columns that its device does not declare: they may hold
+    anything, and nothing is judged by them.
+    """
+    known = {"time_s", *declared(campaign)}
+    own = {n: v for n, v in run.channels.items() if n in known}
+    return replace(run, channels=own)
+
+
 def _as_followed(
     finding: Finding, runs: Sequence[Run], checker: LawChecker
 ) -> Finding:
@@ -124,8 +135,6 @@ def _of_samples(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
     number = sum(len(r.time_s) * len(r.channels) for r in runs)
     found: list[Finding] = []
     for run in runs:
-        if not all(np.isfinite(v).all() for v in run.channels.values()):
-            continue
         # What is cut off is stuck too, what is stuck has no outliers.
         clipped = find_clipped(run, known)
         whole = _without(known, clipped)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +13,8 @@ FALSE_ALARM = 1e-4
 # Root mean square that the floor of a replayed law may be off by itself:
 # replicates are few, and readings between samples unknown.
 _FLOOR_ERROR = 1.5
+# Scatter over noise from which on there is more than noise.
+_SIGNAL = 2.0
 # Blocks of its length that chance may make.
 _BY_CHANCE = 0.01
 # Of a normal sample: its deviation over the median of its absolute values.
@@ -49,6 +52,43 @@ def local_error(values: np.ndarray) -> np.ndarray:
 def robust_deviation(values: np.ndarray) -> float:
     """Standard deviation of the bulk of values around 0."""
     return float(_MAD * np.median(np.abs(values)))
+
+
+def has_signal(values: np.ndarray) -> bool:
+    """Whether a reading scatters more than what changes from sample to sample
+    does by itself.
+    """
+    noise = robust_deviation(local_error(values)) / np.sqrt(LOCAL_VARIANCE)
+    return bool(np.std(values) > _SIGNAL * noise)
+
+
+def is_noise_scaled(ratios: Sequence[float], scale: float) -> bool:
+    """Whether the noise of readings is nearer to so many times the usual than
+    to the usual.
+
+    A unit enlarges the noise with the reading. Without that, any reading is
+    made as small as one that hardly is there.
+
+    Args:
+        ratios: Of recorded noise over the usual, as deviations.
+        scale: Of the readings; below 1 noise of writing down hides its own.
+    """
+    return abs(scale) < 1.0 or bool(np.median(ratios) > np.sqrt(abs(scale)))
+
+
+def likeliest_lag(first: np.ndarray, second: np.ndarray) -> int:
+    """Samples by which the columns of one are behind those of another, as
+    their second differences resemble each other most.
+    """
+    total = np.zeros(2 * len(first))
+    for a, b in zip(first.T, second.T, strict=True):
+        a, b = np.diff(a, 2), np.diff(b, 2)
+        size = float(np.std(a) * np.std(b))
+        if size > 0.0:
+            one, other = (np.fft.rfft(v, len(total)) for v in (a, b))
+            total += np.fft.irfft(one * other.conj(), len(total)) / size
+    lag = int(np.argmax(total))
+    return lag if lag <= len(first) else lag - len(total)
 
 
 def unlikely_blocks(lags: np.ndarray) -> list[tuple[int, int]]:

@@ -37,6 +37,7 @@ from brace_drake.recording_faults.library.channels import (
 )
 from brace_drake.recording_faults.library.time import skewed_channel
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
+from brace_drake.recording_faults.statistics import is_noise_scaled
 
 # Misfit of the channels left in that counts as followed.
 NEAR = 0.5
@@ -231,19 +232,6 @@ def _hypotheses(
                 yield Hypothesis(skewed_channel.CARD, group, values)
 
 
-def _is_noise_scaled(
-    readings: Sequence[Reading], group: tuple[str, ...], scale: float
-) -> bool:
-    """Whether the noise of readings is nearer to so many times the twin's than
-    to the twin's own.
-
-    A unit enlarges the noise with the reading. Without that, readings divided
-    by enough are as small as those of a twin that hardly has any.
-    """
-    ratios = [r.noise_ratio(n) for r in readings for n in group]
-    return scale < 1.0 or float(np.median(ratios)) > np.sqrt(scale)
-
-
 def _scaled(
     readings: Sequence[Reading], group: tuple[str, ...]
 ) -> Iterator[Hypothesis]:
@@ -261,7 +249,8 @@ def _scaled(
     gain = float(x @ y / (x @ x))
     yield Hypothesis(reversed_sign.CARD, group, {"zero": 0.0})
     is_other = gain > 0.0 and abs(gain - 1.0) > _GAIN
-    if is_other and _is_noise_scaled(readings, group, 1.0 / gain):
+    ratios = [r.noise_ratio(n) for r in readings for n in group]
+    if is_other and is_noise_scaled(ratios, 1.0 / gain):
         values = {"scale": 1.0 / gain, "zero": 0.0}
         yield Hypothesis(wrong_scale.CARD, group, values)
     if len(group) == 1:

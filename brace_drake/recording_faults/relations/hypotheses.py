@@ -14,6 +14,7 @@ from brace_drake.recording_faults.library.channels import (
     exchanged_channels,
     permuted_channels,
 )
+from brace_drake.recording_faults.statistics import has_signal
 
 # What channels are named by: those of a leg differ in its number alone.
 _COMMAND, _LENGTH = "_force_command_N", "_length_m"
@@ -55,6 +56,20 @@ def channels_of(law: ControlLaw, run: Run) -> list[str]:
 
 
 def exchanges(run: Run, law: ControlLaw) -> Iterator[Hypothesis]:
+    """Pairs of channels in each other's column; none that gives the law noise
+    alone for a reading: that hides any error.
+    """
+    read = {n for names in law.by_output for n in names}
+    for h in _exchanges(run, law):
+        half = len(h.channels) // 2
+        pairs = [*zip(h.channels, h.channels[half:], strict=False)]
+        pairs += [(b, a) for a, b in pairs]
+        given = [b for a, b in pairs if a in read]
+        if all(has_signal(run.channels[n]) for n in given):
+            yield h
+
+
+def _exchanges(run: Run, law: ControlLaw) -> Iterator[Hypothesis]:
     """Pairs of channels in each other's column.
 
     Lengths, commands and whole legs; forces among themselves; the virtual

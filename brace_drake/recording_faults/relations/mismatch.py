@@ -40,6 +40,8 @@ from brace_drake.recording_faults.statistics import (
 _LAW_ERROR = 2e-3
 # Noisy replays of a run, and runs that are replayed of each kind.
 _REPLICATES, _MODELS = 3, 2
+# Largest square of a rounding error over its mean: (1/2)^2 over 1/12.
+_ROUNDED = 3.0
 # Variance of a machine's noise over the twin's, at most: what is noisier is no
 # reading.
 _MOST_NOISE = 10.0
@@ -137,6 +139,24 @@ class LawChecker:
             found.append(with_channels(run, {**run.channels, **columns}))
         return found
 
+    @cached_property
+    def _bias(self) -> np.ndarray:
+        """Of each output, the largest square of what coarse readings add over
+        its mean (n,): while a machine stands, they err by the same part of a
+        step all the time.
+        """
+        coarse = set()
+        for run in self.runs:
+            names = [n for n in run.channels if not is_desired(n)]
+            columns = run.stack(names)
+            steps = written_quantum(columns, np.zeros(len(names)))
+            for name, step, x in zip(names, steps, columns.T, strict=True):
+                noise = robust_deviation(local_error(x))
+                coarse |= {name} if step > noise else set()
+        return np.array(
+            [_ROUNDED if coarse & set(n) else 1.0 for n in self.law.by_output]
+        )
+
     def residual(self, run: Run) -> np.ndarray:
         """Recorded less recomputed outputs (N, n)."""
         return run.stack(self.law.outputs) - self.law.recompute(run)
@@ -161,7 +181,7 @@ class LawChecker:
         tests = len(self.runs) * len(squares)
         spread = np.std(run.stack(self.law.outputs), axis=0)
         error = _LAW_ERROR * spread / np.maximum(floor.rms, 1e-300)
-        threshold = largest_mean_square(count, tests) + error**2
+        threshold = largest_mean_square(count, tests) * self._bias + error**2
         return Mismatch(squares, threshold, weighted.ravel())
 
 

@@ -29,6 +29,10 @@ from brace_drake.recording_faults.relations.mismatch import (
     LawChecker,
     Mismatch,
 )
+from brace_drake.recording_faults.statistics import (
+    has_signal,
+    likeliest_lag,
+)
 
 # Delays that are tried, samples, before the best is refined.
 _DELAYS = (1.0, 3.0, 8.0, 20.0, 50.0)
@@ -192,11 +196,13 @@ class FaultSearch:
             tried += [
                 self.try_one(Hypothesis(card, channels, v)) for v in values
             ]
-        if abs(gain - 1.0) < _SIGN:
-            start = -offset - (gain - 1.0) * middle
+        # Of noise alone no gain is known.
+        whole = any(has_signal(self._run.channels[n]) for n in channels)
+        if abs(gain - 1.0) < _SIGN or not whole:
+            start = -zero * size
             card = moved_zero.CARD
             tried.append(self._refined(card, channels, "offset", start, size))
-        if abs(gain) > 1e-6 and abs(gain - 1.0) > _NONE:
+        if whole and abs(gain) > 1e-6 and abs(gain - 1.0) > _NONE:
             scale, card = 1.0 / gain, wrong_scale.CARD
             fixed = {"scale": scale, "zero": offset / (1.0 - gain)}
             tried.append(self.try_one(Hypothesis(card, channels, fixed)))
@@ -235,8 +241,7 @@ class FaultSearch:
 
     def _late(self, groups: Sequence[tuple[str, ...]]) -> list[Tried]:
         """Delays of channels: a grid, then a search around the best of all."""
-        sizes = sorted({*_DELAYS, *self._lag()})
-        grid = [s * d for d in sizes for s in (1.0, -1.0)]
+        grid = [s * d for d in {*_DELAYS, *self._lag()} for s in (1.0, -1.0)]
         tried = [
             (d, t)
             for channels in groups
@@ -263,15 +268,7 @@ class FaultSearch:
         """
         recorded = self._run.stack(self._checker.law.outputs)
         recomputed = recorded - self._checker.residual(self._run)
-        total = np.zeros(2 * len(recorded))
-        for a, b in zip(recorded.T, recomputed.T, strict=True):
-            a, b = np.diff(a, 2), np.diff(b, 2)
-            size = float(np.std(a) * np.std(b))
-            if size > 0.0:
-                first, second = (np.fft.rfft(v, len(total)) for v in (a, b))
-                total += np.fft.irfft(first * second.conj(), len(total)) / size
-        lag = int(np.argmax(total))
-        lag = min(lag, len(total) - lag)
+        lag = abs(likeliest_lag(recorded, recomputed))
         return [float(lag)] if 0 < lag <= _LATEST else []
 
     def _delayed(self, channels: tuple[str, ...], samples: float):

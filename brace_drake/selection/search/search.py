@@ -75,12 +75,11 @@ def search_causes(
         if not criterion.may_pay(best):
             return known
         before, least = (
-            min([criterion.nominal, *fits], key=criterion.left)
+            min([criterion.nominal, *fits], key=criterion.weighed)
             for fits in (earlier, refined(known))
         )
-        floor = criterion.findable
-        after = criterion.left(least, floor)
-        worth = thresholds.WORTH_A_SET * criterion.left(before, floor)
+        after = criterion.weighed(least)
+        worth = thresholds.WORTH_A_SET * criterion.weighed(before)
         is_shorter = number > 1 and len(criterion.findings(best)) < number
         # What numbers are stretched to may be another effect.
         is_whole = criterion.stretch(least) <= thresholds.WITHIN
@@ -124,7 +123,8 @@ def _beam(
     ]
     if not able:
         return []
-    near = [f for f in able if f.excess <= thresholds.NEAR * able[0].excess]
+    most = thresholds.NEAR * max(0.0, able[0].excess)
+    near = [f for f in able if f is able[0] or f.excess <= most]
     return near[: thresholds.BEAM if number == 1 else 1]
 
 
