@@ -13,6 +13,7 @@ from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults.against_twin.late import find_late_readings
 from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
 from brace_drake.recording_faults.against_twin.odd_runs import Maker
 from brace_drake.recording_faults.against_twin.refits import find_undone
@@ -73,7 +74,8 @@ def find_recording_faults(
     own = fit_subject_to(evaluator, subject, uses)
     if own is None:
         return []
-    found = find_few_runs(device, fit_runs, own, uses, jobs)
+    beside = device, fit_runs, own, uses, jobs
+    found = find_few_runs(*beside)
     if found:
         return found
     if own.misfit > _NOTHING and not is_right and is_lawless:
@@ -87,6 +89,9 @@ def find_recording_faults(
         return found or find_other_subjects(
             device, fit_runs, subject, uses, jobs
         )
+    found = [] if is_lawless else find_late_readings(*beside)
+    if found:
+        return found
     return find_validation_faults(
         device, fit_runs, validation, own.subject, uses, jobs
     )

@@ -59,15 +59,17 @@ class Refitter:
         """Mean square beyond noise, in noise variances; inf where nothing is
         left to be fitted.
         """
-        accused = list(self.accused)
-        if suspect is not None:
-            for i, prepared in enumerate(accused):
-                run = suspect.hypothesis.undone(prepared.run)
-                if not is_usable(run):
-                    return np.inf
-                accused[i] = self._prepared(prepared, run)
-        fit = self.fit((*self.sound, *accused))
+        accused = self.accused if suspect is None else self.undone(suspect)
+        fit = self.fit((*self.sound, *accused)) if accused else None
         return np.inf if fit is None else fit.misfit
+
+    def undone(self, suspect: Suspect) -> tuple[PreparedRun, ...]:
+        """The accused runs with a fault undone; none where nothing is left."""
+        runs = [suspect.hypothesis.undone(p.run) for p in self.accused]
+        if not all(map(is_usable, runs)):
+            return ()
+        pairs = zip(self.accused, runs, strict=True)
+        return tuple(self._prepared(p, run) for p, run in pairs)
 
     def fit(self, runs: Sequence[PreparedRun]) -> SubjectFit | None:
         """The subject of some runs; None where the twin breaks down."""
