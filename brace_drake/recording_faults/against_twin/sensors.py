@@ -35,6 +35,7 @@ from brace_drake.recording_faults.library.channels import (
     reversed_sign,
     wrong_scale,
 )
+from brace_drake.recording_faults.library.runs import contradiction
 from brace_drake.recording_faults.library.time import skewed_channel
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 from brace_drake.recording_faults.statistics import is_noise_scaled
@@ -50,6 +51,8 @@ _STANDS_OUT, _LIKE_OTHERS = 4.0, 1.5
 # Gains nearer to 1 may be the machine's.
 _GAIN = 0.2
 _DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
+# That a reading of a few runs is wrong where no fault has its name.
+_CONTRADICTION = 0.95
 # How the probability falls with the mean square that is left.
 _SHARP = 4.0
 
@@ -121,7 +124,39 @@ def find_few_runs(
     level = max(usual.values())
     bars = _Bars(_STANDS_OUT * level, _LIKE_OTHERS * level, 0.0)
     found = _read_without(device, runs, few, fit.subject, uses, jobs)
-    return list(_named(found, names, bars, len(readings)))
+    named = list(_named(found, names, bars, len(readings)))
+    return named or _contradiction(found, names, bars)
+
+
+def _contradiction(
+    readings: Sequence[Reading], names: Sequence[str], bars: _Bars
+) -> list[Finding]:
+    """Readings of a few runs that no fault with a name explains: the machine
+    follows the twin there in all else, and elsewhere in these too.
+    """
+    squares = [r.unread(names) for r in readings]
+    wrong = {n for s in squares for n, v in s.items() if v > bars.gross}
+    if not wrong:
+        return []
+    runs = tuple(
+        r.prepared.run.file
+        for r, found in zip(readings, squares, strict=True)
+        if any(v > bars.gross for v in found.values())
+    )
+    channels = tuple(n for n in names if n in wrong)
+    before = max(s[n] for s in squares for n in channels if n in s)
+    return [
+        Finding(
+            contradiction.CARD,
+            runs,
+            channels,
+            {},
+            _CONTRADICTION,
+            f"{np.sqrt(before):.3g} noise floors off the twin that all other"
+            " channels fit, and that it fits in the other runs",
+            before=before,
+        )
+    ]
 
 
 def _read_without(
