@@ -147,6 +147,10 @@ class TestBadScenarios(unittest.TestCase):
             ),
             "start: {ring3: [0, 0, 0, 1.0e+308, 0, 0]}": (
                 "start.ring3",
+                "1e+12",
+            ),
+            "start: {ring3: [0, 0, 0, 3.0, 0, 0]}": (
+                "start.ring3",
                 "a pose in reach",
             ),
             "start: {ring3: [0, 0, -0.0249, 0, 0, 0.31]}": (

@@ -150,6 +150,38 @@ class TestControlLaw(FaultCase):
         )
         self.assertAlmostEqual(found.parameters["delay_s"], 0.05, delta=0.005)
 
+    def test_a_zero_that_moved_in_a_run_without_force_is_named(self):
+        def change(columns):
+            columns[FORCE] = 0.5 + 0.02 * rng.standard_normal(
+                len(columns[FORCE])
+            )
+
+        rng = np.random.default_rng(8)
+        free = next(r for r in self.sound.runs if not r.contact)
+        bad = spoil(self.sound, change, lambda run: run.file == free.file)
+        found = self.assert_named(bad, "moved_zero", (FORCE,))
+        self.assertAlmostEqual(found.parameters["offset"], 0.5, delta=0.02)
+
+    def test_a_coarse_length_is_no_fault_where_the_ring_stands(self):
+        def change(columns):
+            columns["leg1_length_m"] = np.round(columns["leg1_length_m"], 4)
+
+        self.assertEqual(self.found(spoil(self.sound, change)), [])
+
+    def test_columns_that_no_device_declares_are_not_looked_at(self):
+        def change(columns):
+            columns["note"] = np.array(["x"] * len(columns[FORCE]))
+            columns["temp_C"] = np.full(len(columns[FORCE]), np.nan)
+
+        self.assertEqual(self.found(spoil(self.sound, change)), [])
+
+        def stick(columns):
+            change(columns)
+            columns["torso_y_m"][500:1700] = columns["torso_y_m"][500]
+
+        bad = spoil(self.sound, stick, is_push)
+        self.assert_named(bad, "stuck_channel", ("torso_y_m",))
+
     def test_a_fault_that_has_no_name_is_a_warning(self):
         noise = np.random.default_rng(3)
 
@@ -175,6 +207,19 @@ class TestTorso(FaultCase):
             spoil(self.sound, change), "wrong_scale", (name,)
         )
         self.assertAlmostEqual(found.parameters["scale"], 3.94, delta=1.0)
+
+    def test_a_marker_of_noise_alone_is_told_where_it_is_pushed(self):
+        def change(columns):
+            noise = rng.standard_normal(len(columns["torso_y_m"]))
+            columns["torso_y_m"] = 5e-5 * noise
+
+        rng = np.random.default_rng(9)
+        found = self.found(spoil(self.sound, change, lambda run: run.contact))
+        told = [f for f in found if f.channels == ("torso_y_m",)]
+        self.assertTrue(told)
+        for finding in told:
+            self.assertEqual(finding.fault.name, "contradiction")
+            self.assertIn("noise alone", finding.detail)
 
     def test_exchanged_axes_of_the_marker_are_named(self):
         a, b = "torso_x_m", "torso_y_m"

@@ -12,7 +12,7 @@ from brace_drake.recording import LoadCampaign
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.against_twin import judge_campaign
 from brace_drake.recording_faults.against_twin.readings import Reading
-from brace_drake.recording_faults.against_twin.sensors import _Bars, _named
+from brace_drake.recording_faults.against_twin.sensors import Bars, named
 from brace_drake.recording_faults.against_twin.subjects import divide
 from tests.shared_data import EXAMPLE
 
@@ -104,7 +104,9 @@ def reading_of(file, late, seed, sigma=5e-5):
         run=Run(file, True, "push", None, "fit", channels),
         used=np.array([True]),
         weights=np.full((len(y), 1), 1.0 / sigma),
-        floor=SimpleNamespace(rms=np.array([sigma])),
+        floor=SimpleNamespace(
+            rms=np.array([sigma]), density=np.array([[sigma**2]])
+        ),
     )
     return Reading(prepared, y[:, None], ("torso_y_m",))
 
@@ -131,8 +133,8 @@ def force_of(small, leak, scale, sigma=0.02):
 class TestScaledReadings(unittest.TestCase):
     def named(self, *force):
         reading = force_of(*force)
-        bars = _Bars(10.0, 3.0, 0.02)
-        return list(_named([reading], reading.names, bars, 1))
+        bars = Bars(10.0, 3.0, 0.02)
+        return list(named([reading], reading.names, bars, 1))
 
     def test_a_reading_in_another_unit_is_named_with_its_scale(self):
         (found,) = self.named(0.3, 0.0, 1000.0)
@@ -145,7 +147,9 @@ class TestScaledReadings(unittest.TestCase):
 
 class TestFewRuns(unittest.TestCase):
     def judged(self, file, edit, uses=()):
-        """Faults of a twin's campaign, the marker of one of its runs edited."""
+        """Faults of a twin's campaign, the marker of one of its runs edited
+        along the push, or that of all in all axes.
+        """
         campaign = LoadCampaign(EXAMPLE)
         device = MakeDevice(campaign)
         twin, runs = device.twin, []
@@ -154,8 +158,10 @@ class TestFewRuns(unittest.TestCase):
             rng = np.random.default_rng([5, i])
             columns = twin.simulate(twin.motion(run), subject, uses, rng).T
             made = dict(zip(twin.channels, columns, strict=True))
-            if run.file == file:
-                made["torso_y_m"] = edit(made["torso_y_m"])
+            if file is None or run.file == file:
+                for name in ("torso_x_m", "torso_y_m", "torso_z_m"):
+                    if file is None or name == "torso_y_m":
+                        made[name] = edit(made[name])
             runs.append(replace(run, channels={**run.channels, **made}))
         found, _ = judge_campaign(
             replace(campaign, runs=tuple(runs)), device, jobs=2
@@ -169,6 +175,22 @@ class TestFewRuns(unittest.TestCase):
         # Delays are tried at some sizes alone.
         self.assertAlmostEqual(found.parameters["delay_s"], 0.05, delta=0.016)
 
+    def test_a_marker_that_is_late_in_all_runs_is_named_with_its_delay(self):
+        (found,) = self.judged(None, lambda y: np.roll(y, 4))
+        self.assertEqual(found.fault.name, "skewed_channel")
+        self.assertTrue(found.of_all)
+        self.assertAlmostEqual(found.parameters["delay_s"], 0.02, delta=0.0051)
+
+    def test_a_marker_that_fits_nothing_else_in_one_run_is_told(self):
+        def swing(y):
+            time = np.arange(len(y)) / 200.0
+            return y + 3e-4 * np.sin(2.0 * np.pi * 1.3 * time)
+
+        (found,) = self.judged("push.csv", swing)
+        self.assertEqual(found.fault.name, "contradiction")
+        self.assertEqual(found.runs, ("push.csv",))
+        self.assertEqual(found.channels, ("torso_y_m",))
+
     def test_a_marker_that_was_moved_before_one_run_is_named_with_its_way(self):
         (found,) = self.judged("push.csv", lambda y: y + 3e-4)
         self.assertEqual(found.fault.name, "moved_zero")
@@ -178,9 +200,9 @@ class TestFewRuns(unittest.TestCase):
     def test_several_runs_are_named_by_file_where_others_are_sound(self):
         late = "a.csv", "b.csv"
         readings = [reading_of(file, 8, seed) for seed, file in enumerate(late)]
-        bars, names = _Bars(4.0, 1.5, 0.0), ("torso_y_m",)
+        bars, names = Bars(4.0, 1.5, 0.0), ("torso_y_m",)
         for count, is_all in ((5, False), (2, True)):
-            (found,) = _named(readings, names, bars, count)
+            (found,) = named(readings, names, bars, count)
             self.assertEqual(found.fault.name, "skewed_channel")
             self.assertEqual((found.runs, found.of_all), (late, is_all))
 

@@ -107,6 +107,8 @@ def suggest(word: object, words: Iterable[object]) -> str:
 
 def quoted(value: object, length: int = 60) -> str:
     """`value` as it would be typed, on one line and not too long."""
+    if type(value).__module__ == "numpy" and not getattr(value, "ndim", 1):
+        value = value.item()  # type: ignore[attr-defined]
     text = " ".join(repr(value).split())
     return text if len(text) <= length else text[: length - 3] + "..."
 

@@ -69,6 +69,7 @@ class PolicyFile:
         if found.shape != shape:
             sizes = " x ".join(map(str, shape)) or "one"
             self.fail(f"the shape of {name}", found.shape, f"{sizes} numbers")
+        found = found.astype(float)
         # Written so that NaN fails.
         wrong = ~((low <= found) & (found <= high))
         if wrong.any():

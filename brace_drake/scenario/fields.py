@@ -17,6 +17,8 @@ import numpy as np
 
 from brace_drake.core.errors import ScenarioError, quoted, suggest
 
+# Any number of a file, SI; laws overflow beyond.
+_MOST = 1e12
 _KINDS = {bool: "true or false", int: "a whole number", str: "a word"}
 
 
@@ -135,6 +137,8 @@ def check_fields(node, source: str, at: str = "", num_rings: int = 1) -> None:
             kind = "numbers" if isinstance(value, np.ndarray) else "number"
             which = "" if limits.or_infinite else "finite "
             fail(source, path, value, which + kind)
+        if not limits.or_infinite and np.any(np.abs(value) > _MOST):
+            fail(source, path, value, f"-{_MOST:g} to {_MOST:g}")
         within = (limits.least <= value) & (value <= limits.most)
         if limits.above > -math.inf:
             within &= limits.above < value

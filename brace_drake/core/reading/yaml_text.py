@@ -101,7 +101,9 @@ def _kind(found: object) -> str:
     """Of a value, in a word."""
     if found is None:
         return "nothing"
-    return {list: "a list", str: "a text"}.get(type(found), "a value")
+    if isinstance(found, list):
+        return "a list"
+    return "a text" if isinstance(found, str) else "a value"
 
 
 def _place(mark: Any) -> str:

@@ -130,7 +130,7 @@ class EmulatedDevice:
         Raises:
             EffectError: The plant carries no more.
         """
-        self.plant.check_room(1)
+        self.plant.check_room(len(self._begins) + 1)
         self._begins = (*self._begins, use)
 
     def run(self, duration: float | None = None) -> None:

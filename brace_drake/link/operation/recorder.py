@@ -30,6 +30,7 @@ from brace_drake.link.operation.session import Session
 from brace_drake.link.operation.station import MakeControl, OpenDevice
 from brace_drake.link.protocol.limits import Limits
 from brace_drake.link.protocol.messages import BAUD
+from brace_drake.link.protocol.words import Cause
 from brace_drake.scenario.brace import BraceScenario
 
 # A recording begins at rest, as its twin does: torso and pads that were pressed
@@ -60,6 +61,10 @@ def campaign_head(
     if stages:
         head["stages"] = list(stages)
     return head
+
+
+# After these nothing is known of the device.
+_OUT_OF_TOUCH = (Cause.DISCONNECTED, Cause.STALE_DATA, Cause.LOST_MESSAGES)
 
 
 class Recorder:
@@ -156,7 +161,7 @@ class Recorder:
         finally:
             self.link.on_state = None
         if not session.done:
-            Say("stopped, the ring is released", end=True)
+            Say(f"stopped, {_whereabouts(session)}", end=True)
             raise StoppedError(
                 f"{run.entry['file']}: stopped after"
                 f" {run.rows / self.journal.head['rate_hz']:.2f} s:"
@@ -213,3 +218,10 @@ class Recorder:
             if same and item["split"] == split and item.get("complete", True):
                 return item["file"]
         return None
+
+
+def _whereabouts(session: Session) -> str:
+    """What is known of the ring after a stop."""
+    if session.trip is not None and session.trip.cause in _OUT_OF_TOUCH:
+        return "no contact with the device: its own watchdog has to release it"
+    return "the ring is released"

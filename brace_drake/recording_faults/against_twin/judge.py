@@ -13,13 +13,16 @@ from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
+from brace_drake.recording_faults.against_twin.few_runs import (
+    find_contradictions,
+    find_few_runs,
+)
 from brace_drake.recording_faults.against_twin.late import find_late_readings
 from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
 from brace_drake.recording_faults.against_twin.odd_runs import Maker
 from brace_drake.recording_faults.against_twin.refits import find_undone
 from brace_drake.recording_faults.against_twin.refitter import Refitter
 from brace_drake.recording_faults.against_twin.sensors import (
-    find_few_runs,
     find_sensor_faults,
 )
 from brace_drake.recording_faults.against_twin.subjects import (
@@ -85,9 +88,11 @@ def find_recording_faults(
             device, fit_runs, validation, own.subject, uses, jobs
         )
     if own.misfit > _NOTHING and not is_right:
-        found = find_sensor_faults(device, fit_runs, subject, uses, jobs)
-        return found or find_other_subjects(
-            device, fit_runs, subject, uses, jobs
+        start = device, fit_runs, subject, uses, jobs
+        return (
+            find_sensor_faults(*start)
+            or find_other_subjects(*start)
+            or find_contradictions(*beside)
         )
     found = [] if is_lawless else find_late_readings(*beside)
     if found:

@@ -2,8 +2,7 @@
 
 Markers, and forces across the push, enter no command. The subject is fitted
 without them; where the twin then follows all else down to its floor, it says
-what they should have read. Where a few runs alone have such a reading that
-stands out, it is left out in these.
+what they should have read.
 """
 
 from __future__ import annotations
@@ -19,7 +18,6 @@ from brace_drake.devices.declaration import Device
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.recording_faults.against_twin.misfit import (
-    SubjectFit,
     fit_subject_to,
     make_evaluator,
 )
@@ -35,7 +33,6 @@ from brace_drake.recording_faults.library.channels import (
     reversed_sign,
     wrong_scale,
 )
-from brace_drake.recording_faults.library.runs import contradiction
 from brace_drake.recording_faults.library.time import skewed_channel
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 from brace_drake.recording_faults.statistics import is_noise_scaled
@@ -45,19 +42,14 @@ NEAR = 0.5
 # A channel is looked at from this mean square on, in floors, and restored at
 # this one, or where so little of it is left.
 _GROSS, _RESTORED, _LEFT = 10.0, 3.0, 0.02
-# In a few runs a channel stands out from so many times what it is in the others
-# on, and is restored at so many times that.
-_STANDS_OUT, _LIKE_OTHERS = 4.0, 1.5
 # Gains nearer to 1 may be the machine's.
 _GAIN = 0.2
 _DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
-# That a reading of a few runs is wrong where no fault has its name.
-_CONTRADICTION = 0.95
 # How the probability falls with the mean square that is left.
 _SHARP = 4.0
 
 
-class _Bars(NamedTuple):
+class Bars(NamedTuple):
     """Mean squares of a channel, in floors, beyond which it is looked at, and
     below which it is restored, or where so little of it is left.
     """
@@ -86,80 +78,12 @@ def find_sensor_faults(
     names = unread_channels(device)
     if not names:
         return []
-    readings = _read_without(device, runs, runs, subject, uses, jobs)
-    bars = _Bars(_GROSS, _RESTORED, _LEFT)
-    return list(_named(readings, names, bars, len(readings)))
+    readings = read_without(device, runs, runs, subject, uses, jobs)
+    bars = Bars(_GROSS, _RESTORED, _LEFT)
+    return list(named(readings, names, bars, len(readings)))
 
 
-def find_few_runs(
-    device: Device,
-    runs: Sequence[PreparedRun],
-    fit: SubjectFit,
-    uses: Sequence[Use],
-    jobs,
-) -> list[Finding]:
-    """Faults that readings have in a few of the runs.
-
-    Args:
-        device, runs, uses, jobs: As of `find_sensor_faults`.
-        fit: Of the subject to all readings of all runs.
-    """
-    names = unread_channels(device)
-    if not names:
-        return []
-    readings = read_runs(device, fit.evaluator, runs, fit.subject, uses)
-    squares = [r.unread(names) for r in readings]
-    usual = {
-        n: max(1.0, float(np.median([s[n] for s in squares if n in s])))
-        for n in names
-        if any(n in s for s in squares)
-    }
-    few = [
-        r.prepared
-        for r, found in zip(readings, squares, strict=True)
-        if any(v > _STANDS_OUT * usual[n] for n, v in found.items())
-    ]
-    if not few or 2 * len(few) >= len(readings):
-        return []
-    level = max(usual.values())
-    bars = _Bars(_STANDS_OUT * level, _LIKE_OTHERS * level, 0.0)
-    found = _read_without(device, runs, few, fit.subject, uses, jobs)
-    named = list(_named(found, names, bars, len(readings)))
-    return named or _contradiction(found, names, bars)
-
-
-def _contradiction(
-    readings: Sequence[Reading], names: Sequence[str], bars: _Bars
-) -> list[Finding]:
-    """Readings of a few runs that no fault with a name explains: the machine
-    follows the twin there in all else, and elsewhere in these too.
-    """
-    squares = [r.unread(names) for r in readings]
-    wrong = {n for s in squares for n, v in s.items() if v > bars.gross}
-    if not wrong:
-        return []
-    runs = tuple(
-        r.prepared.run.file
-        for r, found in zip(readings, squares, strict=True)
-        if any(v > bars.gross for v in found.values())
-    )
-    channels = tuple(n for n in names if n in wrong)
-    before = max(s[n] for s in squares for n in channels if n in s)
-    return [
-        Finding(
-            contradiction.CARD,
-            runs,
-            channels,
-            {},
-            _CONTRADICTION,
-            f"{np.sqrt(before):.3g} noise floors off the twin that all other"
-            " channels fit, and that it fits in the other runs",
-            before=before,
-        )
-    ]
-
-
-def _read_without(
+def read_without(
     device: Device,
     runs: Sequence[PreparedRun],
     some: Sequence[PreparedRun],
@@ -183,10 +107,10 @@ def _read_without(
     return read_runs(device, evaluator, some, fit.subject, uses)
 
 
-def _named(
+def named(
     readings: Sequence[Reading],
     names: Sequence[str],
-    bars: _Bars,
+    bars: Bars,
     count: int,
 ) -> Iterator[Finding]:
     """What explains the runs whose readings are grossly off, together; of so

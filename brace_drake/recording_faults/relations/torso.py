@@ -21,6 +21,7 @@ from brace_drake.recording_faults.library.channels import (
     reversed_sign,
     wrong_scale,
 )
+from brace_drake.recording_faults.library.runs import contradiction
 
 # Share of the force that the law explains where it is believed, and room that
 # effects of torso and force reading take beside the limits of subjects.
@@ -68,9 +69,10 @@ def find_torso_faults(device: Device, runs: Sequence[Run]) -> list[Finding]:
             )
             for run, _ in shown
         ]
+    still = [_still(r, law) for r, a in shown if np.isinf(a.stiffness)]
     known = [(r, a) for r, a in shown if a.explained > _EXPLAINED]
-    if not known:
-        return []
+    if still or not known:
+        return still
     middle = float(np.sqrt(law.lower * law.upper))
     scale = float(np.median([middle / a.stiffness for _, a in known]))
     return [_scaled(run, law, scale, answer) for run, answer in known]
@@ -139,6 +141,21 @@ def _other_axis(run: Run, law: TorsoLaw, rate: float) -> str | None:
             ):
                 return name
     return None
+
+
+def _still(run: Run, law: TorsoLaw) -> Finding:
+    """A marker that shows noise alone: lost, or on a torso that is held."""
+    change = float(np.ptp(run.channels[law.force]))
+    return Finding(
+        contradiction.CARD,
+        (run.file,),
+        (law.marker,),
+        {},
+        0.8,
+        f"it shows noise alone while {law.force} changes by {change:.3g} N, and"
+        f" subjects have at most {law.upper:.3g} N/m",
+        severity="warning",
+    )
 
 
 def _scaled(run: Run, law: TorsoLaw, scale: float, answer: Answer) -> Finding:
