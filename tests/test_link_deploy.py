@@ -17,6 +17,7 @@ from brace_drake.core.errors import (
     StoppedError,
 )
 from brace_drake.devices.motions.library import MakeMotion
+from brace_drake.laws.plug_in import MAX_EFFECTS
 from brace_drake.link.operation.campaign import (
     STANDARD_PLAN,
     LoadPlan,
@@ -228,6 +229,17 @@ class TestEmulatorsWords(unittest.TestCase):
                 with self.assertRaises(LinkError) as caught:
                     carry_out(device, line)
                 self.assertNotIn("\n", str(caught.exception))
+
+    def test_more_effects_at_once_than_a_plant_carries_are_refused(self):
+        def before_any_begins(device):
+            for number in range(1, MAX_EFFECTS + 1):
+                carry_out(device, f"effect force_bias:force_bias_N=0.{number}")
+            with self.assertRaisesRegex(LinkError, f"most {MAX_EFFECTS}"):
+                carry_out(device, "effect force_bias:force_bias_N=0.9")
+
+        with emulated(before_any_begins) as device:
+            with self.assertRaises(LinkError):
+                carry_out(device, "effect force_bias:force_bias_N=0.9")
 
 
 class TestPlan(unittest.TestCase):

@@ -14,6 +14,7 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import decide
 from brace_drake.selection.ranking import prior_cost, rank
+from brace_drake.selection.search.search import beam_of
 from brace_drake.selection.search.shortlist import rivals
 from tests.known_fits import COUNT, fit_of
 
@@ -31,6 +32,14 @@ def needing(fit, deviations):
     rest = known.whiten(-FAR * deviations * basis[:, 0])
     solution = replace(fit.solution, residual=rest)
     return replace(fit, tolerances=known, solution=solution)
+
+
+class TestSearch(unittest.TestCase):
+    def test_a_set_that_leaves_less_than_noise_is_built_upon(self):
+        criterion = Criterion(fit_of("", 50.0), COUNT)
+        below = fit_of("clearance", -0.015)
+        others = [fit_of("force_gain", 3.0), fit_of("anchor_error", 9.0)]
+        self.assertEqual(beam_of(criterion, [*others, below], 1), [below])
 
 
 class TestRanking(unittest.TestCase):

@@ -85,7 +85,7 @@ def search_causes(
         is_whole = criterion.stretch(least) <= thresholds.WITHIN
         if after > worth or (is_shorter and is_whole):
             break
-        beam = _beam(criterion, known, number)
+        beam = beam_of(criterion, known, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]
     # Effects of dozens of parameters are dear, and cover what others do: they
     # are tried where those leave something.
@@ -104,7 +104,7 @@ def search_causes(
     return known
 
 
-def _beam(
+def beam_of(
     criterion: Criterion, known: Sequence[CandidateFit], number: int
 ) -> list[CandidateFit]:
     """The sets that leave least, of which larger ones are made; none of effects
