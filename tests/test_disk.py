@@ -121,6 +121,14 @@ class Folder(unittest.TestCase):
 
 
 class TestFullDisk(Folder):
+    def test_a_command_that_is_refused_leaves_no_folder(self):
+        out = self.folder / "new" / "results"
+        status, said = self.run_main(
+            "diagnose", EXAMPLE, "--scenario", "none.yaml", "--out", out
+        )
+        self.assertEqual(status, 2, said)
+        self.assertEqual(self.names(), [])
+
     def test_no_pipe_and_no_link_gives_its_place_to_a_result(self):
         pipe, link = self.folder / "pipe", self.folder / "link"
         os.mkfifo(pipe)
@@ -160,7 +168,7 @@ class TestFullDisk(Folder):
             status, said = self.run_main("predict", policy_path(), "--out", out)
         self.assertEqual(status, 2)
         self.assertRegex(said, r"^brace-drake: .*prediction.json.*\n$")
-        self.assertEqual(list(out.iterdir()), [])
+        self.assertFalse(out.exists())
 
     @unittest.skipUnless(Path("/dev/full").exists(), "no /dev/full")
     def test_a_full_disk_behind_standard_output_is_one_line(self):

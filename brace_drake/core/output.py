@@ -14,6 +14,8 @@ from brace_drake.core.errors import OutputError
 
 # Folders that this process holds, by their place on the disk.
 _held: dict[tuple[int, int], int] = {}
+# Folders that it has made, parents first.
+_made: list[Path] = []
 
 
 def MakeFolder(path: Path) -> Path:
@@ -24,8 +26,10 @@ def MakeFolder(path: Path) -> Path:
     """
     path = Path(path)
     probe = path / f".{uuid.uuid4().hex}"
+    missing = [p for p in (path, *path.parents) if not p.exists()]
     try:
         path.mkdir(parents=True, exist_ok=True)
+        _made.extend(reversed(missing))
         probe.touch()
         probe.unlink()
     except OSError as error:
@@ -74,9 +78,12 @@ def ReleaseFolder(path: Path) -> None:
 
 
 def ReleaseFolders() -> None:
-    """Ends all holds of this process."""
+    """Ends all holds of this process; what it made and left empty goes."""
     while _held:
         os.close(_held.popitem()[1])
+    while _made:
+        with contextlib.suppress(OSError):
+            _made.pop().rmdir()
 
 
 def WriteText(path: Path, text: str) -> None:

@@ -137,13 +137,13 @@ def check_fields(node, source: str, at: str = "", num_rings: int = 1) -> None:
             kind = "numbers" if isinstance(value, np.ndarray) else "number"
             which = "" if limits.or_infinite else "finite "
             fail(source, path, value, which + kind)
-        if not limits.or_infinite and np.any(np.abs(value) > _MOST):
-            fail(source, path, value, f"-{_MOST:g} to {_MOST:g}")
         within = (limits.least <= value) & (value <= limits.most)
         if limits.above > -math.inf:
             within &= limits.above < value
         if not np.all(within):
             fail(source, path, value, limits.in_words)
+        if not limits.or_infinite and np.any(np.abs(value) > _MOST):
+            fail(source, path, value, f"-{_MOST:g} to {_MOST:g}")
 
 
 def merge(node, data, source: str, at: str = "") -> None:
