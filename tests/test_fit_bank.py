@@ -3,7 +3,7 @@
 import unittest
 from collections import Counter
 
-from tools.fit_bank import BANK, read_bank
+from tools.fit_bank import BANK, TOLERANCES, read_bank
 from tools.score_criterion import score
 
 
@@ -22,6 +22,13 @@ class TestFitBank(unittest.TestCase):
         # In sample: it shows a change of behaviour, not how good that is.
         self.assertGreaterEqual(found.right.total(), 92)
         self.assertGreaterEqual(found.clean.total(), 101)
+        self.assertEqual(found.right["none"], found.number["none"])
+
+    def test_a_blind_set_within_tolerances_is_decided_as_it_was(self):
+        found = score(TOLERANCES)
+        self.assertEqual(found.number.total(), 60)
+        self.assertGreaterEqual(found.right.total(), 51)
+        self.assertGreaterEqual(found.clean.total(), 57)
         self.assertEqual(found.right["none"], found.number["none"])
 
 

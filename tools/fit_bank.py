@@ -12,9 +12,10 @@ withheld answer` writes them: a blind set is answered and banked in one go.
 `pack` puts them into one file, with the truth. tools/score_criterion.py decides
 all of them anew, in seconds, and counts which verdicts are right.
 
-The bank that comes with the source, tests/data/fit_bank.npz, is of machines
-that are exactly as their scenario says: nothing is within tolerances there, no
+Two banks come with the source, in tests/data. fit_bank.npz is of machines that
+are exactly as their scenario says: nothing is within tolerances there, no
 tolerance is stretched, and the level is that of the noise.
+fit_bank_tolerances.npz is of a blind set of machines off within tolerances.
 """
 
 from __future__ import annotations
@@ -39,7 +40,10 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.tolerated import is_within
 from brace_drake.withheld.answer import SECONDS
 
-BANK = Path(__file__).resolve().parents[1] / "tests/data/fit_bank.npz"
+_DATA = Path(__file__).resolve().parents[1] / "tests/data"
+BANK, TOLERANCES = (
+    _DATA / f"{name}.npz" for name in ("fit_bank", "fit_bank_tolerances")
+)
 FORMAT = "brace-fit-bank/1"
 
 
@@ -141,6 +145,7 @@ def read_bank(path: Path) -> Iterator[tuple[dict, Criterion, list[StoredFit]]]:
             record["recorded"],
             record.get("level", thresholds.LEVEL),
             record.get("chance", 0.0),
+            is_last=True,
         )
         yield record, criterion.over([nominal, *fits]), fits
 
