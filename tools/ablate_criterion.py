@@ -10,6 +10,7 @@ answered blind: no number of the criterion was chosen on it.
 
 from __future__ import annotations
 
+import argparse
 import math
 import sys
 from collections.abc import Iterator
@@ -74,6 +75,7 @@ def ablations() -> Iterator[tuple[str, tuple]]:
 
 def main() -> None:
     """Prints the table."""
+    argparse.ArgumentParser(description=__doc__.split("\n")[0]).parse_args()
     print(f"{'':48}" + "".join(f"{name:>22}" for name in BANKS))
     for name, changes in ablations():
         row = f"{name:48}"
