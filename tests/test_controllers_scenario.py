@@ -97,7 +97,8 @@ class TestLoad(unittest.TestCase):
             ),
             f"inner: {{kd: {six}}}": ("inner.kd", "stable loop", "1000 Hz"),
             "inner: {kd: [0, 0, 0, 0, 0, 0]}": ("inner.kd", "stable loop"),
-            "inner: {kd: [9e307, 9, 9, 9, 9, 9]}": ("inner.kd", "stable loop"),
+            "inner: {kd: [9e11, 9, 9, 9, 9, 9]}": ("inner.kd", "stable loop"),
+            "inner: {kd: [9e307, 9, 9, 9, 9, 9]}": ("inner.kd", "1e+12"),
             "{tag: pid, pid: {ki: [9e6, 9e6, 9e6, 9e6, 9e6, 9e6]}}": (
                 "pid.kd", "stable",
             ),

@@ -19,10 +19,15 @@ print("here", flush=True)
 sys.exit(main())
 """
 
+HEARD = (
+    signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT,
+    signal.SIGXCPU, signal.SIGUSR1, signal.SIGUSR2,
+)  # fmt: skip
+
 
 def hear():
     """Lets a child hear signals that whoever started the tests ignores."""
-    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+    for number in HEARD:
         signal.signal(number, signal.SIG_DFL)
 
 
@@ -75,10 +80,7 @@ class TestInterrupts(unittest.TestCase):
             "        print('in order', file=sys.stderr)\n"
             "command._Run = deaf\n",
         )
-        for number in (
-            signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT,
-            signal.SIGXCPU, signal.SIGUSR1, signal.SIGUSR2,
-        ):  # fmt: skip
+        for number in HEARD:
             errors, status = self.stop((), 0.1, start=swallow, number=number)
             self.assertEqual(status, 130)
             self.assertEqual(errors, "in order\nbrace-drake: stopped\n")

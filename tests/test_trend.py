@@ -649,7 +649,7 @@ class TestCommand(unittest.TestCase):
         )
         with broken, self.assertRaises(ValueError):
             run_command(*self.words, "--out", out)
-        self.assertEqual(list(out.iterdir()), [])
+        self.assertFalse(out.exists())
 
     def test_what_is_wrong_is_one_line_and_status_2(self):
         cases = (
