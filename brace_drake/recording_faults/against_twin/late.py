@@ -20,10 +20,9 @@ from brace_drake.recording_faults.against_twin.readings import (
     unread_channels,
 )
 from brace_drake.recording_faults.against_twin.refitter import Refitter
-from brace_drake.recording_faults.against_twin.undone import OTHER, Suspect
+from brace_drake.recording_faults.against_twin.undone import late
 from brace_drake.recording_faults.finding import MOST_PROBABLE, Finding
 from brace_drake.recording_faults.library.time import skewed_channel
-from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 
 # Mean square, in floors, from which on a reading is looked at.
 _STANDS_OUT = 1.2
@@ -49,11 +48,13 @@ def find_late_readings(
         uses: Effects that are there, held.
         jobs: As of `Evaluator`.
     """
-    names = unread_channels(device)
-    group = tuple(n for n in names if n.startswith("torso_"))
     contact = [p for p in runs if p.run.contact]
     recorded = set.intersection(*(set(p.run.channels) for p in contact or runs))
-    group = tuple(n for n in group if n in recorded)
+    group = tuple(
+        n
+        for n in unread_channels(device)
+        if n.startswith("torso_") and n in recorded
+    )
     if not (group and contact):
         return []
 
@@ -70,10 +71,10 @@ def find_late_readings(
         return []
     refitter = Refitter(device, (), runs, fit.subject, uses, jobs)
     h = float(np.median(np.diff(contact[0].run.time_s)))
-    place, least = _best_delay(refitter, group, h)
-    if place == 0 or not least < refitter.misfit():
+    place = _best_delay(refitter, group, h)
+    if place == 0:
         return []
-    suspect = _late(group, place, h)
+    suspect = late(group, place, h)
     undone = refitter.undone(suspect)
     again = refitter.fit(undone)
     if again is None:
@@ -98,19 +99,14 @@ def find_late_readings(
     ]
 
 
-def _late(group: tuple[str, ...], samples: int, period: float) -> Suspect:
-    values = {"delay_s": samples * period}
-    return Suspect(Hypothesis(skewed_channel.CARD, group, values), OTHER)
-
-
 def _best_delay(
     refitter: Refitter, group: tuple[str, ...], period: float
-) -> tuple[int, float]:
-    """The delay in samples that leaves least, and what; 0: none."""
+) -> int:
+    """The delay in samples that leaves least; 0: none."""
 
     def left(place: int) -> float:
         if place not in found:
-            found[place] = refitter.misfit(_late(group, place, period))
+            found[place] = refitter.misfit(late(group, place, period))
         return found[place]
 
     found = {0: refitter.misfit()}
@@ -124,5 +120,4 @@ def _best_delay(
         left(best + step)
         if min(found, key=found.__getitem__) == best:
             step //= 2
-    best = min(found, key=found.__getitem__)
-    return best, found[best]
+    return min(found, key=found.__getitem__)

@@ -225,7 +225,7 @@ def _finer(
     place = round(h.parameters["delay_s"] / period)
     best, step = (misfit, suspect), max(1, abs(place) // 4)
     while step:
-        near = [late(h.channels[0], place + s, period) for s in (-step, step)]
+        near = [late(h.channels, place + s, period) for s in (-step, step)]
         found = [best, *((refitter.misfit(s), s) for s in near)]
         better = min(found, key=lambda t: t[0])
         if better is best:

@@ -52,7 +52,7 @@ def of_time(runs: Sequence[Run], names: Sequence[str]) -> Iterator[Suspect]:
     h = float(np.median(np.diff(runs[0].time_s)))
     for name in names:
         for d, sign in itertools.product(_DELAYS, (1, -1)):
-            yield late(name, sign * d, h)
+            yield late((name,), sign * d, h)
     yield Suspect(Hypothesis(reversed_run.CARD, (), {}), OTHER)
     lost = _lost(runs)
     if lost is not None:
@@ -95,10 +95,10 @@ def of_channels(
                 yield _scaled(name, size, OTHER * less)
 
 
-def late(name: str, samples: int, period: float) -> Suspect:
-    """A channel that is written late by some samples."""
+def late(channels: tuple[str, ...], samples: int, period: float) -> Suspect:
+    """Channels that are written late by some samples."""
     values = {"delay_s": samples * period}
-    return Suspect(Hypothesis(skewed_channel.CARD, (name,), values), OTHER)
+    return Suspect(Hypothesis(skewed_channel.CARD, channels, values), OTHER)
 
 
 def _scaled(name: str, scale: float, weight: float) -> Suspect:
