@@ -7,6 +7,7 @@ read.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,48 +35,46 @@ _STANDS_OUT, _LIKE_OTHERS = 4.0, 1.5
 _CONTRADICTION = 0.95
 
 
+class FewRuns(NamedTuple):
+    """Runs in which a reading stands out, beside the twin that all else fits.
+
+    Attributes:
+        readings: Of these runs; none where no few stand out.
+        names: Of unread channels.
+        bars: Beyond which a reading stands out.
+        count: Of all runs.
+    """
+
+    readings: list[Reading]
+    names: tuple[str, ...]
+    bars: Bars
+    count: int
+
+    def faults(self) -> list[Finding]:
+        """The fault that explains them."""
+        return list(named(self.readings, self.names, self.bars, self.count))
+
+    def contradictions(self) -> list[Finding]:
+        """That no fault with a name explains them."""
+        return _contradiction(self.readings, self.names, self.bars)
+
+
 def find_few_runs(
     device: Device,
     runs: Sequence[PreparedRun],
     fit: SubjectFit,
     uses: Sequence[Use],
     jobs,
-) -> list[Finding]:
-    """Faults that readings have in a few of the runs.
+) -> FewRuns:
+    """Runs in which a reading stands out from what it is in the others.
 
     Args:
         device, runs, uses, jobs: As of `find_sensor_faults`.
         fit: Of the subject to all readings of all runs.
     """
-    found, bars = _few(device, runs, fit, uses, jobs)
-    return list(named(found, unread_channels(device), bars, len(runs)))
-
-
-def find_contradictions(
-    device: Device,
-    runs: Sequence[PreparedRun],
-    fit: SubjectFit,
-    uses: Sequence[Use],
-    jobs,
-) -> list[Finding]:
-    """Readings of a few runs that no fault with a name explains; arguments as
-    of `find_few_runs`.
-    """
-    found, bars = _few(device, runs, fit, uses, jobs)
-    return _contradiction(found, unread_channels(device), bars)
-
-
-def _few(
-    device: Device,
-    runs: Sequence[PreparedRun],
-    fit: SubjectFit,
-    uses: Sequence[Use],
-    jobs,
-) -> tuple[list[Reading], Bars]:
-    """Runs in which a reading stands out from what it is in the others, beside
-    the twin that all else fits; none where these are not few.
-    """
     names = unread_channels(device)
+    if not names:
+        return FewRuns([], (), Bars(_STANDS_OUT, _LIKE_OTHERS, 0.0), len(runs))
     readings = read_runs(device, fit.evaluator, runs, fit.subject, uses)
     squares = [r.unread(names) for r in readings]
     usual = {
@@ -91,8 +90,9 @@ def _few(
         if any(v > _STANDS_OUT * usual[n] for n, v in found.items())
     ]
     if not few or 2 * len(few) >= len(readings):
-        return [], bars
-    return read_without(device, runs, few, fit.subject, uses, jobs), bars
+        return FewRuns([], names, bars, len(runs))
+    found = read_without(device, runs, few, fit.subject, uses, jobs)
+    return FewRuns(found, names, bars, len(runs))
 
 
 def _contradiction(

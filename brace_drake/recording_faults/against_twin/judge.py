@@ -13,10 +13,7 @@ from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.recording.recording import Campaign
-from brace_drake.recording_faults.against_twin.few_runs import (
-    find_contradictions,
-    find_few_runs,
-)
+from brace_drake.recording_faults.against_twin.few_runs import find_few_runs
 from brace_drake.recording_faults.against_twin.late import find_late_readings
 from brace_drake.recording_faults.against_twin.misfit import fit_subject_to
 from brace_drake.recording_faults.against_twin.odd_runs import Maker
@@ -78,7 +75,8 @@ def find_recording_faults(
     if own is None:
         return []
     beside = device, fit_runs, own, uses, jobs
-    found = find_few_runs(*beside)
+    few = find_few_runs(*beside)
+    found = few.faults()
     if found:
         return found
     if own.misfit > _NOTHING and not is_right and is_lawless:
@@ -92,7 +90,7 @@ def find_recording_faults(
         return (
             find_sensor_faults(*start)
             or find_other_subjects(*start)
-            or find_contradictions(*beside)
+            or few.contradictions()
         )
     found = [] if is_lawless else find_late_readings(*beside)
     if found:
