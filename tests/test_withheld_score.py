@@ -239,6 +239,17 @@ class TestScore(WithFiles):
         self.assertEqual(label(verdict(["b", "a"])), "a+b")
         self.assertEqual(label(verdict(["b"], outside=True)), "b+outside")
 
+    def test_a_recording_that_is_blamed_wrongly_is_no_right_answer(self):
+        faulty = [{"fault": "wrong_scale", "probability": 0.99}]
+        said = verdict(p=0.99) | {"gap": True, "recording": faulty}
+        for kind in ("none", "single", "outside"):
+            effects = [] if kind == "none" else ["reflex"]
+            judged = Judged("a", truth(kind, effects, []), said)
+            self.assertEqual(judged.given, "recording")
+            self.assertFalse(judged.right)
+            self.assertTrue(judged.errs_surely)
+            self.assertEqual(judged.answers, [])
+
     def test_what_is_partly_explained_is_right_for_neither(self):
         told = verdict(["reflex"], ["torso"], outside=True, rivals=["posture"])
         for kind, effects in (("single", ["reflex"]), ("outside", ["tremor"])):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-OUTSIDE, UNNAMED = "outside", "unnamed"
+OUTSIDE, UNNAMED, RECORDING = "outside", "unnamed", "recording"
 # A wrong name with a higher probability is a serious error.
 _SURE = 0.8
 
@@ -13,10 +13,13 @@ _SURE = 0.8
 def label(verdict: dict | None) -> str:
     """A verdict in a word: none, failed, or the effects named joined by +, with
     outside as the last of them where something is left that the library has
-    not; unnamed where a method names no effects.
+    not; unnamed where a method names no effects; recording where the recording
+    is at fault, not the machine.
     """
     if verdict is None:
         return "failed"
+    if verdict.get("recording"):
+        return RECORDING
     if not verdict["gap"]:
         return "none"
     if verdict["effects"] is None:
@@ -87,9 +90,12 @@ class Judged:
 
     @property
     def errs_surely(self) -> bool:
-        """Whether an effect is named that is not there, and held probable."""
+        """Whether an effect or a recording fault is named that is not there,
+        and held probable.
+        """
         wrong = self.named - set(self.truth["effects"])
-        return bool(wrong) and (self.probability or 0.0) > _SURE
+        errs = bool(wrong) or self.given == RECORDING
+        return errs and (self.probability or 0.0) > _SURE
 
     @property
     def answers(self) -> list[str]:
@@ -99,6 +105,7 @@ class Judged:
             "none",
             OUTSIDE,
             UNNAMED,
+            RECORDING,
             "failed",
         ):
             return []
