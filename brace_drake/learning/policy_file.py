@@ -13,12 +13,11 @@ from brace_drake.core.errors import (
     ScenarioError,
 )
 from brace_drake.core.errors import quoted as quote
-from brace_drake.core.reading import parse_yaml
+from brace_drake.core.reading import HUGE, parse_yaml
 from brace_drake.core.reading.arrays import ReadArrays
 from brace_drake.learning.actions import SCALES, ActionLaw
 from brace_drake.learning.signals import observation_size
 from brace_drake.learning.task import LearningTask, check_numbers
-from brace_drake.recording.fields import HUGE
 from brace_drake.scenario.fields import merge
 
 FORMAT = 1

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from brace_drake.core.errors import closest
+from brace_drake.core.reading import HUGE
 from brace_drake.recording.ways import AXIS_WAYS
 
 # Longest first, so that "m_s2" is not taken for "s2" after "m".
@@ -206,7 +207,7 @@ _PAD_BENCH = (
     Channel("force_N", -1e3, 1e3),
 )
 # An axis is as large as it is: only what is no number at all is refused.
-_ANY = {"low": -1e12, "high": 1e12, "required": False, "is_optional": True}
+_ANY = {"low": -HUGE, "high": HUGE, "required": False, "is_optional": True}
 _AXIS = (
     _TIME,
     Channel("position_m", is_way=True, **_ANY),
@@ -276,6 +277,6 @@ def port_channels(
         commands: Those of them that go in.
     """
     sent = set(commands)
-    kind = {"low": -1e12, "high": 1e12, "constant": "always"}
+    kind = {"low": -HUGE, "high": HUGE, "constant": "always"}
     own = {n: Channel(n, is_input=n in sent, **kind) for n in columns}
     return {_TIME.name: _TIME, **own}

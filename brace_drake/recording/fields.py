@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import Any, NamedTuple
 
 from brace_drake.core.errors import is_plain
+from brace_drake.core.reading import HUGE
 
 
 class Field(NamedTuple):
@@ -40,8 +41,6 @@ def number_from(low: float, high: float, required: bool = True) -> Field:
     )
 
 
-# Far beyond any quantity of a bench in SI units, and far from overflow.
-HUGE = 1e12
 POSITIVE = number_from(1 / HUGE, HUGE)
 NOT_NEGATIVE = number_from(0.0, HUGE)
 RATE = number_from(1e-3, 1e6)

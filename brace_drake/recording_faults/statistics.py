@@ -54,11 +54,18 @@ def robust_deviation(values: np.ndarray) -> float:
     return float(_MAD * np.median(np.abs(values)))
 
 
+def noise_deviation(values: np.ndarray) -> float:
+    """Standard deviation of what changes from sample to sample by itself, of
+    white noise times the root of `LOCAL_VARIANCE`.
+    """
+    return robust_deviation(local_error(values))
+
+
 def has_signal(values: np.ndarray) -> bool:
     """Whether a reading scatters more than what changes from sample to sample
     does by itself.
     """
-    noise = robust_deviation(local_error(values)) / np.sqrt(LOCAL_VARIANCE)
+    noise = noise_deviation(values) / np.sqrt(LOCAL_VARIANCE)
     return bool(np.std(values) > _SIGNAL * noise)
 
 

@@ -16,9 +16,8 @@ from typing import NoReturn
 import numpy as np
 
 from brace_drake.core.errors import ScenarioError, quoted, suggest
+from brace_drake.core.reading import HUGE
 
-# Any number of a file, SI; laws overflow beyond.
-_MOST = 1e12
 _KINDS = {bool: "true or false", int: "a whole number", str: "a word"}
 
 
@@ -142,8 +141,8 @@ def check_fields(node, source: str, at: str = "", num_rings: int = 1) -> None:
             within &= limits.above < value
         if not np.all(within):
             fail(source, path, value, limits.in_words)
-        if not limits.or_infinite and np.any(np.abs(value) > _MOST):
-            fail(source, path, value, f"-{_MOST:g} to {_MOST:g}")
+        if not limits.or_infinite and np.any(np.abs(value) > HUGE):
+            fail(source, path, value, f"-{HUGE:g} to {HUGE:g}")
 
 
 def merge(node, data, source: str, at: str = "") -> None:

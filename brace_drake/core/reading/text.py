@@ -1,6 +1,9 @@
-"""Bytes as text."""
+"""Bytes as text, and how large numbers in a text may be."""
 
 from brace_drake.core.errors import ReadError
+
+# Far beyond any quantity in SI units, and far from where laws overflow.
+HUGE = 1e12
 
 
 def decode(data: bytes) -> str:

@@ -36,6 +36,8 @@ from brace_drake.scenario.brace import BraceScenario
 # A recording begins at rest, as its twin does: torso and pads that were pressed
 # before need so long to come to rest, s.
 SETTLE = 4.0
+# After these nothing is known of the device.
+_OUT_OF_TOUCH = (Cause.DISCONNECTED, Cause.STALE_DATA, Cause.LOST_MESSAGES)
 
 
 def campaign_head(
@@ -61,10 +63,6 @@ def campaign_head(
     if stages:
         head["stages"] = list(stages)
     return head
-
-
-# After these nothing is known of the device.
-_OUT_OF_TOUCH = (Cause.DISCONNECTED, Cause.STALE_DATA, Cause.LOST_MESSAGES)
 
 
 class Recorder:

@@ -31,8 +31,7 @@ from brace_drake.recording_faults.channels import (
 )
 from brace_drake.recording_faults.statistics import (
     largest_mean_square,
-    local_error,
-    robust_deviation,
+    noise_deviation,
 )
 
 # Part of an output's own scatter that the law may be off: readings between
@@ -151,7 +150,7 @@ class LawChecker:
             columns = run.stack(names)
             steps = written_quantum(columns, np.zeros(len(names)))
             for name, step, x in zip(names, steps, columns.T, strict=True):
-                noise = robust_deviation(local_error(x))
+                noise = noise_deviation(x)
                 coarse |= {name} if step > noise else set()
         return np.array(
             [_ROUNDED if coarse & set(n) else 1.0 for n in self.law.by_output]
@@ -188,7 +187,7 @@ class LawChecker:
 def _noise_variance(runs: Sequence[Run], name: str) -> float:
     """Median over runs of the variance of a channel's noise; 0 without."""
     columns = [r.channels[name] for r in runs if name in r.channels]
-    found = [robust_deviation(local_error(x)) ** 2 for x in columns]
+    found = [noise_deviation(x) ** 2 for x in columns]
     return float(np.median(found)) if found else 0.0
 
 

@@ -16,8 +16,7 @@ from brace_drake.recording_faults.channels import (
 )
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
-    local_error,
-    robust_deviation,
+    noise_deviation,
     stretches,
 )
 
@@ -94,7 +93,7 @@ def _share_at_top(
     if at_top < _LEAST:
         return None
     step = quantum_of(values)
-    noise = robust_deviation(local_error(values))
+    noise = noise_deviation(values)
     if _rests_beside(values, top):
         return None
     band = _BAND * max(noise, step) + step
@@ -109,7 +108,7 @@ def _share_at_top(
 def _has_noise(values: np.ndarray) -> bool:
     """Whether a reading that stands still would not repeat itself."""
     step = quantum_of(values)
-    return 0.0 < step <= robust_deviation(local_error(values))
+    return 0.0 < step <= noise_deviation(values)
 
 
 def _beside(

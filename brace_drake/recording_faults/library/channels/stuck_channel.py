@@ -18,8 +18,7 @@ from brace_drake.recording_faults.channels import (
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
     FALSE_ALARM,
-    local_error,
-    robust_deviation,
+    noise_deviation,
     stretches,
 )
 
@@ -102,9 +101,7 @@ def _is_chanceless(run, known, name, place, total) -> bool:
     if end - begin < _LEAST or _is_limit(known[name], values[begin]):
         return False
     # A reading that never repeats may move from step to step, or shake.
-    shakes = robust_deviation(local_error(outside)) > _SHAKES * quantum_of(
-        values
-    )
+    shakes = noise_deviation(outside) > _SHAKES * quantum_of(values)
     is_fine = alike < _FINE and shakes
     return is_fine or _others_move(run, known, name, begin, end)
 

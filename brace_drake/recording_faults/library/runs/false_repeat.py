@@ -15,8 +15,7 @@ from brace_drake.recording_faults.channels import noisy_channels, references
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.runs import exchanged_runs
 from brace_drake.recording_faults.statistics import (
-    local_error,
-    robust_deviation,
+    noise_deviation,
 )
 
 CARD = RecordingFault(
@@ -112,7 +111,7 @@ def _of_answer(
             continue
         x, y = run.channels[name], original.channels[name]
         rows = min(len(x), len(y))
-        noise = robust_deviation(local_error(x))
+        noise = noise_deviation(x)
         if rows and np.std(x) > _CLEAR * noise:
             off = float(np.sqrt(np.mean((x[:rows] - y[:rows]) ** 2)))
             apart.append((off / float(np.std(x)), name))

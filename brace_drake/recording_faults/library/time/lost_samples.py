@@ -11,8 +11,7 @@ from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import (
-    local_error,
-    robust_deviation,
+    noise_deviation,
 )
 
 # A jump is so many times the steps on both sides of it, which are steps where
@@ -26,7 +25,7 @@ def jumps_of(way: np.ndarray) -> np.ndarray:
     A way that moves has steps much like their neighbours. One that begins or
     ends to move has a larger one on one side; only a jump stands alone.
     """
-    shake = _SHAKE * robust_deviation(local_error(way))
+    shake = _SHAKE * noise_deviation(way)
     steps = np.abs(np.diff(way))
     beside = np.maximum(steps[:-2], steps[2:])
     rows = 1 + np.flatnonzero(steps[1:-1] > _JUMP * (beside + shake))

@@ -14,8 +14,7 @@ from brace_drake.recording_faults.channels import noisy_channels
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.time.lost_samples import jumps_of
 from brace_drake.recording_faults.statistics import (
-    local_error,
-    robust_deviation,
+    noise_deviation,
     unlikely_blocks,
 )
 
@@ -81,7 +80,7 @@ def _shakes(name: str, values: np.ndarray) -> bool:
     """Whether a sensor has noise of many steps, which does not come again."""
     if "command" in name or "virtual" in name:
         return False
-    noise = robust_deviation(local_error(values))
+    noise = noise_deviation(values)
     return noise > _MANY * quantum_of(values)
 
 
