@@ -12,6 +12,7 @@ from brace_drake.recording_faults.channels import declared
 from brace_drake.recording_faults.check import without_false_repeats
 from brace_drake.recording_faults.library.channels.outliers import outliers_of
 from brace_drake.recording_faults.library.runs.copied_run import find_copies
+from brace_drake.recording_faults.library.time.held_channel import interval_of
 from brace_drake.recording_faults.library.time.repeated_samples import (
     find_repeated,
 )
@@ -82,6 +83,25 @@ class TestSamples(unittest.TestCase):
         run = changed(self.push, ring2_force_y_N=x)
         (found,) = self.assert_named(campaign_of(run), "clipped_channel")
         self.assertEqual(found.parameters["level"], -4.0)
+
+    def test_a_marker_that_a_slow_camera_sees_is_named_with_its_interval(self):
+        # Seen at 30 Hz by a clock of its own, written down at 200 Hz.
+        seen = np.floor(np.arange(SAMPLES) * 30.0 / RATE) / 30.0 * RATE
+        x = self.push.channels["torso_y_m"][seen.astype(int)]
+        run = changed(self.push, torso_y_m=x)
+        (found,) = self.assert_named(campaign_of(run), "held_channel")
+        self.assertAlmostEqual(found.parameters["interval_s"], 1 / 30, 4)
+        straight = found.fault.undo(run.channels, found.channels, {})
+        self.assertLess(
+            np.std(straight["torso_y_m"] - self.push.channels["torso_y_m"]),
+            1.5 * 5e-5,
+        )
+
+    def test_a_coarse_reading_that_moves_evenly_is_not_held(self):
+        steps = np.round(np.linspace(0.0, 200.0, SAMPLES))
+        self.assertIsNone(interval_of(1e-4 * steps))
+        shakes = np.random.default_rng(2).normal(0.0, 0.6, SAMPLES).round()
+        self.assertIsNone(interval_of(1e-4 * shakes))
 
     def test_outliers_are_found_and_taken_out(self):
         x = self.push.channels["torso_y_m"].copy()

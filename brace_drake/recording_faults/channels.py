@@ -22,6 +22,11 @@ def is_desired(name: str) -> bool:
     return "desired" in name
 
 
+def is_computed(name: str) -> bool:
+    """Whether a channel is what the controller computes, no sensor's."""
+    return "command" in name or "virtual" in name
+
+
 def desired_channels(run: Run) -> list[str]:
     """Channels of the motion that is asked for."""
     return [n for n in run.channels if is_desired(n)]

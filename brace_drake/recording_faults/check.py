@@ -24,6 +24,7 @@ from brace_drake.recording_faults.library.runs.false_repeat import (
 from brace_drake.recording_faults.library.runs.wrong_contact import (
     find_wrong_contact,
 )
+from brace_drake.recording_faults.library.time.held_channel import find_held
 from brace_drake.recording_faults.library.time.lost_samples import find_lost
 from brace_drake.recording_faults.library.time.repeated_samples import (
     find_repeated,
@@ -142,6 +143,7 @@ def _of_samples(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
         whole, broken = _without(whole, stuck), clipped + stuck
         found += broken
         found += find_outliers(run, whole, number)
+        found += find_held(run, whole)
         found += find_repeated(run, whole)
         found += find_lost(run, whole)
         found += find_reference_faults(run)

@@ -10,7 +10,7 @@ from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
-from brace_drake.recording_faults.channels import noisy_channels
+from brace_drake.recording_faults.channels import is_computed, noisy_channels
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.time.lost_samples import jumps_of
 from brace_drake.recording_faults.statistics import (
@@ -78,7 +78,7 @@ def find_repeated(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
 
 def _shakes(name: str, values: np.ndarray) -> bool:
     """Whether a sensor has noise of many steps, which does not come again."""
-    if "command" in name or "virtual" in name:
+    if is_computed(name):
         return False
     noise = noise_deviation(values)
     return noise > _MANY * quantum_of(values)
