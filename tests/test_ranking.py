@@ -14,7 +14,7 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import decide
 from brace_drake.selection.ranking import prior_cost, rank
-from brace_drake.selection.search.search import beam_of
+from brace_drake.selection.search.sets import beam_of
 from brace_drake.selection.search.shortlist import rivals
 from tests.known_fits import COUNT, fit_of
 

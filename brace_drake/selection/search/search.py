@@ -2,7 +2,8 @@
 
 From the nominal twin, then from the best sets so far, every further effect is
 screened by a linearised replay. The best predicted ones are searched, the best
-of these fitted to their end. A set is also tried without each of its effects.
+of these fitted to their end. The best set is also led on without each of its
+effects.
 The search ends where one more improves nothing, or nothing is left (stepwise
 selection with a beam; Hastie, Tibshirani, Friedman, The Elements of Statistical
 Learning, section 3.3).
@@ -10,6 +11,7 @@ Learning, section 3.3).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from brace_drake.core.errors import BraceError
@@ -31,6 +33,12 @@ from brace_drake.selection.search.screening import (
     screen,
     search_best,
 )
+from brace_drake.selection.search.sets import (
+    beam_of,
+    ended_beside,
+    keys_of,
+    untried,
+)
 from brace_drake.selection.search.shortlist import (
     best_fits,
     improve_choices,
@@ -42,9 +50,10 @@ from brace_drake.selection.search.shortlist import (
 from brace_drake.selection.search.within import (
     refit_alone,
     refit_within,
-    search_beside,
     set_out,
+    starts_beside,
 )
+from brace_drake.selection.tolerated import left_by
 
 
 def search_causes(
@@ -104,30 +113,6 @@ def search_causes(
     return known
 
 
-def beam_of(
-    criterion: Criterion, known: Sequence[CandidateFit], number: int
-) -> list[CandidateFit]:
-    """The sets that leave least, of which larger ones are made; none of effects
-    by the dozen, and none again.
-    """
-    ended = sorted(refined(known), key=criterion.score)
-    best: dict[frozenset[str], CandidateFit] = {}
-    for fit in ended:
-        best.setdefault(_keys(fit.effects), fit)
-    able = [
-        f
-        for f in refined([*best.values()])
-        if 0 < len(criterion.findings(f)) <= number
-        and not f.is_flexible
-        and not any(_has(larger, f) for larger in ended)
-    ]
-    if not able:
-        return []
-    most = thresholds.NEAR * max(0.0, able[0].excess)
-    near = [f for f in able if f is able[0] or f.excess <= most]
-    return near[: thresholds.BEAM if number == 1 else 1]
-
-
 def _beside(
     evaluator: Evaluator,
     criterion: Criterion,
@@ -147,19 +132,27 @@ def _beside(
             return found
         lines = Linearisation(evaluator, base)
         say("friction", 0.0)
-        found += fit_friction(lines, criterion, _untried(lines, known))
+        found += fit_friction(lines, criterion, untried(lines, known))
         best = _best(criterion, base, found)
         # Friction within its tolerance stays in where it hides all else.
         is_within = criterion.named(best) == criterion.named(base)
         if is_within and best.excess < thresholds.WORTH_A_SET * base.excess:
             base = best
-        if not with_level(evaluator, criterion, best).may_pay(best):
+        if _is_end(evaluator, criterion, best):
             set_out(evaluator, base)
             return found
-        lines = Linearisation(evaluator, search_beside(evaluator, base))
-        if len(base.effects) < evaluator.room:
-            done = [*known, *found]
-            found += _forward(lines, criterion, effects, done, say)
+        if len(base.effects) == evaluator.room:
+            return found
+        most = math.inf
+        for start in starts_beside(evaluator, base):
+            lines, done = Linearisation(evaluator, start), [*known, *found]
+            found += _forward(lines, criterion, effects, done, say, most)
+            fits = [*known, *found]
+            if _is_end(evaluator, criterion, _best(criterion, base, fits)):
+                break
+            ended = ended_beside(base, fits)
+            left = (left_by(f, evaluator.count) for f in ended)
+            most = min(left, default=math.inf)
     except BraceError:
         # The twin breaks down where the search would set out.
         pass
@@ -172,6 +165,7 @@ def _forward(
     effects: Sequence[Effect],
     known: Sequence[CandidateFit],
     say: Say,
+    most: float,
 ) -> list[CandidateFit]:
     """A set with one more effect.
 
@@ -181,22 +175,25 @@ def _forward(
         effects: Those that may be added.
         known: Fits before; sets led to their end are not made again.
         say: Progress.
+        most: What a candidate that is searched is predicted to leave at most.
     """
     evaluator, base = lines.evaluator, lines.base
     more, found = others(effects, base), []
-    done = {_keys(f.effects) for f in known if f.refined}
-    fresh = [e for e in more if _keys((*base.effects, e)) not in done]
-    screened = screen(lines, fresh, say)
+    done = {keys_of(f.effects) for f in known if f.refined}
+    fresh = [e for e in more if keys_of((*base.effects, e)) not in done]
+    screened = [c for c in screen(lines, fresh, say) if c.predicted < most]
+    if not screened:
+        return []
     # Those of dozens of parameters are dear: one after the other.
     is_dear = any(e.is_flexible for e in fresh)
     for candidates in by_effect(screened) if is_dear else [screened]:
-        most = thresholds.HOPELESS_OF_MANY * lines.remaining
-        if is_dear and candidates[0].predicted > most:
+        hopeless = thresholds.HOPELESS_OF_MANY * lines.remaining
+        if is_dear and candidates[0].predicted > hopeless:
             found += best_fits(candidates)
             continue
         evaluator.tolerances = lines.whole_tolerances
         search_best(lines, candidates, say)
-        fits = [f for f in (*known, *found) if f.refined and _has(f, base)]
+        fits = ended_beside(base, [*known, *found])
         fits = [weighed_alike(evaluator, f) for f in fits]
         fits += best_fits(candidates)
         richer = search_richer(lines, fits, more)
@@ -207,27 +204,6 @@ def _forward(
         if _is_told(lines, criterion, known, found):
             break
     return found
-
-
-def _untried(
-    lines: Linearisation, known: Sequence[CandidateFit]
-) -> list[Effect]:
-    """Effects that in no form were led to their end beside a fit yet."""
-    base, mine = lines.base, _keys(lines.base.effects)
-    larger = [f for f in known if f.refined and _has(f, base)]
-    done = {e.name for f in larger for e in f.effects if e.key not in mine}
-    more = others(lines.evaluator.effects, base)
-    return [e for e in more if e.name not in done]
-
-
-def _has(fit: CandidateFit, base: CandidateFit) -> bool:
-    """Whether a fit has just one effect more than a base."""
-    is_larger = len(fit.effects) == len(base.effects) + 1
-    return is_larger and _keys(base.effects) <= _keys(fit.effects)
-
-
-def _keys(effects: Sequence[Effect]) -> frozenset[str]:
-    return frozenset(e.key for e in effects)
 
 
 def _is_told(
@@ -248,13 +224,20 @@ def _is_told(
         fit = refit_within(evaluator, found[place], criterion.nuisances)
         led = [] if fit.solution is found[place].solution else [fit]
         found[place], friction = fit, []
-        if with_level(evaluator, criterion, fit).may_pay(fit):
+        if not _is_end(evaluator, criterion, fit):
             here = Linearisation(evaluator, fit)
-            untried = _untried(here, [*known, *found])
-            friction = fit_friction(here, criterion, untried)
+            more = untried(here, [*known, *found])
+            friction = fit_friction(here, criterion, more)
         found += [*friction, *refit_alone(evaluator, [*led, *friction])]
     end = _best(criterion, base, [*known, *found])
-    return not with_level(evaluator, criterion, end).may_pay(end)
+    return _is_end(evaluator, criterion, end)
+
+
+def _is_end(
+    evaluator: Evaluator, criterion: Criterion, fit: CandidateFit
+) -> bool:
+    """Whether no effect more could better a fit's score."""
+    return not with_level(evaluator, criterion, fit).may_pay(fit)
 
 
 def _best(
@@ -269,8 +252,8 @@ def _backward(
     known: Sequence[CandidateFit],
     number: int,
 ) -> list[CandidateFit]:
-    """The best set without each of its effects, where that was not led to its
-    end before.
+    """The best set without each of its effects, led on from where it stands:
+    that may be another end than the way from the smaller set came to.
     """
     ranked = best_of_kinds(criterion, known)
     best = next(
@@ -278,7 +261,7 @@ def _backward(
     )
     if best is None:
         return []
-    done, found = {f.kinds for f in known if f.refined}, []
+    found = []
     set_out(evaluator, best)
     try:
         lines = Linearisation(evaluator, criterion.nominal)
@@ -286,7 +269,7 @@ def _backward(
         return []
     for out in criterion.findings(best):
         kept = [u for u in best.uses if u[0] is not out]
-        if {e.name for e, _ in kept} in done or not kept:
+        if not kept:
             continue
         parts, values = zip(*kept, strict=True)
         less = make_candidate(lines, parts, values, best.subject, best.spread)

@@ -9,7 +9,7 @@ go along with it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,6 +48,22 @@ def search_beside(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
     evaluator.tolerances = evaluator.tolerances.at_zero.beside_noise(noise)
     fit = replace(fit, tolerances=fit.tolerances.at_zero)
     return try_refine(evaluator, fit)
+
+
+def starts_beside(
+    evaluator: Evaluator, fit: CandidateFit
+) -> Iterator[CandidateFit]:
+    """A fit as searches set out from it, one after the other: with its
+    stretched numbers put back, and as it stands, where these stay off.
+
+    An effect that takes a part of what others are stretched for shows from
+    the first alone, one that takes what all of these leave from the second.
+    """
+    beside = search_beside(evaluator, fit)
+    yield beside
+    if beside is not fit:
+        set_out(evaluator, fit)
+        yield fit
 
 
 def refit_alone(
