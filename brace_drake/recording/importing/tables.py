@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -62,7 +63,8 @@ def LoadTable(path: str | Path, options: dict) -> Table:
         CampaignError: One line: file, and what is wrong with it.
     """
     path = Path(path)
-    is_bag = (path / _BAG).is_file()
+    # A name that no file can have is no folder either.
+    is_bag = os.path.isfile(path / _BAG)
     ending = path.suffix.lower()
     reader = _BAG_READER if is_bag else READERS.get(ending)
     if reader is None:
