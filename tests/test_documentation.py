@@ -416,6 +416,14 @@ class TestPages(unittest.TestCase):
                 with self.subTest(page=page.name, target=target):
                     self.assertTrue((page.parent / target).exists())
 
+    def test_pages_on_clusters_say_that_a_client_runs_what_is_sent(self):
+        for page, words in (
+            ("docs/guides/cluster.md", "runs what they send back"),
+            ("docs/limits.md", "unpickles, and so runs, what its scheduler"),
+        ):
+            text = " ".join((ROOT / page).read_text().split())
+            self.assertIn(words, text, page)
+
     def test_the_citation_names_this_version(self):
         cited = yaml.safe_load((ROOT / "CITATION.cff").read_text())
         for key in ("cff-version", "title", "authors", "license"):

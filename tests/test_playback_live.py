@@ -1,5 +1,6 @@
 """A run in 3D as it goes on."""
 
+import re
 import tempfile
 import unittest
 from pathlib import Path
@@ -7,6 +8,7 @@ from unittest import mock
 
 import numpy as np
 
+import brace_drake
 from brace_drake.core.resources import scenario_path
 from brace_drake.devices.motions.reference import COLUMNS
 from brace_drake.model.simulate import RecordBrace
@@ -109,3 +111,15 @@ class TestLive(unittest.TestCase):
             self.assertEqual(status, 0)
             self.assertRegex(out, "^live at http://localhost")
             self.assertGreater(len(shown), 5)
+
+
+class TestMeshcat(unittest.TestCase):
+    def test_one_place_alone_makes_one_and_keeps_it(self):
+        # A thread that did not make it would end the process with it.
+        package = Path(brace_drake.__file__).parent
+        made = [
+            path.relative_to(package).as_posix()
+            for path in sorted(package.rglob("*.py"))
+            if re.search(r"\b(Start)?Meshcat\(", path.read_text())
+        ]
+        self.assertEqual(made, ["playback/write.py"])

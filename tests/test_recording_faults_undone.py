@@ -109,6 +109,10 @@ ON_AXIS = (
         of_other("new.csv", axis_recordings.make_campaign(other)),
         ("other_subject", ("new.csv",), ()),
     ),
+    (
+        of_other("fast.csv", axis_recordings.make_campaign(other)),
+        ("other_subject", ("fast.csv",), ()),
+    ),
 )
 ON_PAD = (
     (
