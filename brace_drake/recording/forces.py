@@ -11,10 +11,9 @@ from brace_drake.recording.columns import (
     PAD_BENCH,
 )
 from brace_drake.recording.findings import Problem, error, warning
-from brace_drake.recording.samples import LEAST_STEP_S
+from brace_drake.recording.samples import LEAST_STEP_S, TELLING_ROWS
 from brace_drake.recording.table import Columns
 
-_LEAST_ROWS = 50
 _ABSURD = 1e9
 _WINDOW_S = 0.05
 _ABOVE_NOISE = 3.0
@@ -47,7 +46,7 @@ def check_forces(
     """
     # Written so that NaN fails.
     whole = np.all([np.abs(v) < _ABSURD for v in columns.values()], axis=0)
-    if np.count_nonzero(whole) < _LEAST_ROWS:
+    if np.count_nonzero(whole) < TELLING_ROWS:
         return []
     columns = {name: values[whole] for name, values in columns.items()}
     period = float(np.median(np.diff(columns["time_s"])))

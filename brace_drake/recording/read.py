@@ -32,6 +32,7 @@ from brace_drake.recording.manifest import (
 )
 from brace_drake.recording.recording import Campaign, Run
 from brace_drake.recording.samples import (
+    TELLING_ROWS,
     Limits,
     check_channel,
     check_time,
@@ -212,6 +213,12 @@ def _read_run(
     if rows < LEAST_ROWS:
         message = f"{counted(rows, 'data row')}; allowed: {LEAST_ROWS} or more"
         return columns, [*problems, error(file, message)]
+    if rows < TELLING_ROWS:
+        message = (
+            f"{rows} data rows; in fewer than {TELLING_ROWS} no fault of the"
+            " recording shows"
+        )
+        problems.append(warning(file, message))
     if "time_s" in columns:
         problems += check_time(columns["time_s"], campaign.rate_hz, file)
     there = {n: columns[n] for n in channels if n in columns}

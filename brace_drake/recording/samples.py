@@ -13,6 +13,8 @@ from brace_drake.recording.table import Columns
 
 _RATE_TOLERANCE = 0.02
 _GAP_PERIODS = 1.5
+# Fewer rows tell nothing of their recorder.
+TELLING_ROWS = 50
 LEAST_STEP_S = 1e-7
 _FLAT_SAMPLES = 5
 # A run lasts minutes: what seems to last more than a day is in another unit.

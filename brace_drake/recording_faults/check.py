@@ -8,6 +8,7 @@ from dataclasses import replace
 from brace_drake.devices.declaration import Device
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording.samples import TELLING_ROWS
 from brace_drake.recording_faults.channels import declared, is_desired
 from brace_drake.recording_faults.finding import Finding, merge
 from brace_drake.recording_faults.library.channels.clipped_channel import (
@@ -41,8 +42,6 @@ from brace_drake.recording_faults.relations.torso import find_torso_faults
 
 # Faults after which rows of two runs do not stand for the same times.
 _OF_TIME = ("wrong_clock", "lost_samples", "repeated_samples")
-# A run of fewer samples tells nothing.
-_LEAST_ROWS = 50
 
 
 def check_recording(
@@ -61,7 +60,7 @@ def check_recording(
     runs = [
         _as_declared(r, campaign)
         for r in campaign.runs
-        if len(r.time_s) >= _LEAST_ROWS
+        if len(r.time_s) >= TELLING_ROWS
     ]
     checker = None
     if device is not None and device.control_law is not None:

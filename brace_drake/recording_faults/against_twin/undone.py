@@ -14,6 +14,7 @@ import numpy as np
 
 from brace_drake.recording.columns import split_unit
 from brace_drake.recording.recording import Run
+from brace_drake.recording.samples import TELLING_ROWS
 from brace_drake.recording_faults.library.channels import (
     exchanged_channels,
     moved_zero,
@@ -29,8 +30,6 @@ from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 
 # Delays that are tried, samples; the best is refined by single ones.
 _DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
-# Fewer rows between jumps tell nothing.
-_LEAST_ROWS = 50
 # Beforehand a named unit is so much more likely than a number.
 UNIT, OTHER = 1.0, 0.2
 
@@ -118,4 +117,4 @@ def _lost(runs: Sequence[Run]) -> Hypothesis | None:
 
 def is_usable(run: Run) -> bool:
     """Whether enough of a run is left with a fault undone."""
-    return len(run.time_s) >= _LEAST_ROWS
+    return len(run.time_s) >= TELLING_ROWS
