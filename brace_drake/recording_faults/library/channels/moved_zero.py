@@ -19,7 +19,8 @@ CARD = RecordingFault(
     law="x_rec = x + offset",
     signature="the recorded commands follow from the readings once a constant"
     " is taken off the channel",
-    remedy="subtract the offset from the column",
+    remedy="subtract the offset from the column; where all legs have it and the"
+    " machine is not the scenario's, name its own scenario",
     impostors={
         "force_bias": "the controller reads it too",
         "encoder_offset": "the controller reads it too",
