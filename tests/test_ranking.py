@@ -19,7 +19,7 @@ from brace_drake.selection.search.shortlist import rivals
 from tests.known_fits import COUNT, fit_of
 
 # Degrees of freedom that the docs of `TAIL` state.
-STUDENT = student(7)
+STUDENT = student(9)
 # What one deviation of the number changes: the noise tells next to nothing.
 FAR = 1e4
 
@@ -138,13 +138,13 @@ class TestRanking(unittest.TestCase):
 
     def test_a_number_beyond_its_tolerance_may_be_an_effect(self):
         # At four tolerances an effect in its place would cost ln 4 and save
-        # 4 ln(4 / 3), for which twice the difference are the log odds.
+        # 4 ln(4 / 3), for which 2.5 times the difference are the log odds.
         sure = []
         for stretch in (3.0, 4.0):
             nominal = replace(fit_of("", 0.0), stretch=stretch)
             criterion = Criterion(nominal, COUNT, is_last=True)
             sure.append(decide(criterion, []).probability)
-        odds = (4.0 / (4.0 / 3.0) ** 4) ** 2
+        odds = (4.0 / (4.0 / 3.0) ** 4) ** 2.5
         self.assertAlmostEqual(sure[1] / sure[0], odds / (1.0 + odds))
 
     def test_what_is_left_may_lie_along_the_number(self):

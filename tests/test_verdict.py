@@ -132,7 +132,7 @@ class TestVerdict(unittest.TestCase):
             50.0, fit_of("force_gain", 0.01), fit_of("ring_mass", 0.011)
         )
         self.assertEqual(found.ambiguous_with, ("ring_mass",))
-        self.assertLess(found.probability, 0.51)
+        self.assertLess(found.probability, 0.52)
 
     def test_a_search_that_has_not_ended_decides_nothing(self):
         early = fit_of("ring_mass", 0.0, refined=False)
@@ -269,7 +269,7 @@ class TestLevel(unittest.TestCase):
             rough = replace(rough, values=(np.array([strength]),))
             found = level_of(evaluator, rough)
             found -= thresholds.LEVEL + thresholds.BENT
-            expected = factor * thresholds.FRICTION_ERROR**2 * 9.0
+            expected = factor * thresholds.TRUST**2 * 9.0
             self.assertAlmostEqual(found, expected)
 
     def test_chance_beyond_the_noise_adds_to_it(self):

@@ -67,7 +67,7 @@ def ablations() -> Iterator[tuple[str, tuple]]:
         ("MATERIAL", (0.01, 0.1, 0.3)),
         ("WITHIN", (2.0, 4.0)),
         ("TRUST", (0.002, 0.05)),
-        ("TIED", (0.2, 1.0)),
+        ("TIED", (0.4, 1.4)),
     ):
         for value in values:
             yield f"{name} {value:g}", (_number(name, value),)

@@ -176,5 +176,5 @@ def with_less_known(probability: float, known: float) -> float:
 
 
 def _limited(probability: float) -> float:
-    low, high = thresholds.LEAST_PROBABILITY, thresholds.MOST_PROBABILITY
-    return min(max(probability, low), high)
+    least = thresholds.UNSURE
+    return min(max(probability, least), 1.0 - least)

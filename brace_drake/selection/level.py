@@ -56,7 +56,7 @@ def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
         (change,) = evaluator.changes(fit.subject, (), [rough])
         power += float(change @ change) / evaluator.count
         bent = thresholds.BENT
-    return thresholds.LEVEL + bent + thresholds.FRICTION_ERROR**2 * power
+    return thresholds.LEVEL + bent + thresholds.TRUST**2 * power
 
 
 def chance_of(evaluator: Evaluator, fit: CandidateFit) -> float:

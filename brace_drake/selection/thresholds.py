@@ -12,11 +12,10 @@ import math
 # Misfit that means nothing where no effect takes it: the level of the
 # instruments' noise is known to 5 %, its square to 10 %.
 LEVEL = 0.10
-# Misfit to which fits are compared: what a right twin is exact to.
+# What a right twin is exact to: the misfit to which fits are compared, and the
+# share that the laws of dry friction, which are forms, leave of the amplitude of
+# what it does (0.6 % with 2 N in each leg).
 TRUST = 0.01
-# Laws of dry friction are forms: of the amplitude of what friction does this
-# share is left once the better form is taken (0.6 % with 2 N in each leg).
-FRICTION_ERROR = 0.01
 # Misfit that numbers which bend leave beside it where drives stick: right twins
 # leave -0.02 to 0.12.
 BENT = 0.05
@@ -27,20 +26,20 @@ COST_OF_EFFECT = math.log(4.0)
 BEYOND_LEVEL = math.exp(COST_OF_EFFECT)
 # Share of the gap's amplitude that is worth a word when nothing explains it.
 MATERIAL = 0.20
-# Explanations whose scores differ by less are tied: one leaves 1.5 times as
-# much as the other.
-TIED = math.log(1.5)
+# Explanations whose scores differ by less are tied: one leaves twice as much as
+# the other. What a richer law of one effect has to leave less is the same.
+TIED = 0.5 * COST_OF_EFFECT
 # Weight of a difference of scores in the log odds of two explanations
 # (tools/calibrate_probability.py).
-ODDS = 2.0
+ODDS = 2.5
 # Effects whose strength is within so many tolerances are no finding.
 WITHIN = 3.0
 # What is farther off costs the logarithm of its distance so many times: with
-# `ODDS`, tolerances have the tails of Student's distribution with seven degrees
+# `ODDS`, tolerances have the tails of Student's distribution with nine degrees
 # of freedom.
 TAIL = 4.0
-# Limits of any probability.
-LEAST_PROBABILITY, MOST_PROBABILITY = 0.02, 0.98
+# Any probability is so far from 1 and 0 at least.
+UNSURE = 0.02
 # ---- Search -----------------------------------------------------------------
 
 # Sets of at most so many effects are made of so many best smaller ones, which
