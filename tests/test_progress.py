@@ -28,13 +28,27 @@ class TestLog(unittest.TestCase):
 
     def test_long_work_has_a_line_now_and_then(self):
         text = work(io.StringIO(), 1.0)
-        lines = text.splitlines()
+        *lines, last = text.splitlines()
         self.assertEqual(len(lines), int(200 / progress.LINE_S))
+        self.assertRegex(last, r"^done +: +100 % ")
         self.assertNotIn("\r", text)
         # What is being done and its share belong together.
         for line in lines:
             step = int(line.split()[1].rstrip(":"))
             self.assertIn(f" {round((step + 1) / 2):d} % ", line)
+
+    def test_work_that_breaks_off_is_not_told_to_be_done(self):
+        stream = io.StringIO()
+        with self.assertRaises(KeyError):
+            with (
+                mock.patch.object(progress, "LINE_S", 0.0),
+                mock.patch.object(sys, "stderr", stream),
+                progress.share_bar() as say,
+            ):
+                say("step", 0.5)
+                raise KeyError("broken")
+        self.assertIn(" 50 % ", stream.getvalue())
+        self.assertNotIn("done", stream.getvalue())
 
     def test_a_log_that_is_full_stops_no_work(self):
         class Full(io.StringIO):

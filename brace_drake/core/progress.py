@@ -20,7 +20,7 @@ class _Lines(tqdm):
     """Prints whole lines, and few of them: for pipes and logs."""
 
     def __init__(self, *args: Any, **options: Any):
-        self._told = time.monotonic()
+        self._told, self._has_told = time.monotonic(), False
         super().__init__(*args, **options)
 
     def display(self, msg: str | None = None, pos: int | None = None) -> None:
@@ -28,7 +28,17 @@ class _Lines(tqdm):
         now = time.monotonic()
         if msg == "" or now - self._told < LINE_S:
             return
-        self._told = now
+        self._told, self._has_told = now, True
+        self._write()
+
+    def end(self) -> None:
+        """A last line where there were others: all of it is done."""
+        self.set_description(f"{'done':<28}", refresh=False)
+        self.n = self.total
+        if self._has_told:
+            self._write()
+
+    def _write(self) -> None:
         with contextlib.suppress(OSError, ValueError):
             self.fp.write(f"{str(self).strip()}\n")
             self.fp.flush()
@@ -66,3 +76,5 @@ def share_bar() -> Iterator[Callable[[str, float], None]]:
             bar.refresh()
 
         yield progress
+        if isinstance(bar, _Lines):
+            bar.end()
