@@ -1,10 +1,12 @@
 """Effects that set out from a special case of theirs, or from another start."""
 
 import unittest
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 
+from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
@@ -12,7 +14,11 @@ from brace_drake.selection.level import make_criterion
 from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.nested import richer_starts, search_richer
+from brace_drake.selection.search.nested import (
+    richer_starts,
+    search_richer,
+    special_case,
+)
 from brace_drake.selection.search.screening import (
     _best_starts,
     screen,
@@ -20,6 +26,7 @@ from brace_drake.selection.search.screening import (
 )
 from brace_drake.selection.search.shortlist import best_fits, improve_choices
 from brace_drake.selection.settle import settle
+from tests.known_fits import fit_of
 from tests.synthetic_bench import SyntheticBench
 
 COULOMB, STRIBECK = (
@@ -43,6 +50,29 @@ class TestRicherStarts(unittest.TestCase):
     def test_they_keep_within_the_limits(self):
         for start in richer_starts(STRIBECK, COULOMB, np.array([60.0])):
             self.assertTrue(np.all(start <= STRIBECK.upper))
+
+
+class TestSpecialCase(unittest.TestCase):
+    def setUp(self):
+        number = 0.02, ((COULOMB, np.array([0.02])),)
+        self.known = (Nuisance("leg_coulomb_N", "N", "actuation", *number),)
+        keys = "coulomb_friction", "coulomb_friction (without creep)"
+        self.effects = [find_effect(key) for key in keys]
+        self.holding = fit_of("coulomb_friction (without creep)", 0.2)
+
+    def case_of(self, friction):
+        fit = fit_of("leg_compliance (dry friction)", 0.3)
+        fit = replace(fit, values=(np.array([1e-6, friction]),))
+        fits = [fit, fit_of("coulomb_friction", 3.0), self.holding]
+        return special_case(fit, self.effects, self.known, fits)
+
+    def test_of_friction_in_a_soft_leg_it_is_friction_in_the_best_form(self):
+        found = self.case_of(0.6)
+        self.assertEqual(found.name, self.holding.name)
+        self.assertEqual(found.values[0].tolist(), [0.6])
+
+    def test_friction_within_its_tolerance_is_none(self):
+        self.assertIsNone(self.case_of(0.05))
 
 
 class TestRicherRace(unittest.TestCase):

@@ -55,7 +55,7 @@ def settle(
         again = check_fit(evaluator, correct_fit(evaluator, again))
         fits = [again if f is best else f for f in fits]
         ended.append(again)
-        simpler = _simplify(evaluator, criterion, again)
+        simpler = _simplify(evaluator, criterion, again, fits)
         if simpler is not None:
             ended.append(simpler)
             fits = [f for f in fits if not comes_down_to(f.uses, simpler.uses)]
@@ -76,12 +76,16 @@ def _with_best(
 
 
 def _simplify(
-    evaluator: Evaluator, criterion: Criterion, best: CandidateFit
+    evaluator: Evaluator,
+    criterion: Criterion,
+    best: CandidateFit,
+    fits: Sequence[CandidateFit],
 ) -> CandidateFit | None:
     """The best with the special case of a richer effect, led on as it was: what
     is compared with it has to stand at its own best. None without one.
     """
-    start = special_case(best, evaluator.effects)
+    effects, nuisances = evaluator.effects, criterion.nuisances
+    start = special_case(best, effects, nuisances, fits)
     if start is None:
         return None
     set_out(evaluator, best)

@@ -13,8 +13,8 @@ import math
 # instruments' noise is known to 5 %, its square to 10 %.
 LEVEL = 0.10
 # What a right twin is exact to: the misfit to which fits are compared, and the
-# share that the laws of dry friction, which are forms, leave of the amplitude of
-# what it does (0.6 % with 2 N in each leg).
+# share that the laws of dry friction, which are forms, leave of the amplitude
+# of what it does (0.6 % with 2 N in each leg).
 TRUST = 0.01
 # Misfit that numbers which bend leave beside it where drives stick: right twins
 # leave -0.02 to 0.12.

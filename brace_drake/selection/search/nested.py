@@ -14,12 +14,15 @@ from functools import partial
 
 import numpy as np
 
+from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import Use
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.tolerated import left_by
+from brace_drake.selection.tolerated import holds_another, left_by
 
 
 def richer_starts(
@@ -58,7 +61,10 @@ def richer_starts(
 
 
 def special_case(
-    fit: CandidateFit, effects: Sequence[Effect]
+    fit: CandidateFit,
+    effects: Sequence[Effect],
+    nuisances: Sequence[Nuisance] = (),
+    known: Sequence[CandidateFit] = (),
 ) -> CandidateFit | None:
     """A fit as it sets out with the special case of a richer effect in its
     place; None where it has no richer one.
@@ -66,17 +72,43 @@ def special_case(
     Args:
         fit: Of any effects.
         effects: All that there are.
+        nuisances: Numbers known to a tolerance: what an effect contains is a
+            case of it where that is beyond them.
+        known: Other fits: the best of them says in which form.
     """
-    for i, (richer, values) in enumerate(fit.uses):
-        special = next((e for e in effects if richer.is_richer_than(e)), None)
+    for i, use in enumerate(fit.uses):
+        special = _case_of(use, effects, nuisances, known)
         if special is None:
             continue
-        known = dict(zip(richer.parameter_names, values, strict=False))
-        own = [known.get(p.name, p.starts[0]) for p in special.parameters]
+        richer, values = use
+        mine = dict(zip(richer.parameter_names, values, strict=False))
+        own = [mine.get(p.name, p.starts[0]) for p in special.parameters]
         every, each = list(fit.effects), list(fit.values)
         every[i], each[i] = special, np.array(own)
         return replace(fit, effects=tuple(every), values=tuple(each))
     return None
+
+
+def _case_of(
+    use: Use,
+    effects: Sequence[Effect],
+    nuisances: Sequence[Nuisance],
+    known: Sequence[CandidateFit],
+) -> Effect | None:
+    """The special case of an effect, if it has one."""
+    richer, _ = use
+    case = next((e for e in effects if richer.is_richer_than(e)), None)
+    if case is not None or not holds_another(use, nuisances):
+        return case
+    names = set(richer.parameter_names)
+    held = {
+        e.key: e
+        for e in effects
+        if e.name in richer.contains and names >= set(e.parameter_names)
+    }
+    found = (e.key for f in refined(known) for e in f.effects)
+    keys = [*(k for k in found if k in held), *held]
+    return held[keys[0]] if keys else None
 
 
 def search_richer(
