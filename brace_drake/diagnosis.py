@@ -179,7 +179,9 @@ def diagnose(
         fits = search_causes(evaluator, criterion, _part(say, 0.15, 0.8))
     say("verdict", 0.8)
     criterion, fits = settle(evaluator, criterion, fits)
-    carry = partial(set_within, evaluator, uses_off=device.uses_off)
+    # What is compared from here on has no number farther off than the best.
+    most = criterion.farthest(decide(criterion, fits).winner or nominal)
+    carry = partial(set_within, evaluator, uses_off=device.uses_off, most=most)
     nominal, fits = carry(nominal), [carry(fit) for fit in fits]
     criterion = replace(criterion, nominal=nominal)
     verdict = decide(criterion, fits)

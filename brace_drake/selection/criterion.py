@@ -154,6 +154,12 @@ class Criterion:
         least = 1.0 + more * self.count / len(known.nuisances)
         return stretch_of(known, fit.solution.residual[:rows], least)
 
+    def farthest(self, fit: CandidateFit) -> float:
+        """Tolerances that numbers are off at most beside a fit: those of a
+        machine, or what the fit itself stretches them to.
+        """
+        return max(thresholds.WITHIN, fit.stretch)
+
     def findings(self, fit: CandidateFit) -> list[Effect]:
         """A fit's effects that are not within tolerances."""
         return [

@@ -4,8 +4,11 @@ there, and the level that its friction adds.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.tolerances import UsesOff, sizes_off
@@ -102,17 +105,21 @@ def set_within(
     evaluator: Evaluator,
     fit: CandidateFit,
     uses_off: UsesOff,
+    most: float = math.inf,
 ) -> CandidateFit:
-    """A fit with its numbers as far off as it has them, within tolerances.
+    """A fit with its numbers as far off as it has them.
 
     Args:
         evaluator: Over the fit runs.
         fit: One that was searched.
         uses_off: From numbers that are off, SI units, to effects.
+        most: Tolerances that a number is off at most: what is stretched
+            farther would hide a gap behind numbers that no machine has.
     """
     has_room = len(fit.effects) < evaluator.room
     numbers = estimate_off(evaluator, fit)
     if not (numbers and fit.is_searched and has_room):
         return fit
     nuisances, off = zip(*numbers, strict=True)
+    off = np.clip(off, -most, most)
     return replace(fit, within=uses_off(sizes_off(nuisances, off)))
