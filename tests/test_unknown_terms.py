@@ -93,6 +93,17 @@ class TestDictionary(unittest.TestCase):
         self.assertAlmostEqual(onset["value"], -2e-3)
         self.assertIn("400 N/m, where y is below -2 mm", told["text"])
 
+    def test_units_are_powers_of_their_parts(self):
+        told = {
+            name: describe_term(card, card.starts()[0], np.zeros(4))
+            for name, card in terms_for(DEVICE).items()
+            if name.startswith("term_legs_")
+        }
+        units = {row["parameters"][0]["unit"] for row in told.values()}
+        # A drag goes with the square of the speed.
+        self.assertIn("N s2/m2", units)
+        self.assertIn("N s/m", units)
+
     def test_a_scenario_carries_a_term_as_it_does_an_effect(self):
         card = terms_for(DEVICE)["term_legs_ripple"]
         values = np.array([0.1, 0.3, 1.0, float(terms.RIPPLE)])

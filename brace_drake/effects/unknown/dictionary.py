@@ -146,19 +146,34 @@ def _scale(place: Place, shape: Shape) -> tuple[float, str]:
 
 def _unit_of(place: Place, form: Form) -> str:
     """Of a strength: what is added, over powers of what it depends on."""
-    below = []
+    powers = _powers_of(place.unit)
     for unit, power in zip(place.units, form.per, strict=True):
-        if power:
-            # (m/s)^2 is m2/s2.
-            parts = [
-                p if power == 1 else f"{p}{power}" for p in unit.split("/")
-            ]
-            below.append("/".join(parts))
+        for base, exponent in _powers_of(unit).items():
+            powers[base] = powers.get(base, 0) - power * exponent
+    above = [_power(b, e) for b, e in powers.items() if e > 0]
+    below = [_power(b, -e) for b, e in powers.items() if e < 0]
+    top = " ".join(above) or "1"
     if not below:
-        return place.unit
-    if len(below) == 1 and "/" not in below[0]:
-        return "1" if below[0] == place.unit else f"{place.unit}/{below[0]}"
-    return f"{place.unit}/({' '.join(below)})"
+        return top
+    bottom = " ".join(below)
+    return f"{top}/{bottom}" if len(below) == 1 else f"{top}/({bottom})"
+
+
+def _powers_of(unit: str) -> dict[str, int]:
+    """Exponents of a unit's parts: of "N m/s2" N 1, m 1, s -2."""
+    powers: dict[str, int] = {}
+    for place, side in enumerate(unit.split("/")):
+        for part in side.split():
+            base = part.rstrip("0123456789")
+            exponent = int(part[len(base) :] or 1)
+            if base:
+                sign = -1 if place else 1
+                powers[base] = powers.get(base, 0) + sign * exponent
+    return powers
+
+
+def _power(base: str, exponent: int) -> str:
+    return base if exponent == 1 else f"{base}{exponent}"
 
 
 def _quantity(value: float, unit: str) -> str:
