@@ -13,8 +13,7 @@ from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.recording_faults.statistics import (
     LOCAL_VARIANCE,
-    local_error,
-    robust_deviation,
+    noise_deviation,
 )
 
 
@@ -51,9 +50,9 @@ class Reading:
         """
         floor = self.prepared.floor
         white = float(floor.density[-1, self.names.index(name)])
-        errors = local_error(self.prepared.run.channels[name])
+        noise = noise_deviation(self.prepared.run.channels[name])
         least = np.sqrt(LOCAL_VARIANCE * white)
-        return robust_deviation(errors) / least if least > 0.0 else np.inf
+        return noise / least if least > 0.0 else np.inf
 
     def unread(self, names: Sequence[str]) -> dict[str, float]:
         """The same of those of some channels that the run has."""

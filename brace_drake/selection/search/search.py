@@ -146,11 +146,11 @@ def _beside(
         most = math.inf
         for start in starts_beside(evaluator, base):
             lines, done = Linearisation(evaluator, start), [*known, *found]
-            found += _forward(lines, criterion, effects, done, say, most)
-            fits = [*known, *found]
-            if _is_end(evaluator, criterion, _best(criterion, base, fits)):
+            larger, told = _forward(lines, criterion, effects, done, say, most)
+            found += larger
+            if told:
                 break
-            ended = ended_beside(base, fits)
+            ended = ended_beside(base, [*known, *found])
             left = (left_by(f, evaluator.count) for f in ended)
             most = min(left, default=math.inf)
     except BraceError:
@@ -166,8 +166,8 @@ def _forward(
     known: Sequence[CandidateFit],
     say: Say,
     most: float,
-) -> list[CandidateFit]:
-    """A set with one more effect.
+) -> tuple[list[CandidateFit], bool]:
+    """A set with one more effect, and whether no other could better the best.
 
     Args:
         lines: Where the search sets out from.
@@ -178,12 +178,12 @@ def _forward(
         most: What a candidate that is searched is predicted to leave at most.
     """
     evaluator, base = lines.evaluator, lines.base
-    more, found = others(effects, base), []
+    more, found, told = others(effects, base), [], False
     done = {keys_of(f.effects) for f in known if f.refined}
     fresh = [e for e in more if keys_of((*base.effects, e)) not in done]
     screened = [c for c in screen(lines, fresh, say) if c.predicted < most]
     if not screened:
-        return []
+        return found, told
     # Those of dozens of parameters are dear: one after the other.
     is_dear = any(e.is_flexible for e in fresh)
     for candidates in by_effect(screened) if is_dear else [screened]:
@@ -201,9 +201,10 @@ def _forward(
         fits = refine(evaluator, fits, lines.remaining)
         fits = improve_choices(lines, fits)
         found += [*fits, *refit_alone(evaluator, fits)]
-        if _is_told(lines, criterion, known, found):
+        told = _is_told(lines, criterion, known, found)
+        if told:
             break
-    return found
+    return found, told
 
 
 def _is_told(

@@ -14,9 +14,7 @@ from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.channels import noisy_channels, references
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.library.runs import exchanged_runs
-from brace_drake.recording_faults.statistics import (
-    noise_deviation,
-)
+from brace_drake.recording_faults.statistics import noise_deviation
 
 CARD = RecordingFault(
     name="false_repeat",

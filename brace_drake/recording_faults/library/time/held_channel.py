@@ -21,8 +21,9 @@ from brace_drake.recording_faults.channels import (
 )
 from brace_drake.recording_faults.finding import Finding
 
-# A reading that is coarse alone never moves by two steps at once and then
-# stands: of those that are held, this share does each time.
+# More than so many is two, of a reading's steps as of intervals. A reading that
+# is coarse alone never moves by two steps at once and then stands: of those
+# that are held, this share does each time.
 _LEAP, _SHARE = 1.5, 0.5
 # Fewer new values are no clock, and at shorter intervals hardly one is held.
 _FEW, _SHORT = 20, 1.5

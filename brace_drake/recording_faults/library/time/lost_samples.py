@@ -10,9 +10,7 @@ from brace_drake.recording.columns import Channel
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.finding import Finding
-from brace_drake.recording_faults.statistics import (
-    noise_deviation,
-)
+from brace_drake.recording_faults.statistics import noise_deviation
 
 # A jump is so many times the steps on both sides of it, which are steps where
 # they are so many deviations of a reading.
