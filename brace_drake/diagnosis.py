@@ -10,6 +10,7 @@ import numpy as np
 
 from brace_drake.core.errors import CampaignError
 from brace_drake.core.parallel import Workers
+from brace_drake.core.progress import part_of
 from brace_drake.design.next_run import NextRun, choose_next_run
 from brace_drake.devices.choice import Choice
 from brace_drake.devices.declaration import Device, Nuisance
@@ -44,6 +45,7 @@ from brace_drake.selection.search.search import search_causes
 from brace_drake.selection.settle import set_within, settle
 from brace_drake.validation.causes import Cause, one_of_each, rank_causes
 from brace_drake.validation.confirm import confirm, without_copies
+from brace_drake.validation.new_runs import weigh_on_new_runs
 from brace_drake.validation.prediction import predict_runs
 from brace_drake.validation.shrinkage import measure_shrinkage
 from brace_drake.validation.support import Closed
@@ -170,13 +172,13 @@ def diagnose(
     drawn = [device.draw_uses(seed + i) for i in range(NUM_MACHINES)]
     tests = run_block_tests(evaluator, device.block_tests, nominal, seed, drawn)
 
-    # Which effects, with the subject fitted anew beside each.
+    # Which effects, with the subject fitted anew beside each; of a recording
+    # that is wrong none is told.
     criterion = make_criterion(evaluator, nominal, nuisances)
     is_faulty = any(f.is_certain for f in recording)
     fits = []
     if not is_faulty:
-        # Of a recording that is wrong no effect is told.
-        fits = search_causes(evaluator, criterion, _part(say, 0.15, 0.8))
+        fits = search_causes(evaluator, criterion, part_of(say, 0.15, 0.8))
     say("verdict", 0.8)
     criterion, fits = settle(evaluator, criterion, fits)
     # What is compared from here on has no number farther off than the best.
@@ -184,19 +186,22 @@ def diagnose(
     carry = partial(set_within, evaluator, uses_off=device.uses_off, most=most)
     nominal, fits = carry(nominal), [carry(fit) for fit in fits]
     criterion = replace(criterion, nominal=nominal)
-    verdict = decide(criterion, fits)
 
     say("validation runs", 0.9)
     runs, copies = without_copies(campaign)
     new = prepare_runs(twin, runs, floors, rate, seed + 1000)
     validation = Evaluator(twin, new, jobs)
-    confirmation = confirm(validation, criterion, verdict, fits, seed)
-    verdict, winner = confirmation.verdict, confirmation.verdict.winner
-    compared, closed = confirmation.compared, confirmation.closed
+    criterion, fits = weigh_on_new_runs(validation, criterion, fits)
+    verdict = decide(criterion, fits)
+    verdict, compared, closed = confirm(
+        validation, criterion, verdict, fits, seed
+    )
+    winner, nominal = verdict.winner, criterion.nominal
     shrinkage = measure_shrinkage(device, compared, nominal.subject, seed)
     fits = one_of_each(criterion, fits, winner)
-    rivals = fits if verdict.gap else []
-    predictions = predict_runs(validation, compared, winner, rivals, seed)
+    predictions = predict_runs(
+        validation, compared, winner, fits if verdict.gap else [], seed
+    )
     causes = rank_causes(criterion, fits, verdict, predictions)
 
     best = winner or nominal
@@ -291,10 +296,3 @@ def _explain(
     fits = search_causes(evaluator, criterion, lambda what, share: None)
     criterion, fits = settle(evaluator, criterion, fits)
     return decide(criterion, fits).winner or nominal
-
-
-def _part(
-    say: Callable[[str, float], None], begin: float, end: float
-) -> Callable[[str, float], None]:
-    """Progress of a part, as that of the whole."""
-    return lambda what, share: say(what, begin + (end - begin) * share)

@@ -12,6 +12,7 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.decision import decide
 from brace_drake.validation.causes import one_of_each
 from brace_drake.validation.confirm import confirm
+from brace_drake.validation.new_runs import weigh_on_new_runs
 from tests.known_fits import COUNT, fit_of
 
 RATE, SAMPLES = 200.0, 2000
@@ -40,6 +41,25 @@ class Runs:
         return [function(*task) for task in tasks]
 
 
+class WeighedRuns:
+    """Validation runs on which each fit leaves a known misfit, its subject;
+    where that is NaN its twin breaks down.
+    """
+
+    prepared, count = [None], 1000
+
+    def noise_level(self, uses):
+        return 1.0
+
+    def weighted_residuals(self, points):
+        return [
+            None
+            if np.isnan(subject[0])
+            else np.full(self.count, np.sqrt(1.0 + subject[0]))
+            for subject, _ in points
+        ]
+
+
 def off(keys, misfit, there):
     """A fit that leaves `misfit`, and is so many floors off on new runs."""
     return replace(fit_of(keys, misfit), subject=np.array([there]))
@@ -56,6 +76,43 @@ class TestCauses(unittest.TestCase):
         self.assertEqual(found, [best, other])
         found = one_of_each(criterion, [early, late, other, best], late)
         self.assertEqual(found, [late, other])
+
+
+class TestNewRuns(unittest.TestCase):
+    def weigh(self, nominal, *fits):
+        criterion = Criterion(nominal, COUNT)
+        return weigh_on_new_runs(WeighedRuns(), criterion, fits)
+
+    def test_what_new_runs_leave_is_half_of_what_is_left_on_new_motions(self):
+        fit = off("relaxation", 0.2, 0.6)
+        early = replace(fit, refined=False)
+        criterion, (found, same) = self.weigh(off("", 9.0, 5.0), fit, early)
+        self.assertAlmostEqual(found.held_out, 0.4)
+        self.assertAlmostEqual(criterion.nominal.held_out, 7.0)
+        # What was not led to its end can not win: it costs no replay.
+        self.assertIs(same, early)
+
+    def test_of_one_motion_new_runs_alone_tell_of_others(self):
+        fit = replace(off("relaxation", 0.2, 0.6), held_out=None)
+        _, (found,) = self.weigh(off("", 9.0, 5.0), fit)
+        self.assertAlmostEqual(found.held_out, 0.6)
+
+    def test_a_twin_that_breaks_down_there_is_weighed_as_before(self):
+        fit = off("relaxation", 0.2, np.nan)
+        _, (found,) = self.weigh(off("", 9.0, 5.0), fit)
+        self.assertIs(found, fit)
+
+    def test_a_rival_that_new_runs_prefer_beyond_doubt_is_named(self):
+        imitates = off("hysteresis", 0.1, 4.0)
+        true = off("relaxation", 0.2, 0.1)
+        nominal = off("", 9.0, 20.0)
+        criterion = Criterion(nominal, COUNT)
+        before = decide(criterion, [imitates, true])
+        self.assertEqual(before.effects, ("hysteresis",))
+        criterion, fits = self.weigh(nominal, imitates, true)
+        after = decide(criterion, fits)
+        self.assertEqual(after.effects, ("relaxation",))
+        self.assertGreater(after.probability, 0.5)
 
 
 class TestConfirm(unittest.TestCase):

@@ -274,7 +274,7 @@ class TestLevel(unittest.TestCase):
             rough = fit_of("coulomb_friction", 0.1)
             rough = replace(rough, values=(np.array([strength]),))
             found = level_of(evaluator, rough)
-            found -= thresholds.LEVEL + thresholds.BENT
+            found -= thresholds.LEVEL
             expected = factor * thresholds.TRUST**2 * 9.0
             self.assertAlmostEqual(found, expected)
 

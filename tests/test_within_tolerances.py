@@ -243,8 +243,21 @@ class TestBenchWithinTolerances(unittest.TestCase):
         true = drawn["leg_dry_friction_N"]
         self.assertAlmostEqual(fit.values[0][0] / true, 1.0, delta=0.1)
         # They are replayed as they are, not on a straight line from zero.
-        self.assertIsNotNone(fit.tolerances.off)
-        self.assertTrue(np.any(fit.tolerances.off))
+        known = fit.tolerances
+        self.assertIsNotNone(known.off)
+        self.assertTrue(np.any(known.off))
+        self.assertLess(np.abs(known.off).max(), thresholds.WITHIN)
+        uses = (*fit.uses, *known.uses)
+        (rows,) = evaluator.weighted_residuals([(fit.subject, uses)])
+        level = evaluator.noise_level(uses)
+        left = float(rows @ rows) / evaluator.count - level
+        self.assertAlmostEqual(left, fit.excess / evaluator.count, delta=0.02)
+        off = dict(
+            zip((n.name for n in known.nuisances), known.off, strict=True)
+        )
+        for name, delta in (("ring_mass_kg", 0.1), ("force_scale", 0.2)):
+            size = next(n for n in nuisances if n.name == name).deviation
+            self.assertAlmostEqual(off[name], drawn[name] / size, delta=delta)
 
     def test_a_gain_is_found_where_numbers_were_stretched_to_take_its_place(
         self,

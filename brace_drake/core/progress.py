@@ -65,6 +65,13 @@ def open_bar(line: str | None = None, **options: Any) -> tqdm:
     return _Lines(leave=False, disable=sys.stderr is None, **options)
 
 
+def part_of(
+    say: Callable[[str, float], None], begin: float, end: float
+) -> Callable[[str, float], None]:
+    """Progress of a part, told as that of the whole."""
+    return lambda what, share: say(what, begin + (end - begin) * share)
+
+
 @contextlib.contextmanager
 def share_bar() -> Iterator[Callable[[str, float], None]]:
     """A progress bar; yields a function of what is done and its share."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +25,14 @@ def is_dithered(twin, uses: Sequence[Use]) -> bool:
     """
     rough = any(effect.dithered for effect, _ in (*twin.carried, *uses))
     return rough and twin.has_loop
+
+
+def without_dither(uses: Sequence[Use], off: Sequence[Use]) -> tuple[Use, ...]:
+    """Effects but those that noise dithers, and numbers that are off: these
+    leave dry friction as it is.
+    """
+    smooth = tuple(u for u in uses if not u[0].dithered)
+    return (*smooth, *((replace(e, dithered=False), v) for e, v in off))
 
 
 def replay(

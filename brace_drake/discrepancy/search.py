@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from brace_drake.core.errors import BraceError
+from brace_drake.core.progress import part_of
 from brace_drake.discrepancy.starts import beginning_at, residual_peaks
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
@@ -60,7 +61,7 @@ def search_law(
         is_whole = not criterion.is_beyond_level(longer)
         if is_whole or len(longer.effects) >= evaluator.room:
             break
-        part = _part(say, number)
+        part = part_of(say, number / MOST_TERMS, (number + 1) / MOST_TERMS)
         try:
             found = _one_more(evaluator, criterion, longer, terms, part)
         except BraceError:
@@ -111,8 +112,3 @@ def _plainest(
 
 def _num_shapes(fit: CandidateFit) -> int:
     return sum(int(e.is_continuous.sum()) for e in fit.effects)
-
-
-def _part(say: Say, number: int) -> Say:
-    begin, end = number / MOST_TERMS, (number + 1) / MOST_TERMS
-    return lambda what, share: say(what, begin + (end - begin) * share)

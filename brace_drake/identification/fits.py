@@ -54,7 +54,7 @@ class CandidateFit:
         num_prior: Rows of the residual that are the prior's.
         refined: Whether the search was led to its end.
         is_dithered: Whether its replays are averages over noise.
-        held_out: Misfit on motions left out in turn, or None.
+        held_out: Misfit on motions that it has not seen, or None.
         stretch: Of numbers known to a tolerance, see `devices.stretch`.
         tolerances: What numbers known to one change: its residual and Jacobian
             are whitened of that.

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import replace
 
 import numpy as np
 
+from brace_drake.devices.replays import without_dither
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
@@ -23,14 +23,6 @@ _ROUGH = 10.0
 _LITTLE = 4.0
 # Spread at which a search over many alike parameters begins.
 _FIRST_SPREAD = 2.0
-
-
-def without_dither(uses: Sequence[Use], off: Sequence[Use]) -> tuple[Use, ...]:
-    """Effects but those that noise dithers, and numbers that are off: these
-    leave dry friction as it is.
-    """
-    smooth = tuple(u for u in uses if not u[0].dithered)
-    return (*smooth, *((replace(e, dithered=False), v) for e, v in off))
 
 
 class CandidateProblem:
@@ -167,6 +159,12 @@ class CandidateProblem:
         other.tolerances, other.off = known, known.uses
         return other
 
+    def beside_noise(self, noise: float) -> CandidateProblem:
+        """The same with those numbers weighed beside another variance."""
+        other = copy(self)
+        other.tolerances = self.tolerances.beside_noise(noise)
+        return other
+
     @property
     def spread(self) -> float:
         """Scaled standard deviation of alike parameters."""
@@ -244,6 +242,7 @@ class CandidateProblem:
         coarse: bool = False,
         fine: bool = False,
         smooth: bool = False,
+        white: bool = True,
     ) -> list[np.ndarray | None]:
         """Weighted residuals of all runs at several points at once, with the
         prior's rows below; None where the twin broke down.
@@ -252,6 +251,7 @@ class CandidateProblem:
             points: Scaled parameters.
             coarse, fine: See `Evaluator.weighted_residuals`.
             smooth: Without the effects that noise dithers.
+            white: Whether they are whitened of tolerances.
         """
         evaluator = self.evaluator
         step = "coarse" if coarse else "fine" if fine else ""
@@ -264,7 +264,7 @@ class CandidateProblem:
             split.append((subject, uses))
         evaluator.replays += len(points)
         found = evaluator.weighted_residuals(split, step)
-        if self.tolerances is not None:
+        if self.tolerances is not None and white:
             went = [rows for rows in found if rows is not None]
             self.tolerances.whiten_in_place(went)
             del went

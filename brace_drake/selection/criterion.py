@@ -4,8 +4,9 @@
             + 4 known ln(max(1, stretch / 3)) + cost n + tied m
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
-same on motions left out in turn (`identification.held_out`), `stretch` how far
-numbers known to a tolerance are off (`devices.stretch`), n the number of
+same on motions that it has not seen: left out in turn
+(`identification.held_out`), and new ones (`validation.new_runs`), `stretch` how
+far numbers known to a tolerance are off (`devices.stretch`), n the number of
 effects that are not within tolerances, m of those that have simpler special
 cases; less is better. For residuals of unknown variance the first term
 is the log likelihood per value (Gelman et al., Bayesian Data Analysis, section
@@ -72,8 +73,8 @@ class Criterion:
         return fit.excess / self.count
 
     def misfits(self, fit: CandidateFit) -> tuple[float, float]:
-        """What it leaves above the floor on its own runs, and on motions left
-        out in turn; the same where there is one motion alone.
+        """What it leaves above the floor on its own runs, and on motions that
+        it has not seen; the same where there is one motion alone.
         """
         inside = self.misfit(fit)
         return inside, inside if fit.held_out is None else fit.held_out

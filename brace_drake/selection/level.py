@@ -50,13 +50,12 @@ def level_of(evaluator: Evaluator, fit: CandidateFit) -> float:
         evaluator: Over the fit runs.
         fit: Whose friction is taken.
     """
-    power, bent = tolerated_friction(evaluator, fit), 0.0
+    power = tolerated_friction(evaluator, fit)
     rough = _rough(fit)
     if rough:
         (change,) = evaluator.changes(fit.subject, (), [rough])
         power += float(change @ change) / evaluator.count
-        bent = thresholds.BENT
-    return thresholds.LEVEL + bent + thresholds.TRUST**2 * power
+    return thresholds.LEVEL + thresholds.TRUST**2 * power
 
 
 def chance_of(evaluator: Evaluator, fit: CandidateFit) -> float:

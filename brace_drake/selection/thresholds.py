@@ -16,9 +16,6 @@ LEVEL = 0.10
 # share that the laws of dry friction, which are forms, leave of the amplitude
 # of what it does (0.6 % with 2 N in each leg).
 TRUST = 0.01
-# Misfit that numbers which bend leave beside it where drives stick: right twins
-# leave -0.02 to 0.12.
-BENT = 0.05
 # An effect has to leave a quarter of what is left without it, in logarithms.
 COST_OF_EFFECT = math.log(4.0)
 # So many levels are more than a right twin leaves: what an effect would have to

@@ -101,5 +101,5 @@ def _decision(criterion, fit, verdict, is_tied) -> str:
     text = f"leaves {rest:.1f} times the floor on the fit runs"
     if fit.held_out is not None:
         rest = np.sqrt(1.0 + criterion.predicted(fit))
-        text += f", {rest:.1f} on motions left out in turn"
+        text += f", {rest:.1f} on motions not seen"
     return text

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,8 +45,7 @@ def _are_same(first, second) -> bool:
     )
 
 
-@dataclass(frozen=True)
-class Confirmation:
+class Confirmation(NamedTuple):
     """What validation runs leave of a verdict.
 
     Attributes:
@@ -115,7 +115,8 @@ def _judge(criterion, verdict, fits, compared, closed) -> Verdict:
                 ),
             )
     # More than what is left on the fit runs, as a gap is more than the level.
-    left = criterion.left(verdict.winner or criterion.nominal)
+    misfit = criterion.misfit(verdict.winner or criterion.nominal)
+    left = max(0.0, misfit - criterion.least) + criterion.level
     most = np.sqrt(1.0 + BEYOND_LEVEL * left)
     if not verdict.gap and after > most:
         return contradict(

@@ -21,12 +21,13 @@ from brace_drake.identification.least_squares import (
     calc_triangle,
     step_within,
 )
+from brace_drake.identification.numbers.reweigh import variance_along
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.sensitivities import calc_sensitivities
 
 _STEPS = 10
-# Parts of a step that are tried; one that takes less than this share of the sum
-# of squares is the last.
+# Parts of a step that are tried; one that takes less than this share of what is
+# minimised is the last.
 _PARTS, _END = (1.0, 0.5, 0.25), 0.02
 
 
@@ -44,21 +45,23 @@ def fit_numbers_along(
     """
     problem = CandidateProblem(evaluator, fit.effects, fit.values, fit.spread)
     z, jacobian = fit.solution.z, fit.solution.jacobian
-    (residual,) = problem.batch([z])
+    jacobian = calc_sensitivities(problem, z) if is_anew else jacobian
+    plain = problem.coloured(jacobian)
+    (residual,) = problem.batch([z], white=False)
     if residual is None:
         return None
-    if is_anew:
-        jacobian = calc_sensitivities(problem, z)
-    steps = 0
+    steps, before = 0, problem.tolerances.noise
     while steps < _STEPS:
-        moved = _step(problem, z, residual, jacobian)
+        moved = _step(problem, z, residual, plain)
         if moved is None:
             break
-        steps, before = steps + 1, residual @ residual
-        problem, z, residual = moved
-        if residual @ residual > (1.0 - _END) * before:
+        steps, (problem, z, residual, taken) = steps + 1, moved
+        if taken < _END:
             break
-    end = LeastSquaresSolution(z, residual, jacobian, steps, True)
+    problem = problem.beside_noise(before)
+    white = _whitened(problem, residual)
+    jacobian = problem.whitened(plain)
+    end = LeastSquaresSolution(z, white, jacobian, steps, True)
     fit = replace(finish_fit(problem, end), refined=True)
     return check_fit(evaluator, fit)
 
@@ -68,21 +71,47 @@ def _step(
     z: np.ndarray,
     residual: np.ndarray,
     jacobian: np.ndarray,
-) -> tuple[CandidateProblem, np.ndarray, np.ndarray] | None:
+) -> tuple[CandidateProblem, np.ndarray, np.ndarray, float] | None:
     """The largest part of a step that takes anything: the problem with its
-    numbers moved, z and the residual there; None where none does.
+    numbers moved, z, the residual there, and the share that it takes; None
+    where none does.
+
+    Minimised are the squares of the residual and v times those of the numbers
+    in tolerances, where v is the variance of all else along them.
     """
+    evaluator = problem.evaluator
+    known, rows = problem.tolerances, residual[: evaluator.ends[-1]]
+    level = evaluator.noise_level(problem.split(z)[1]) * evaluator.count
+    along = known.basis.T @ known.around_zero(rows)
+    noise = variance_along(known, along, float(rows @ rows) - level)
+    problem = problem.beside_noise(noise)
+    known = problem.tolerances
+
+    def cost_of(residual, off):
+        return float(residual @ residual) + noise * float(off @ off)
+
+    white = _whitened(problem, residual)
+    slopes = problem.whitened(jacobian)
     limits = problem.lower, problem.upper, problem.radius
-    step = step_within(calc_triangle([jacobian, residual]), z, limits)
-    known, evaluator = problem.tolerances, problem.evaluator
-    cost = float(residual @ residual)
-    # What the fit leaves counts as noise.
-    noise = max(known.noise, cost / evaluator.count)
-    left = (residual + jacobian @ step)[: evaluator.ends[-1]]
+    step = step_within(calc_triangle([slopes, white]), z, limits)
+    left = (white + slopes @ step)[: evaluator.ends[-1]]
     way = known.estimate(known.along(left), noise) - known.off
+    cost = cost_of(residual, known.off)
     for part in _PARTS:
         there = problem.with_numbers(known.off + part * way)
-        (moved,) = there.batch([z + part * step])
-        if moved is not None and moved @ moved < cost:
-            return there, z + part * step, moved
+        (moved,) = there.batch([z + part * step], white=False)
+        if moved is None:
+            continue
+        after = cost_of(moved, there.tolerances.off)
+        if after < cost:
+            return there, z + part * step, moved, 1.0 - after / cost
     return None
+
+
+def _whitened(problem: CandidateProblem, residual: np.ndarray) -> np.ndarray:
+    """A residual as it were with all numbers at 0, whitened of tolerances; the
+    prior's rows as they are.
+    """
+    n = problem.evaluator.ends[-1]
+    rows = problem.tolerances.around_zero(residual[:n])
+    return problem.whitened(np.append(rows, residual[n:]))

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.devices.stretch import noise_along
+from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 
@@ -21,8 +22,7 @@ from brace_drake.identification.fits import CandidateFit
 def noise_left(evaluator: Evaluator, fit: CandidateFit) -> float:
     """Variance that a fit leaves along its numbers, at least 1.
 
-    As it shows along them, and no less than if all that is left once the
-    numbers are where they are likeliest lay along them.
+    What is left once the numbers are where they are likeliest.
     """
     known = fit.tolerances
     whitened = fit.solution.residual[: evaluator.ends[-1]]
@@ -30,9 +30,22 @@ def noise_left(evaluator: Evaluator, fit: CandidateFit) -> float:
     off = known.estimate(along, known.noise)
     rest = known.colour(whitened) + known.basis @ (known.columns @ off)
     level = evaluator.noise_level(fit.uses) * evaluator.count
-    excess = max(0.0, float(rest @ rest) - level)
-    shown = noise_along(known, along)
-    return max(shown, 1.0 + excess / len(known.nuisances))
+    return variance_along(known, along, float(rest @ rest) - level)
+
+
+def variance_along(
+    known: LinearTolerances, along: np.ndarray, excess: float
+) -> float:
+    """Variance of all else along numbers: as it shows along most of them, and
+    no less than if all that is left lay there.
+
+    Args:
+        known: The numbers.
+        along: Residual with all of them at 0, in their basis (k,).
+        excess: Sum of squares above noise that is left.
+    """
+    least = 1.0 + max(0.0, excess) / len(known.nuisances)
+    return max(noise_along(known, along), least)
 
 
 def reweigh(

@@ -15,6 +15,7 @@ import math
 from collections.abc import Sequence
 
 from brace_drake.core.errors import BraceError
+from brace_drake.core.progress import part_of
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
@@ -55,6 +56,9 @@ from brace_drake.selection.search.within import (
 )
 from brace_drake.selection.tolerated import left_by
 
+# Of the progress: sets of one effect, of two, of three.
+_SHARES = (0.0, 0.4), (0.4, 0.85), (0.85, 1.0)
+
 
 def search_causes(
     evaluator: Evaluator, criterion: Criterion, say: Say
@@ -71,7 +75,7 @@ def search_causes(
     known: list[CandidateFit] = []
     beam, ranked = [criterion.nominal], [criterion.nominal]
     for number in range(1, thresholds.MOST_EFFECTS + 1):
-        part = _part(say, number)
+        part = part_of(say, *_SHARES[number - 1])
         earlier = refined(known)
         for base in beam:
             known += _beside(evaluator, criterion, base, few, known, part)
@@ -101,7 +105,7 @@ def search_causes(
     many = [e for e in effects if e.is_flexible]
     none = next(f for f in ranked if not criterion.findings(f))
     bases = [none] if ranked[0] is none else [none, ranked[0]]
-    part = _part(say, thresholds.MOST_EFFECTS)
+    part = part_of(say, *_SHARES[-1])
     for base in bases:
         known += _beside(evaluator, criterion, base, many, known, part)
     # Where one of them is the best, others may be needless or take the rest.
@@ -277,8 +281,3 @@ def _backward(
         if less is not None and less.step(lines, thresholds.STEPS, own=True):
             found.append(try_refine(evaluator, less.fit()))
     return found
-
-
-def _part(say: Say, number: int) -> Say:
-    begin, end = [(0.0, 0.4), (0.4, 0.85), (0.85, 1.0)][number - 1]
-    return lambda what, share: say(what, begin + (end - begin) * share)

@@ -136,7 +136,7 @@ def _refit_along(
         if number > 0 and not _linearise(evaluator, best, nuisances, off):
             break
         moved = fit_numbers_along(evaluator, best, is_anew=number > 0)
-        if moved is None or (best.refined and moved.excess > best.excess):
+        if moved is None:
             break
         small = moved.excess > thresholds.WORTH_A_ROUND * best.excess
         best = moved
