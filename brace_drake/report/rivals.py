@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from brace_drake.report.cards import name_of, parts_of
-from brace_drake.report.words import parameter_row, percent, to_number
+from brace_drake.report.words import (
+    NOTHING,
+    parameter_row,
+    percent,
+    to_number,
+)
 
 
 def view_causes(causes: list[dict], verdict: dict) -> dict:
@@ -22,7 +27,8 @@ def _row(cause: dict, causes: list[dict]) -> dict:
     """
     share = percent(cause["explained"])
     if not cause["converged"]:
-        share = f"≥ {share}"
+        # At least nothing says nothing.
+        share = NOTHING if share == "0 %" else f"≥ {share}"
     same = [c for c in causes if c["same_as"] == cause["effect"]]
     return cause | {
         "parameters": [parameter_row(p) for p in cause["parameters"]],
