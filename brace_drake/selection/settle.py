@@ -13,12 +13,9 @@ import numpy as np
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.tolerances import UsesOff, sizes_off
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import (
-    CandidateFit,
-    correct_fit,
-    fit_effects,
-)
+from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.held_out import check_fit, estimate_off
+from brace_drake.identification.numbers.numbers_along import correct_along
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
@@ -55,7 +52,7 @@ def settle(
         again = best
         if not best.is_settled:
             again = refit_within(evaluator, best, criterion.nuisances)
-        again = check_fit(evaluator, correct_fit(evaluator, again))
+        again = check_fit(evaluator, correct_along(evaluator, again))
         fits = [again if f is best else f for f in fits]
         ended.append(again)
         simpler = _simplify(evaluator, criterion, again, fits)
@@ -98,7 +95,7 @@ def _simplify(
         # Its twin breaks down.
         return None
     fit = refit_within(evaluator, fit, criterion.nuisances)
-    return check_fit(evaluator, correct_fit(evaluator, fit))
+    return check_fit(evaluator, correct_along(evaluator, fit))
 
 
 def set_within(

@@ -14,14 +14,22 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import CandidateFit, finish_fit
+from brace_drake.identification.fits import (
+    CandidateFit,
+    correct_fit,
+    finish_fit,
+)
 from brace_drake.identification.held_out import check_fit
 from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
     calc_triangle,
     step_within,
 )
-from brace_drake.identification.numbers.reweigh import variance_along
+from brace_drake.identification.numbers.reweigh import (
+    noise_left,
+    reweigh,
+    variance_along,
+)
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.sensitivities import calc_sensitivities
 
@@ -35,6 +43,8 @@ def fit_numbers_along(
     evaluator: Evaluator, fit: CandidateFit, is_anew: bool
 ) -> CandidateFit | None:
     """A fit led on with its numbers; None where the twin breaks down.
+
+    At its end the numbers are weighed beside the noise of the readings alone.
 
     Args:
         evaluator: Over the fit runs, its tolerances linearised with numbers
@@ -50,7 +60,7 @@ def fit_numbers_along(
     (residual,) = problem.batch([z], white=False)
     if residual is None:
         return None
-    steps, before = 0, problem.tolerances.noise
+    steps = 0
     while steps < _STEPS:
         moved = _step(problem, z, residual, plain)
         if moved is None:
@@ -58,12 +68,30 @@ def fit_numbers_along(
         steps, (problem, z, residual, taken) = steps + 1, moved
         if taken < _END:
             break
-    problem = problem.beside_noise(before)
+    problem = problem.beside_noise(1.0)
     white = _whitened(problem, residual)
     jacobian = problem.whitened(plain)
     end = LeastSquaresSolution(z, white, jacobian, steps, True)
     fit = replace(finish_fit(problem, end), refined=True)
     return check_fit(evaluator, fit)
+
+
+def correct_along(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
+    """A fit as `correct_fit` leaves it, with its numbers weighed beside what
+    it leaves: beside noise alone, a part of that would be taken for theirs.
+
+    Args:
+        evaluator: Over the fit runs; it has the tolerances of the fit.
+        fit: That was searched.
+    """
+    before = evaluator.tolerances
+    if before is None or fit.tolerances is None or not fit.is_dithered:
+        return correct_fit(evaluator, fit)
+    noise = noise_left(evaluator, fit)
+    evaluator.tolerances = before.beside_noise(noise)
+    corrected = correct_fit(evaluator, reweigh(evaluator, fit, noise))
+    evaluator.tolerances = before
+    return reweigh(evaluator, corrected, fit.tolerances.noise)
 
 
 def _step(

@@ -130,9 +130,6 @@ def _refit_along(
     stands = known is not None and known.off is not None
     off = np.zeros(len(nuisances))
     for number in range(0 if stands else 1, _ROUNDS + 1):
-        if stands and best.tolerances.noise > 1.0:
-            best = reweigh(evaluator, best, noise_left(evaluator, best))
-            set_out(evaluator, best)
         if number > 0 and not _linearise(evaluator, best, nuisances, off):
             break
         moved = fit_numbers_along(evaluator, best, is_anew=number > 0)
@@ -147,7 +144,9 @@ def _refit_along(
     if best.spread is None:
         return best
     # Many alike parameters have moved: so has the spread that they show.
-    again = try_refine(evaluator, best)
+    noise = noise_left(evaluator, best)
+    evaluator.tolerances = evaluator.tolerances.beside_noise(noise)
+    again = reweigh(evaluator, try_refine(evaluator, best), 1.0)
     return again if again.excess <= best.excess else best
 
 
