@@ -4,7 +4,13 @@ Where the twin is not linear in its numbers, as in anchors where drives stick,
 a linear fit leaves what they do beyond it. Here the numbers are fitted together
 with the parameters: Gauss-Newton in all of them with the columns kept (the
 chord method; Kelley, Solving Nonlinear Equations with Newton's Method, SIAM
-2003), and the twin replayed with the fitted numbers.
+2003), and the twin replayed with the fitted numbers. Minimised is
+
+    |r(z, t)|^2 + v |t|^2
+
+over parameters z and numbers t in tolerances, where r is the residual of the
+twin as it stands and v the variance of what it leaves along the numbers: with
+1 in its place they would take what the twin's laws are not exact to.
 """
 
 from __future__ import annotations
