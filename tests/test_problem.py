@@ -116,6 +116,12 @@ class TestProblem(unittest.TestCase):
         np.testing.assert_allclose(problem.prior_rows(z), 0.5)
         rows = problem.prior_jacobian() @ z
         np.testing.assert_allclose(rows, problem.prior_rows(z))
+        # Beside 8 squares that a fit leaves for each of them, the rows are
+        # three times what they are beside noise alone.
+        problem.weigh_alike(8.0 * 36)
+        np.testing.assert_allclose(problem.prior_rows(z), 1.5)
+        problem.weigh_alike()
+        np.testing.assert_allclose(problem.prior_rows(z), 0.5)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
@@ -22,7 +23,10 @@ from brace_drake.scenario.brace import BenchScenario
 from brace_drake.selection import thresholds
 from brace_drake.selection.level import make_criterion
 from brace_drake.selection.search.candidate import with_one_more
-from brace_drake.selection.search.friction import fit_friction
+from brace_drake.selection.search.friction import (
+    fit_behind_joints,
+    fit_friction,
+)
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.within import (
     refit_alone,
@@ -258,6 +262,21 @@ class TestBenchWithinTolerances(unittest.TestCase):
         for name, delta in (("ring_mass_kg", 0.1), ("force_scale", 0.2)):
             size = next(n for n in nuisances if n.name == name).deviation
             self.assertAlmostEqual(off[name], drawn[name] / size, delta=delta)
+
+    def test_friction_is_told_to_stick_behind_a_leg_that_gives_way(self):
+        true = np.array([7.5e-5, 0.07])
+        joint = find_effect("leg_compliance (dry friction)")
+        device, _, evaluator = drawn_bench(0.0, (joint, true))
+        nuisances = device.tolerances()
+        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
+        criterion = make_criterion(evaluator, nominal, nuisances)
+        card = find_effect("coulomb_friction (without creep)")
+        ring = fit_effects(evaluator, [card], [true[1:]])
+        found = fit_behind_joints(Linearisation(evaluator, ring), criterion)
+        fit = min(found, key=lambda f: f.excess)
+        self.assertEqual(fit.name, joint.key)
+        self.assertLess(fit.excess, 0.2 * ring.excess)
+        np.testing.assert_allclose(fit.values[0] / true, 1.0, atol=0.2)
 
     def test_a_gain_is_found_where_numbers_were_stretched_to_take_its_place(
         self,

@@ -20,7 +20,12 @@ from brace_drake.identification.least_squares import (
     solve_gauss_newton,
     step_within,
 )
-from brace_drake.identification.prior_check import looks_scattered, refit_spread
+from brace_drake.identification.prior_check import (
+    excess_of,
+    looks_scattered,
+    shown_spread,
+    with_prior,
+)
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.sensitivities import calc_sensitivities
 
@@ -33,8 +38,9 @@ _NEAR, _END = 1e-3, 1e-5
 # of it is dear, and little beside what any twin is exact to.
 _NEAR_ROUGH, _ROUGH_STEPS, _LAST_ROUGH = 1e-2, 8, 1
 _MANY, _NEAR_OF_MANY, _END_OF_MANY = 12, 1e-2, 1e-3
-# A change of the common spread by less is none, in logarithms.
-_SAME_SPREAD = 0.05
+# A change of the common spread, or of what is left, by less is none, in
+# logarithms.
+_SAME_PRIOR = 0.05
 _SPREAD_ROUNDS = 3
 
 
@@ -147,18 +153,21 @@ def fit_effects(
         solution = search(problem, z, jacobian=jacobian)
         return _end(problem, finish_fit(problem, solution), is_compared)
     # Over dozens of parameters a Jacobian costs much; screening left one.
-    jacobian = start.solution.jacobian if is_fit else None
-    known = None
+    jacobian, known = start.solution.jacobian if is_fit else None, None
+    if is_fit and start.refined:
+        problem.weigh_alike(start.excess)
+        jacobian = with_prior(problem, start.solution).jacobian
     for _ in range(_SPREAD_ROUNDS):
         solution = search(problem, z, known, jacobian)
         z = solution.z
-        # The spread that they show; then search again from here.
-        change = np.log(shown_spread(problem, solution) / problem.spread)
-        problem.spread *= np.exp(change)
-        known = with_prior(problem, solution)
-        # The fit's rows of the prior are those of its spread.
-        solution = replace(solution, residual=known[0], jacobian=known[1])
-        if abs(change) < _SAME_SPREAD:
+        # The spread that they show, and what is left; then on from here.
+        before = problem.spread, problem.left
+        problem.spread = shown_spread(problem, solution)
+        problem.weigh_alike(excess_of(problem, solution))
+        solution = with_prior(problem, solution)
+        known = solution.residual, solution.jacobian
+        change = np.log([problem.spread, problem.left]) - np.log(before)
+        if np.max(np.abs(change)) < _SAME_PRIOR:
             break
     return _end(problem, finish_fit(problem, solution), is_compared)
 
@@ -167,8 +176,16 @@ def _end(
     problem: CandidateProblem, fit: CandidateFit, is_compared: bool
 ) -> CandidateFit:
     if problem.is_rough and is_compared:
-        return replace(fit, refined=True)
+        return _beside_noise(problem, replace(fit, refined=True))
     return correct_step(problem, fit)
+
+
+def _beside_noise(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
+    """A fit with the prior of alike parameters as beside noise alone."""
+    if not problem.has_spread:
+        return fit
+    problem.weigh_alike()
+    return replace(fit, solution=with_prior(problem, fit.solution))
 
 
 def correct_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
@@ -221,18 +238,6 @@ def search(
     )
 
 
-def with_prior(
-    problem: CandidateProblem, solution: LeastSquaresSolution
-) -> tuple[np.ndarray, np.ndarray]:
-    """Residual and Jacobian of a solution with the prior as it is now."""
-    rows = len(solution.residual) - problem.num_prior
-    residual = solution.residual.copy()
-    residual[rows:] = problem.prior_rows(solution.z)
-    jacobian = solution.jacobian.copy()
-    jacobian[rows:] = problem.prior_jacobian()
-    return residual, jacobian
-
-
 def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     """Takes off a fit what the plant's step has put into its parameters.
 
@@ -241,28 +246,20 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     errors, at a small part of the cost of a fit at that step.
     """
     solution = fit.solution
+    if problem.has_spread:
+        problem.weigh_alike(fit.excess)
+        solution = with_prior(problem, solution)
     (residual,) = problem.batch([solution.z], fine=True)
     if residual is None:
-        return replace(fit, refined=True)
+        return _beside_noise(problem, replace(fit, refined=True))
     triangle = calc_triangle([solution.jacobian, residual])
     limits = problem.lower, problem.upper, problem.radius
     step = step_within(triangle, solution.z, limits)
     (moved,) = problem.batch([solution.z + step], fine=True)
-    if moved is None or moved @ moved > residual @ residual:
-        return replace(fit, refined=True)
-    corrected = replace(solution, z=solution.z + step, residual=moved)
-    return replace(finish_fit(problem, corrected), refined=True)
-
-
-def shown_spread(
-    problem: CandidateProblem, solution: LeastSquaresSolution
-) -> float:
-    """Spread that the alike parameters show, scaled, see `scatter`."""
-    triangle = calc_triangle([solution.jacobian])
-    inverse = np.linalg.pinv(triangle)
-    alike = problem.alike
-    rows = inverse[alike]
-    return refit_spread(solution.z[alike], rows @ rows.T, problem.spread)
+    if moved is not None and moved @ moved <= residual @ residual:
+        corrected = replace(solution, z=solution.z + step, residual=moved)
+        fit = finish_fit(problem, corrected)
+    return _beside_noise(problem, replace(fit, refined=True))
 
 
 def finish_fit(
@@ -276,8 +273,7 @@ def finish_fit(
     rows = len(solution.residual) - problem.num_prior
     residual = solution.residual[:rows]
     subject, uses = problem.split(solution.z)
-    level = evaluator.noise_level(uses, coarse)
-    excess = float(residual @ residual) - level * evaluator.count
+    excess = excess_of(problem, solution, coarse)
     known, spread = problem.tolerances, None
     stretch = 0.0 if known is None else stretch_of(known, residual)
     if problem.has_spread:

@@ -68,8 +68,9 @@ def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
     motions = motions_of(evaluator.prepared)
     if len(motions) < 2 or not fit.is_searched:
         return None
-    problem = CandidateProblem(evaluator, fit.effects, fit.values)
+    problem = CandidateProblem(evaluator, fit.effects, fit.values, fit.spread)
     z, jacobian = fit.solution.z, fit.solution.jacobian
+    problem.weigh_alike(fit.excess)
     # Places of the parameters that each run has of its own.
     own = [
         np.array(
@@ -89,9 +90,8 @@ def held_out_misfit(evaluator: Evaluator, fit: CandidateFit) -> float | None:
         triangle = calc_triangle([*columns, fit.solution.residual[rows]])
         triangles.append(triangle[len(mine) :, len(mine) :])
     # Rows of a prior are no run's.
-    last = evaluator.ends[-1]
     prior = np.column_stack(
-        [jacobian[last:, shared], fit.solution.residual[last:]]
+        [problem.prior_jacobian()[:, shared], problem.prior_rows(z)]
     )
     room = (
         np.maximum(problem.lower - z, -problem.radius)[shared],

@@ -9,10 +9,17 @@ predictive check; Gelman et al., Bayesian Data Analysis, chapter 6).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
+
+from brace_drake.identification.least_squares import (
+    LeastSquaresSolution,
+    calc_triangle,
+)
+from brace_drake.identification.problem import CandidateProblem
 
 if TYPE_CHECKING:
     from brace_drake.identification.fits import CandidateFit
@@ -80,10 +87,13 @@ def looks_scattered(fit: CandidateFit) -> bool:
     if len(places) == 0:
         return True
     jacobian = fit.solution.jacobian
-    posterior = np.linalg.pinv(jacobian.T @ jacobian, hermitian=True)
-    # What the twin leaves beyond noise makes its parameters less sure.
-    residual = fit.solution.residual[: len(jacobian) - fit.num_prior]
-    posterior *= max(1.0, float(np.mean(residual**2)))
+    rows = len(jacobian) - fit.num_prior
+    # What the twin leaves beyond noise makes its parameters less sure, as if
+    # all of it lay along them.
+    left = 1.0 + max(0.0, fit.excess) / len(places)
+    told, prior = jacobian[:rows], jacobian[rows:]
+    precision = told.T @ told / left + prior.T @ prior
+    posterior = np.linalg.pinv(precision, hermitian=True)
     sample = whiten(
         fit.solution.z[places],
         posterior[np.ix_(places, places)],
@@ -107,3 +117,40 @@ def _places(fit: CandidateFit) -> np.ndarray:
             return np.arange(at, at + count)
         at += count
     return np.zeros(0, dtype=int)
+
+
+def with_prior(
+    problem: CandidateProblem, solution: LeastSquaresSolution
+) -> LeastSquaresSolution:
+    """A solution with the rows of the prior as it is now."""
+    rows = len(solution.residual) - problem.num_prior
+    residual = solution.residual.copy()
+    residual[rows:] = problem.prior_rows(solution.z)
+    jacobian = solution.jacobian.copy()
+    jacobian[rows:] = problem.prior_jacobian()
+    return replace(solution, residual=residual, jacobian=jacobian)
+
+
+def shown_spread(
+    problem: CandidateProblem, solution: LeastSquaresSolution
+) -> float:
+    """Spread that the alike parameters show, scaled, see `scatter`."""
+    triangle = calc_triangle([solution.jacobian])
+    inverse = np.linalg.pinv(triangle)
+    alike = problem.alike
+    rows = inverse[alike]
+    posterior = problem.left * rows @ rows.T
+    return refit_spread(solution.z[alike], posterior, problem.spread)
+
+
+def excess_of(
+    problem: CandidateProblem,
+    solution: LeastSquaresSolution,
+    coarse: bool = False,
+) -> float:
+    """Sum of squares above noise, rows of the prior left out."""
+    evaluator = problem.evaluator
+    rows = len(solution.residual) - problem.num_prior
+    residual = solution.residual[:rows]
+    level = evaluator.noise_level(problem.split(solution.z)[1], coarse)
+    return float(residual @ residual) - level * evaluator.count

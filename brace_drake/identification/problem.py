@@ -43,6 +43,7 @@ class CandidateProblem:
         sticks_little: Whether all that it dithers is within tolerances.
         groups: Places of parameters that are differenced at once.
         num_prior: Rows that the prior adds.
+        left: Variance of what is left along alike parameters.
         tolerances: Of numbers that the effects do not stand for.
         off: Effects that put those numbers to where they are linearised.
 
@@ -116,6 +117,7 @@ class CandidateProblem:
                 self.alike[at : at + len(moved)] = True
             at += len(moved)
         self.has_spread = bool(self.alike.any())
+        self.left = 1.0
         self.spread = _FIRST_SPREAD
         if spread is not None and self.has_spread:
             self.spread = spread / self.spread_scale
@@ -173,7 +175,17 @@ class CandidateProblem:
     @spread.setter
     def spread(self, value: float) -> None:
         self._spread = value
-        self._weights[self.alike] = 1.0 / value
+        self._weights[self.alike] = np.sqrt(self.left) / value
+
+    def weigh_alike(self, excess: float = 0.0) -> None:
+        """Weighs the prior of alike parameters beside what a fit leaves above
+        noise, a sum of squares, as if all of it lay along them: what the twin
+        has not is not theirs. 0: beside the noise alone.
+        """
+        if self.has_spread:
+            number = np.count_nonzero(self.alike)
+            self.left = 1.0 + max(0.0, excess) / number
+            self.spread = self._spread
 
     def is_rough_at(self, place: int) -> bool:
         """Whether noise dithers the effect that a parameter is of."""
@@ -279,16 +291,6 @@ class CandidateProblem:
             return rows
         n = self.evaluator.ends[-1]
         return np.concatenate([self.tolerances.whiten(rows[:n]), rows[n:]])
-
-    def whitened_runs(self, rows: np.ndarray) -> np.ndarray:
-        """What coloured rows have in each run alone, whitened (rows, runs)."""
-        ends = self.evaluator.ends
-        if self.tolerances is not None:
-            return self.tolerances.whiten_pieces(rows, ends)
-        out = np.zeros((len(rows), len(ends)))
-        for k, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
-            out[begin:end, k] = rows[begin:end]
-        return out
 
     def coloured(self, rows: np.ndarray) -> np.ndarray:
         """The inverse of `whitened`."""

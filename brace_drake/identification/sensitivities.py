@@ -88,6 +88,17 @@ def _differences(
         if len(group) == 1:
             yield group[0], change / steps[group[0]]
             continue
-        apart = problem.whitened_runs(problem.coloured(change))
+        apart = _whitened_runs(problem, problem.coloured(change))
         for i, column in zip(group, apart.T, strict=True):
             yield i, column / steps[i]
+
+
+def _whitened_runs(problem: CandidateProblem, rows: np.ndarray) -> np.ndarray:
+    """What coloured rows have in each run alone, whitened (rows, runs)."""
+    ends = problem.evaluator.ends
+    if problem.tolerances is not None:
+        return problem.tolerances.whiten_pieces(rows, ends)
+    out = np.zeros((len(rows), len(ends)))
+    for k, (begin, end) in enumerate(zip([0, *ends], ends, strict=False)):
+        out[begin:end, k] = rows[begin:end]
+    return out

@@ -36,6 +36,7 @@ from brace_drake.identification.numbers.reweigh import (
     reweigh,
     variance_along,
 )
+from brace_drake.identification.prior_check import with_prior
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.sensitivities import calc_sensitivities
 
@@ -78,6 +79,9 @@ def fit_numbers_along(
     white = _whitened(problem, residual)
     jacobian = problem.whitened(plain)
     end = LeastSquaresSolution(z, white, jacobian, steps, True)
+    if problem.has_spread:
+        problem.weigh_alike()
+        end = with_prior(problem, end)
     fit = replace(finish_fit(problem, end), refined=True)
     return check_fit(evaluator, fit)
 
@@ -117,9 +121,14 @@ def _step(
     known, rows = problem.tolerances, residual[: evaluator.ends[-1]]
     level = evaluator.noise_level(problem.split(z)[1]) * evaluator.count
     along = known.basis.T @ known.around_zero(rows)
-    noise = variance_along(known, along, float(rows @ rows) - level)
+    excess = float(rows @ rows) - level
+    noise = variance_along(known, along, excess)
     problem = problem.beside_noise(noise)
     known = problem.tolerances
+    if problem.has_spread:
+        problem.weigh_alike(excess)
+        residual = np.append(rows, problem.prior_rows(z))
+        jacobian = np.vstack([jacobian[: len(rows)], problem.prior_jacobian()])
 
     def cost_of(residual, off):
         return float(residual @ residual) + noise * float(off @ off)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
-from brace_drake.effects.stack import behind_joints
+from brace_drake.effects.stack import Use, behind_joints
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
@@ -74,6 +74,48 @@ def fit_friction(
     return [f for f in fits if f.excess < lines.base.excess]
 
 
+def fit_behind_joints(
+    lines: Linearisation, criterion: Criterion
+) -> list[CandidateFit]:
+    """A fit with its dry friction behind a joint that gives way, which it has
+    not yet: beside friction at the ring such a joint explains nothing. Refined,
+    where that leaves much less.
+
+    Args:
+        lines: At a fit with dry friction.
+        criterion: Of the campaign.
+    """
+    base, evaluator = lines.base, lines.evaluator
+    most, found = thresholds.WORTH_A_SET * base.excess, []
+    for i, (card, values) in enumerate(base.uses):
+        if not card.dithered or card.contains:
+            continue
+        rest = (*base.uses[:i], *base.uses[i + 1 :])
+        for form in evaluator.effects:
+            uses = _joints(form, card, values)
+            if any(form.name == e.name for e, _ in rest) or not uses:
+                continue
+            best = _stepped(lines, [_made(lines, (*rest, u)) for u in uses])
+            fit = best and best.fit()
+            if fit is not None and fit.excess < most:
+                fit = refit_within(evaluator, fit, criterion.nuisances)
+                found.append(fit)
+    return found
+
+
+def _joints(
+    form: Effect, friction: Effect, values: np.ndarray
+) -> list[tuple[Effect, np.ndarray]]:
+    """A joint at its starts, with friction behind it; none where the form is
+    none for it.
+    """
+    own = len(form.parameters) - len(values)
+    if friction.name not in form.contains or own < 1:
+        return []
+    starts = {tuple(start[:own]) for start in form.starts()}
+    return [(form, np.append(start, values)) for start in sorted(starts)]
+
+
 def _stepped(
     lines: Linearisation, begun: Sequence[Candidate | None]
 ) -> Candidate | None:
@@ -92,13 +134,11 @@ def _behind_joints(
     behind a joint that gives way does not stick to the ring.
     """
     base, forms = lines.base, lines.evaluator.effects
-    begun = [
-        make_candidate(
-            lines,
-            [effect for effect, _ in uses],
-            [values for _, values in uses],
-            base.subject,
-        )
-        for uses in behind_joints(base.uses, card, start, forms)
-    ]
+    sets = behind_joints(base.uses, card, start, forms)
+    begun = [_made(lines, uses) for uses in sets]
     return [c for c in begun if c is not None]
+
+
+def _made(lines: Linearisation, uses: Sequence[Use]) -> Candidate | None:
+    effects, values = zip(*uses, strict=True)
+    return make_candidate(lines, effects, values, lines.base.subject)

@@ -24,7 +24,10 @@ from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.candidate import make_candidate
-from brace_drake.selection.search.friction import fit_friction
+from brace_drake.selection.search.friction import (
+    fit_behind_joints,
+    fit_friction,
+)
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import search_richer
 from brace_drake.selection.search.screening import (
@@ -110,9 +113,13 @@ def search_causes(
         known += _beside(evaluator, criterion, base, many, known, part)
     # Where one of them is the best, others may be needless or take the rest.
     best = _best(criterion, none, known)
-    if best.is_flexible:
+    while best.is_flexible:
         number = len(criterion.findings(best))
         known += _backward(evaluator, criterion, known, number)
+        before, best = best, _best(criterion, none, known)
+        if best is before:
+            break
+    if best.is_flexible:
         known += _beside(evaluator, criterion, best, few, known, part)
     return known
 
@@ -142,6 +149,12 @@ def _beside(
         is_within = criterion.named(best) == criterion.named(base)
         if is_within and best.excess < thresholds.WORTH_A_SET * base.excess:
             base = best
+        sticks = base is best and any(e.dithered for e in base.effects)
+        if sticks and not _is_end(evaluator, criterion, best):
+            set_out(evaluator, base)
+            here = Linearisation(evaluator, base)
+            found += fit_behind_joints(here, criterion)
+            best = _best(criterion, base, found)
         if _is_end(evaluator, criterion, best):
             set_out(evaluator, base)
             return found
