@@ -48,8 +48,8 @@ class WeighedRuns:
 
     prepared, count = [None], 1000
 
-    def noise_level(self, uses):
-        return 1.0
+    def excess(self, rows, uses):
+        return float(rows @ rows) - self.count
 
     def weighted_residuals(self, points):
         return [

@@ -38,6 +38,13 @@ def stretch_of(
     return float(np.max(np.abs(_moved(known, along, noise))))
 
 
+def variance_over(excess: float, number: int) -> float:
+    """Variance of noise and of squares above it, if all of these lay along so
+    many numbers or parameters.
+    """
+    return 1.0 + max(0.0, excess) / number
+
+
 def noise_along(known: LinearTolerances, along: np.ndarray) -> float:
     """Variance of noise and of what else there is along the numbers, at least
     1.

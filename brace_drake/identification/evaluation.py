@@ -265,6 +265,12 @@ class Evaluator:
         size = len(points)
         return [weighed[i : i + size] for i in range(0, len(weighed), size)]
 
+    def excess(
+        self, rows: np.ndarray, uses: Sequence[Use], coarse: bool = False
+    ) -> float:
+        """Squares above noise of the weighted residual of all runs (rows,)."""
+        return float(rows @ rows) - self.noise_level(uses, coarse) * self.count
+
     def noise_level(self, uses: Sequence[Use], coarse: bool = False) -> float:
         """Expected square of a weighted residual of noise alone.
 

@@ -21,7 +21,7 @@ from brace_drake.identification.least_squares import (
     step_within,
 )
 from brace_drake.identification.prior_check import (
-    excess_of,
+    beside_noise,
     looks_scattered,
     shown_spread,
     with_prior,
@@ -115,6 +115,13 @@ class CandidateFit:
         }
         vars(self).update(derived)
 
+    @property
+    def may_win(self) -> bool:
+        """Whether it was led to its end, and its alike parameters are a draw
+        from one law.
+        """
+        return self.refined and self.is_scattered
+
     @cached_property
     def is_scattered(self) -> bool:
         """Whether its alike parameters may be a sample of their prior."""
@@ -163,7 +170,9 @@ def fit_effects(
         # The spread that they show, and what is left; then on from here.
         before = problem.spread, problem.left
         problem.spread = shown_spread(problem, solution)
-        problem.weigh_alike(excess_of(problem, solution))
+        rows = solution.residual[: evaluator.ends[-1]]
+        excess = evaluator.excess(rows, problem.split(z)[1])
+        problem.weigh_alike(excess)
         solution = with_prior(problem, solution)
         known = solution.residual, solution.jacobian
         change = np.log([problem.spread, problem.left]) - np.log(before)
@@ -176,16 +185,8 @@ def _end(
     problem: CandidateProblem, fit: CandidateFit, is_compared: bool
 ) -> CandidateFit:
     if problem.is_rough and is_compared:
-        return _beside_noise(problem, replace(fit, refined=True))
+        return beside_noise(problem, replace(fit, refined=True))
     return correct_step(problem, fit)
-
-
-def _beside_noise(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
-    """A fit with the prior of alike parameters as beside noise alone."""
-    if not problem.has_spread:
-        return fit
-    problem.weigh_alike()
-    return replace(fit, solution=with_prior(problem, fit.solution))
 
 
 def correct_fit(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
@@ -251,7 +252,7 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
         solution = with_prior(problem, solution)
     (residual,) = problem.batch([solution.z], fine=True)
     if residual is None:
-        return _beside_noise(problem, replace(fit, refined=True))
+        return beside_noise(problem, replace(fit, refined=True))
     triangle = calc_triangle([solution.jacobian, residual])
     limits = problem.lower, problem.upper, problem.radius
     step = step_within(triangle, solution.z, limits)
@@ -259,7 +260,7 @@ def correct_step(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
     if moved is not None and moved @ moved <= residual @ residual:
         corrected = replace(solution, z=solution.z + step, residual=moved)
         fit = finish_fit(problem, corrected)
-    return _beside_noise(problem, replace(fit, refined=True))
+    return beside_noise(problem, replace(fit, refined=True))
 
 
 def finish_fit(
@@ -273,7 +274,7 @@ def finish_fit(
     rows = len(solution.residual) - problem.num_prior
     residual = solution.residual[:rows]
     subject, uses = problem.split(solution.z)
-    excess = excess_of(problem, solution, coarse)
+    excess = evaluator.excess(residual, uses, coarse)
     known, spread = problem.tolerances, None
     stretch = 0.0 if known is None else stretch_of(known, residual)
     if problem.has_spread:

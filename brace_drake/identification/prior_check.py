@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
+from brace_drake.devices.stretch import variance_over
 from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
     calc_triangle,
@@ -88,9 +89,8 @@ def looks_scattered(fit: CandidateFit) -> bool:
         return True
     jacobian = fit.solution.jacobian
     rows = len(jacobian) - fit.num_prior
-    # What the twin leaves beyond noise makes its parameters less sure, as if
-    # all of it lay along them.
-    left = 1.0 + max(0.0, fit.excess) / len(places)
+    # What the twin leaves beyond noise makes its parameters less sure.
+    left = variance_over(fit.excess, len(places))
     told, prior = jacobian[:rows], jacobian[rows:]
     precision = told.T @ told / left + prior.T @ prior
     posterior = np.linalg.pinv(precision, hermitian=True)
@@ -131,6 +131,14 @@ def with_prior(
     return replace(solution, residual=residual, jacobian=jacobian)
 
 
+def beside_noise(problem: CandidateProblem, fit: CandidateFit) -> CandidateFit:
+    """A fit with the prior of alike parameters as beside noise alone."""
+    if not problem.has_spread:
+        return fit
+    problem.weigh_alike()
+    return replace(fit, solution=with_prior(problem, fit.solution))
+
+
 def shown_spread(
     problem: CandidateProblem, solution: LeastSquaresSolution
 ) -> float:
@@ -141,16 +149,3 @@ def shown_spread(
     rows = inverse[alike]
     posterior = problem.left * rows @ rows.T
     return refit_spread(solution.z[alike], posterior, problem.spread)
-
-
-def excess_of(
-    problem: CandidateProblem,
-    solution: LeastSquaresSolution,
-    coarse: bool = False,
-) -> float:
-    """Sum of squares above noise, rows of the prior left out."""
-    evaluator = problem.evaluator
-    rows = len(solution.residual) - problem.num_prior
-    residual = solution.residual[:rows]
-    level = evaluator.noise_level(problem.split(solution.z)[1], coarse)
-    return float(residual @ residual) - level * evaluator.count

@@ -8,6 +8,7 @@ from copy import copy
 import numpy as np
 
 from brace_drake.devices.replays import without_dither
+from brace_drake.devices.stretch import variance_over
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import Evaluator
@@ -178,13 +179,12 @@ class CandidateProblem:
         self._weights[self.alike] = np.sqrt(self.left) / value
 
     def weigh_alike(self, excess: float = 0.0) -> None:
-        """Weighs the prior of alike parameters beside what a fit leaves above
-        noise, a sum of squares, as if all of it lay along them: what the twin
-        has not is not theirs. 0: beside the noise alone.
+        """Weighs the prior of alike parameters beside squares that a fit
+        leaves above noise: what the twin has not is not theirs.
         """
         if self.has_spread:
             number = np.count_nonzero(self.alike)
-            self.left = 1.0 + max(0.0, excess) / number
+            self.left = variance_over(excess, number)
             self.spread = self._spread
 
     def is_rough_at(self, place: int) -> bool:

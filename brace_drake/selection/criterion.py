@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brace_drake.devices.declaration import Nuisance
-from brace_drake.devices.stretch import stretch_of
+from brace_drake.devices.stretch import stretch_of, variance_over
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
@@ -93,7 +93,7 @@ class Criterion:
         """The same, with the noise that the best of fits shows: what a right
         twin leaves more than it is no more than it is exact to.
         """
-        known = (f for f in fits if f.refined and f.is_scattered)
+        known = (f for f in fits if f.may_win)
         best = min((max(self.misfits(f)) for f in known), default=0.0)
         return replace(self, least=min(0.0, best + thresholds.TRUST))
 
@@ -152,7 +152,7 @@ class Criterion:
         if known is None or more <= 0.0:
             return fit.stretch
         rows = len(fit.solution.residual) - fit.num_prior
-        least = 1.0 + more * self.count / len(known.nuisances)
+        least = variance_over(more * self.count, len(known.nuisances))
         return stretch_of(known, fit.solution.residual[:rows], least)
 
     def farthest(self, fit: CandidateFit) -> float:

@@ -39,7 +39,7 @@ def rank(criterion: Criterion, fits: Sequence[CandidateFit]) -> list[Ranked]:
     stretched numbers too: then what they are stretched to counts for none.
     """
     best: dict[frozenset[str], CandidateFit] = {}
-    known = [f for f in fits if f.refined and f.is_scattered]
+    known = [f for f in fits if f.may_win]
     for fit in sorted(known, key=criterion.score):
         best.setdefault(criterion.named(fit), fit)
     ranked = [Ranked(f, criterion.score(f)) for f in best.values()]

@@ -28,22 +28,16 @@ def weigh_on_new_runs(
         validation: Over those runs.
         criterion, fits: Of the fit runs, numbers as far off as fits have them.
     """
-    able = [
-        f for f in [criterion.nominal, *fits] if f.refined and f.is_scattered
-    ]
     if not validation.prepared:
         return criterion, list(fits)
-    there = [
-        adapt_to_runs(validation, f) if f.has_run_parameters else f
-        for f in able
-    ]
+    able = [f for f in [criterion.nominal, *fits] if f.may_win]
+    there = [adapt_to_runs(validation, f) for f in able]
     points = [(f.subject, (*f.uses, *f.within)) for f in there]
     found = validation.weighted_residuals(points)
     weighed = {}
     for fit, (_, uses), rows in zip(able, points, found, strict=True):
         if rows is not None:
-            level = validation.noise_level(uses)
-            misfit = float(rows @ rows) / validation.count - level
+            misfit = validation.excess(rows, uses) / validation.count
             left_out = misfit if fit.held_out is None else fit.held_out
             unseen = 0.5 * (left_out + misfit)
             weighed[id(fit)] = replace(fit, held_out=unseen)

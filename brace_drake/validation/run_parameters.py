@@ -26,8 +26,10 @@ def adapt_to_runs(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
 
     Args:
         evaluator: Over other runs than those of the fit.
-        fit: With `run_parameters` in one of its effects at least.
+        fit: As it is where none of its effects has `run_parameters`.
     """
+    if not fit.has_run_parameters:
+        return fit
     shared = [v[: len(e.parameters)] for e, v in fit.uses]
     problem = CandidateProblem(evaluator, fit.effects, shared)
     z = problem.join(fit.subject, shared)

@@ -46,8 +46,7 @@ def repair_new_runs(
     Raises:
         BraceError: Its twin breaks down in one of them.
     """
-    if fit.has_run_parameters:
-        fit = adapt_to_runs(validation, fit)
+    fit = adapt_to_runs(validation, fit)
     return repair_runs(validation, compared, fit)
 
 

@@ -36,7 +36,7 @@ from brace_drake.identification.numbers.reweigh import (
     reweigh,
     variance_along,
 )
-from brace_drake.identification.prior_check import with_prior
+from brace_drake.identification.prior_check import beside_noise
 from brace_drake.identification.problem import CandidateProblem
 from brace_drake.identification.sensitivities import calc_sensitivities
 
@@ -62,11 +62,12 @@ def fit_numbers_along(
     """
     problem = CandidateProblem(evaluator, fit.effects, fit.values, fit.spread)
     z, jacobian = fit.solution.z, fit.solution.jacobian
-    jacobian = calc_sensitivities(problem, z) if is_anew else jacobian
-    plain = problem.coloured(jacobian)
     (residual,) = problem.batch([z], white=False)
     if residual is None:
         return None
+    if is_anew:
+        jacobian = calc_sensitivities(problem, z)
+    plain = problem.coloured(jacobian)
     steps = 0
     while steps < _STEPS:
         moved = _step(problem, z, residual, plain)
@@ -79,11 +80,8 @@ def fit_numbers_along(
     white = _whitened(problem, residual)
     jacobian = problem.whitened(plain)
     end = LeastSquaresSolution(z, white, jacobian, steps, True)
-    if problem.has_spread:
-        problem.weigh_alike()
-        end = with_prior(problem, end)
     fit = replace(finish_fit(problem, end), refined=True)
-    return check_fit(evaluator, fit)
+    return check_fit(evaluator, beside_noise(problem, fit))
 
 
 def correct_along(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit:
@@ -119,9 +117,8 @@ def _step(
     """
     evaluator = problem.evaluator
     known, rows = problem.tolerances, residual[: evaluator.ends[-1]]
-    level = evaluator.noise_level(problem.split(z)[1]) * evaluator.count
     along = known.basis.T @ known.around_zero(rows)
-    excess = float(rows @ rows) - level
+    excess = evaluator.excess(rows, problem.split(z)[1])
     noise = variance_along(known, along, excess)
     problem = problem.beside_noise(noise)
     known = problem.tolerances

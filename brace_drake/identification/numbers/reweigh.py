@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.devices.stretch import noise_along
+from brace_drake.devices.stretch import noise_along, variance_over
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
@@ -29,8 +29,7 @@ def noise_left(evaluator: Evaluator, fit: CandidateFit) -> float:
     along = known.along(whitened)
     off = known.estimate(along, known.noise)
     rest = known.colour(whitened) + known.basis @ (known.columns @ off)
-    level = evaluator.noise_level(fit.uses) * evaluator.count
-    return variance_along(known, along, float(rest @ rest) - level)
+    return variance_along(known, along, evaluator.excess(rest, fit.uses))
 
 
 def variance_along(
@@ -44,7 +43,7 @@ def variance_along(
         along: Residual with all of them at 0, in their basis (k,).
         excess: Sum of squares above noise that is left.
     """
-    least = 1.0 + max(0.0, excess) / len(known.nuisances)
+    least = variance_over(excess, len(known.nuisances))
     return max(noise_along(known, along), least)
 
 

@@ -129,14 +129,13 @@ def _stepped(
 
 def _behind_joints(
     lines: Linearisation, card: Effect, start: np.ndarray
-) -> list[Candidate]:
+) -> list[Candidate | None]:
     """The fit with forms of its effects that contain the friction: what sticks
     behind a joint that gives way does not stick to the ring.
     """
     base, forms = lines.base, lines.evaluator.effects
     sets = behind_joints(base.uses, card, start, forms)
-    begun = [_made(lines, uses) for uses in sets]
-    return [c for c in begun if c is not None]
+    return [_made(lines, uses) for uses in sets]
 
 
 def _made(lines: Linearisation, uses: Sequence[Use]) -> Candidate | None:
