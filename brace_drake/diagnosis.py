@@ -19,7 +19,7 @@ from brace_drake.devices.nominal_scenario import (
     NominalScenario,
     choose_scenario,
 )
-from brace_drake.discrepancy import FoundLaw, find_law
+from brace_drake.discrepancy import FoundLaw, LawSearch, find_law
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison, compare_runs
@@ -176,9 +176,11 @@ def diagnose(
     # that is wrong none is told.
     criterion = make_criterion(evaluator, nominal, nuisances)
     is_faulty = any(f.is_certain for f in recording)
+    laws = LawSearch(evaluator)
     fits = []
     if not is_faulty:
-        fits = search_causes(evaluator, criterion, part_of(say, 0.15, 0.8))
+        told = part_of(say, 0.15, 0.8)
+        fits = search_causes(evaluator, criterion, told, laws.explains)
     say("verdict", 0.8)
     criterion, fits = settle(evaluator, criterion, fits)
     # What is compared from here on has no number farther off than the best.
@@ -237,20 +239,14 @@ def diagnose(
     rest = []
     if verdict.gap:
         rest = describe_rest(evaluator, best, device.motion_signals, rate, seed)
-    blocks = accused_blocks(verdict, criterion, fits, tests, where)
     law = None
     if verdict.outside_library and not is_faulty:
         say("law of what is left", 0.97)
         law = find_law(
-            device,
-            evaluator,
-            validation,
-            criterion,
-            best,
-            blocks,
-            compared,
-            seed,
+            device, laws, validation, criterion, best, compared, seed
         )
+    beside = law.blocks if law else ()
+    blocks = accused_blocks(verdict, criterion, fits, tests, where, beside)
     next_run = choose_next_run(
         device, evaluator, criterion, fits, verdict, seed
     )

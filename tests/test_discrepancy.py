@@ -110,6 +110,19 @@ class TestSearchLaw(unittest.TestCase):
         self.assertAlmostEqual(values[1], 3.1, delta=0.02)
         self.assertAlmostEqual(abs(values[0]), 0.6, delta=0.06)
 
+    def test_of_laws_of_all_blocks_that_of_the_right_one_wins(self):
+        truths = (
+            (CABLE, np.array([STIFFNESS, ONSET, SMOOTH])),
+            (TREMOR, np.array([0.6])),
+            (COGGING, np.array([0.1, 7e-4])),
+        )
+        for truth in truths:
+            with self.subTest(truth[0].name):
+                fit, _ = self.law([truth], self.terms)
+                self.assertTrue(fit.effects)
+                blocks = {e.block for e in fit.effects}
+                self.assertEqual(blocks, {truth[0].block})
+
     def test_a_ripple_of_the_legs_is_found_at_its_pitch(self):
         pitch = 7e-4
         evaluator = self.bench.evaluator([(COGGING, np.array([0.1, pitch]))])

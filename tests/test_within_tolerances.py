@@ -2,6 +2,7 @@
 
 import unittest
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 
@@ -9,8 +10,10 @@ from brace_drake.devices.bench.device import Bench
 from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import LinearTolerances
+from brace_drake.discrepancy import LawSearch
 from brace_drake.effects.registry import effects_for, find_effect
 from brace_drake.effects.stack import Use
+from brace_drake.effects.unknown import terms_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.held_out import estimate_off
@@ -22,6 +25,7 @@ from brace_drake.recording import Campaign, LoadCampaign
 from brace_drake.scenario.brace import BenchScenario
 from brace_drake.selection import thresholds
 from brace_drake.selection.level import make_criterion
+from brace_drake.selection.search.beyond import fit_beyond
 from brace_drake.selection.search.candidate import with_one_more
 from brace_drake.selection.search.friction import (
     fit_behind_joints,
@@ -183,6 +187,17 @@ def drawn_bench(dry_friction: float, *effects: Use):
     return device, drawn, Evaluator(twin, prepared, 2)
 
 
+def with_friction(device, evaluator):
+    """A criterion, and the fit with the friction that a tolerance allows."""
+    nuisances = device.tolerances()
+    nominal = fit_nominal(evaluator, nuisances, device.uses_off)
+    criterion = make_criterion(evaluator, nominal, nuisances)
+    friction = list(effects_for(evaluator.twin.device).values())
+    lines = Linearisation(evaluator, nominal)
+    (fit,) = fit_friction(lines, criterion, friction)
+    return criterion, fit
+
+
 class TestBenchWithinTolerances(unittest.TestCase):
     def test_a_machine_within_its_tolerances_has_no_gap_and_is_estimated(self):
         # Without friction, which bends what the others do.
@@ -234,12 +249,8 @@ class TestBenchWithinTolerances(unittest.TestCase):
 
     def test_numbers_of_a_machine_that_sticks_are_found_where_they_are(self):
         device, drawn, evaluator = drawn_bench(dry_friction=0.06)
-        nuisances = device.tolerances()
-        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
-        criterion = make_criterion(evaluator, nominal, nuisances)
-        lines = Linearisation(evaluator, nominal)
-        friction = list(effects_for(evaluator.twin.device).values())
-        (fit,) = fit_friction(lines, criterion, friction)
+        criterion, fit = with_friction(device, evaluator)
+        nominal, nuisances = criterion.nominal, criterion.nuisances
         self.assertGreater(nominal.excess / evaluator.count, 0.5)
         self.assertLess(fit.excess, 0.1 * nominal.excess)
         self.assertLess(fit.stretch, thresholds.WITHIN)
@@ -285,13 +296,8 @@ class TestBenchWithinTolerances(unittest.TestCase):
         # a gain of the drives.
         gain, size = find_effect("force_gain"), 0.05
         device, drawn, evaluator = drawn_bench(0.03, (gain, np.array([size])))
-        nuisances = device.tolerances()
-        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
-        criterion = make_criterion(evaluator, nominal, nuisances)
-        friction = list(effects_for(evaluator.twin.device).values())
-        (fit,) = fit_friction(
-            Linearisation(evaluator, nominal), criterion, friction
-        )
+        criterion, fit = with_friction(device, evaluator)
+        nuisances = criterion.nuisances
         self.assertGreater(fit.stretch, thresholds.WITHIN)
         base = search_beside(evaluator, fit)
         self.assertIsNone(base.tolerances.off)
@@ -312,6 +318,43 @@ class TestBenchWithinTolerances(unittest.TestCase):
         }
         whole = size + drawn["force_scale"]
         self.assertAlmostEqual(here + off["force_scale"], whole, delta=0.004)
+
+    def test_a_number_beyond_its_tolerance_is_told_as_the_effect_that_it_is(
+        self,
+    ):
+        scale, size = find_effect("force_scale"), -0.05
+        device, drawn, evaluator = drawn_bench(0.03, (scale, np.array([size])))
+        criterion, fit = with_friction(device, evaluator)
+        self.assertGreater(fit.stretch, 5.0)
+        (found,) = fit_beyond(evaluator, fit, criterion)
+        self.assertEqual(criterion.findings(found), [scale])
+        self.assertLess(found.stretch, thresholds.WITHIN)
+        self.assertLess(found.excess, fit.excess + 0.01 * evaluator.count)
+        true = size + drawn["force_scale"]
+        self.assertAlmostEqual(found.values[-1][0], true, delta=0.01)
+
+    def test_a_steady_pull_is_a_law_beside_the_friction_that_it_hid(self):
+        known, name, pull = terms_for("brace"), "term_ring_x_constant", -0.6
+        card = known[name]
+        values = np.array([pull, *card.lower[1:]])
+        device, _, evaluator = drawn_bench(0.06, (card, values))
+        nuisances = device.tolerances()
+        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
+        criterion = make_criterion(evaluator, nominal, nuisances)
+        names = [
+            f"term_ring_{k}" for k in ("y_constant", "x_spring", "x_drift")
+        ]
+        few = {n: known[n] for n in (name, *names)}
+        with mock.patch(f"{LawSearch.__module__}.terms_for", lambda _: few):
+            laws = LawSearch(evaluator)
+        self.assertTrue(laws.explains(criterion, []))
+        fit = laws.beside(criterion, nominal)
+        found = {e.name: v[0] for e, v in fit.uses}
+        self.assertEqual(len(found), 2)
+        self.assertAlmostEqual(found[name], pull, delta=0.05)
+        self.assertIn("coulomb_friction", found)
+        # Nothing is left that displaced anchors could take.
+        self.assertFalse(criterion.is_beyond_level(fit))
 
     def check_sensitivities(self, lines):
         """A candidate that stands for a number itself sees the fit as whitened

@@ -6,5 +6,6 @@
 """
 
 from brace_drake.discrepancy.law import FoundLaw, find_law
+from brace_drake.discrepancy.search import LawSearch
 
-__all__ = ["FoundLaw", "find_law"]
+__all__ = ["FoundLaw", "LawSearch", "find_law"]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.declaration import Device
-from brace_drake.discrepancy.search import search_law
-from brace_drake.effects.unknown import terms_for
+from brace_drake.discrepancy.search import LawSearch
+from brace_drake.effects.unknown import is_term
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import (
@@ -47,37 +47,39 @@ class FoundLaw:
     shrinkage: dict | None
     runs: tuple[RunComparison, ...] = ()
 
+    @property
+    def blocks(self) -> list[str]:
+        """Of its terms."""
+        found = (e.block for e in self.fit.effects if is_term(e))
+        return list(dict.fromkeys(found))
+
 
 def find_law(
     device: Device,
-    evaluator: Evaluator,
+    laws: LawSearch,
     validation: Evaluator,
     criterion: Criterion,
     base: CandidateFit,
-    blocks: Sequence[str],
     compared: Sequence[RunComparison],
     seed: int,
     say: Say = silent,
 ) -> FoundLaw | None:
     """The law of what a fit leaves; None where no law holds.
 
-    Terms of the accused blocks alone are tried.
+    Terms of all blocks compete: where a law holds, it tells the block.
 
     Args:
         device: Of the campaign.
-        evaluator, validation: Over fit runs and runs held back.
+        laws: Of what fits of the campaign leave.
+        validation: Over runs held back.
         criterion: Of the campaign.
         base: With the effects that are named, or the nominal fit.
-        blocks: In which the gap lies.
         compared: Runs held back, before and after the base's repair.
         seed: Of the intervals.
         say: Progress.
     """
-    known = terms_for(device.twin.device).values()
-    terms = [t for t in known if t.block in blocks]
-    if not terms:
-        return None
-    fit = search_law(evaluator, criterion, base, terms, say)
+    evaluator = laws.evaluator
+    fit = laws.beside(criterion, base, say)
     if fit is base:
         return None
     fit = set_within(evaluator, fit, device.uses_off)

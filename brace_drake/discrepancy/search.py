@@ -2,27 +2,34 @@
 
 Each term is screened by a linearised replay in the closed loop, the best
 predicted ones are fitted beside the subject and the terms before, and that of
-the best score stays (orthogonal matching pursuit: Pati, Rezaiifar,
-Krishnaprasad, Asilomar Conference 1993; in the loop, so that nothing has to be
-differentiated). A term has to pay for itself, on motions that are left out in
-turn as well; the search ends where no more is left than a right twin leaves.
+the best score stays; further terms are of its block (orthogonal matching
+pursuit: Pati, Rezaiifar, Krishnaprasad, Asilomar Conference 1993; in the loop,
+so that nothing has to be differentiated). A term has to pay
+for itself, on motions that are left out in turn as well; the search ends where
+no more is left than a right twin leaves.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.progress import part_of
 from brace_drake.discrepancy.starts import beginning_at, residual_peaks
 from brace_drake.effects.card import Effect
+from brace_drake.effects.unknown import is_term, terms_for
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.decision import decide
+from brace_drake.selection.search.friction import fit_friction
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.screening import (
     Say,
+    by_effect,
+    others,
     screen,
     search_best,
     silent,
@@ -36,8 +43,54 @@ from brace_drake.selection.search.within import (
 
 # Terms of a law, and how many of each round are searched at least.
 MOST_TERMS, PLACES = 3, 4
+# Of many terms only so many, predicted to leave least, are screened at all
+# their starts and strengths.
+_NEAR = 20
 # Terms that may pay together alone, as two parts of one oblique force do.
 _AHEAD = 2
+
+
+class LawSearch:
+    """The law of what fits leave, searched once for what stays as it is.
+
+    Args:
+        evaluator: Over the fit runs.
+    """
+
+    def __init__(self, evaluator: Evaluator):
+        self.evaluator = evaluator
+        self._terms = list(terms_for(evaluator.twin.device).values())
+        self._base: CandidateFit | None = None
+        self._found: CandidateFit | None = None
+
+    def explains(
+        self, criterion: Criterion, fits: Sequence[CandidateFit]
+    ) -> bool:
+        """Whether a law takes all that is left, where effects leave so much
+        that something outside the library is there.
+
+        Args:
+            criterion: Of the campaign.
+            fits: Of the search so far.
+        """
+        last = replace(criterion, is_last=True).over(fits)
+        verdict = decide(last, fits)
+        if not verdict.outside_library:
+            return False
+        fit = self.beside(last, verdict.winner or criterion.nominal)
+        return bool(fit.effects) and not last.is_beyond_level(fit)
+
+    def beside(
+        self, criterion: Criterion, base: CandidateFit, say: Say = silent
+    ) -> CandidateFit:
+        """A base with the terms that pay, or the base itself."""
+        before = self._base
+        if before is None or before.name != base.name:
+            found = search_law(
+                self.evaluator, criterion, base, self._terms, say
+            )
+            self._base, self._found = base, None if found is base else found
+        return self._found or base
 
 
 def search_law(
@@ -69,6 +122,8 @@ def search_law(
         if found is None:
             break
         longer = found
+        blocks = {e.block for e in longer.effects if is_term(e)}
+        terms = [t for t in terms if t.block in blocks]
         if criterion.score(longer) < criterion.score(best):
             best = longer
         elif len(longer.effects) >= len(best.effects) + _AHEAD:
@@ -88,6 +143,9 @@ def _one_more(
     lines = Linearisation(evaluator, search_beside(evaluator, base))
     peaks = residual_peaks(evaluator, base)
     fresh = [beginning_at(t, peaks) for t in terms if t.name not in base.kinds]
+    if len(fresh) > 2 * _NEAR:
+        rough = by_effect(screen(lines, fresh, say, is_rough=True))
+        fresh = [first.added for first, *_ in rough[:_NEAR]]
     candidates = screen(lines, fresh, say)
     search_best(lines, candidates, say, PLACES)
     fits = refine(evaluator, best_fits(candidates), lines.remaining)
@@ -96,7 +154,25 @@ def _one_more(
     if before and before.off is not None and after and after.off is None:
         # Its numbers go along again, as the base's do: they were put back.
         best = refit_within(evaluator, best, criterion.nuisances)
+    if best and criterion.is_beyond_level(best):
+        best = _with_friction(evaluator, criterion, best)
     return best
+
+
+def _with_friction(
+    evaluator: Evaluator, criterion: Criterion, fit: CandidateFit
+) -> CandidateFit:
+    """A fit with the dry friction that a tolerance allows for, where that was
+    hidden by what it now takes.
+    """
+    set_out(evaluator, fit)
+    try:
+        lines = Linearisation(evaluator, fit)
+        more = others(evaluator.effects, fit)
+        found = fit_friction(lines, criterion, more)
+    except BraceError:
+        return fit
+    return min([fit, *refined(found)], key=criterion.score)
 
 
 def _plainest(

@@ -18,15 +18,20 @@ def accused_blocks(
     fits: Sequence[CandidateFit],
     tests: Sequence[dict],
     where: dict,
+    law: Sequence[str] = (),
 ) -> list[str]:
     """Blocks in which the gap lies: those of the effects named and, where what
     is left is material, the one in which that lies.
+
+    A law of what is left tells its block: no other block's law leaves as
+    little. Without one it is what the tests of the blocks suspect.
 
     Args:
         verdict: Of the diagnosis.
         criterion, fits: Of the search.
         tests: Rows of `run_block_tests`.
         where: From `locate_gap`.
+        law: Blocks of the law that was found of what is left.
     """
     if not verdict.gap:
         return []
@@ -34,6 +39,7 @@ def accused_blocks(
     if verdict.winner is not None:
         block = {e.name: e.block for e in verdict.winner.effects}
         found = [block[name] for name in verdict.effects]
+    found += law
     if verdict.outside_library and not found:
         found = nearest_block(criterion, fits) or suspected_blocks(
             tests,

@@ -15,7 +15,6 @@ import numpy as np
 
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.candidate import Candidate, with_one_more
 from brace_drake.selection.search.linearisation import Linearisation
@@ -28,7 +27,10 @@ def silent(what: str, share: float) -> None:
 
 
 def screen(
-    base: Linearisation, effects: Sequence[Effect], say: Say = silent
+    base: Linearisation,
+    effects: Sequence[Effect],
+    say: Say = silent,
+    is_rough: bool = False,
 ) -> list[Candidate]:
     """The base's effects with each of the given ones, from each start.
 
@@ -36,6 +38,7 @@ def screen(
         base: Where to set out from.
         effects: One more each.
         say: Progress.
+        is_rough: Whether few starts are taken, and each as it is.
 
     Returns:
         Candidates with the excess that each is predicted to leave.
@@ -44,7 +47,7 @@ def screen(
 
     def one(i, effect):
         say(f"cause {name}{effect.key}", 0.6 * i / len(effects))
-        return predict(base, effect)
+        return predict(base, effect, is_rough)
 
     found = base.evaluator.together(
         [partial(one, i, effect) for i, effect in enumerate(effects)]
@@ -193,22 +196,9 @@ def _search(base: Linearisation, candidate: Candidate, best: _Best) -> bool:
     return True
 
 
-def _stretched(base: Linearisation, effect: Effect) -> list[np.ndarray]:
-    """Where the effect begins that stands for a number which the base has off
-    beyond its tolerance.
-    """
-    if effect.is_flexible or effect.dithered:
-        return []
-    off = estimate_off(base.evaluator, base.base)
-    return [
-        np.clip(values * t, effect.lower, effect.upper)
-        for nuisance, t in off
-        for card, values in nuisance.uses
-        if card is effect and abs(t) > thresholds.WITHIN
-    ]
-
-
-def predict(base: Linearisation, effect: Effect) -> list[Candidate]:
+def predict(
+    base: Linearisation, effect: Effect, is_rough: bool
+) -> list[Candidate]:
     """An effect beside the base's, at each of its starts, with predictions.
 
     A start that is far too strong or too weak, or of the wrong sign, is
@@ -217,12 +207,18 @@ def predict(base: Linearisation, effect: Effect) -> list[Candidate]:
     Args:
         base: Where to set out from.
         effect: The one more.
+        is_rough: Whether none is, and few starts are taken.
     """
     found: list[Candidate] = []
     most = _most(base)
-    for values in [*_stretched(base, effect), *effect.starts()]:
+    starts, tries = [*effect.starts()], thresholds.RESCALED + 1
+    if is_rough:
+        few = min(len(starts), thresholds.ROUGH_STARTS)
+        places = np.linspace(0, len(starts) - 1, few).astype(int)
+        starts, tries = [starts[i] for i in places], 1
+    for values in starts:
         start = tuple(values[effect.has_several_starts])
-        for _ in range(thresholds.RESCALED + 1):
+        for _ in range(tries):
             candidate = with_one_more(base, effect, values)
             if candidate is None:
                 break

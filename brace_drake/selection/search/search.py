@@ -12,7 +12,7 @@ Learning, section 3.3).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.progress import part_of
@@ -23,7 +23,8 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
-from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.backward import without_each
+from brace_drake.selection.search.beyond import fit_beyond
 from brace_drake.selection.search.friction import (
     fit_behind_joints,
     fit_friction,
@@ -48,7 +49,6 @@ from brace_drake.selection.search.shortlist import (
     improve_choices,
     refine,
     rivals,
-    try_refine,
     weighed_alike,
 )
 from brace_drake.selection.search.within import (
@@ -64,7 +64,10 @@ _SHARES = (0.0, 0.4), (0.4, 0.85), (0.85, 1.0)
 
 
 def search_causes(
-    evaluator: Evaluator, criterion: Criterion, say: Say
+    evaluator: Evaluator,
+    criterion: Criterion,
+    say: Say,
+    is_law: Callable[[Criterion, list[CandidateFit]], bool] | None = None,
 ) -> list[CandidateFit]:
     """Fits of all single effects and of the sets that they lead to.
 
@@ -72,6 +75,7 @@ def search_causes(
         evaluator: Over the fit runs.
         criterion: With the nominal fit.
         say: Progress.
+        is_law: Whether a short law takes what the fits leave.
     """
     effects = evaluator.effects
     few = [e for e in effects if not e.is_flexible]
@@ -83,7 +87,7 @@ def search_causes(
         for base in beam:
             known += _beside(evaluator, criterion, base, few, known, part)
         if number > 1:
-            known += _backward(evaluator, criterion, known, number)
+            known += without_each(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
         best = ranked[0]
         # Friction that is found within its tolerance adds to the level.
@@ -103,8 +107,10 @@ def search_causes(
             break
         beam = beam_of(criterion, known, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]
-    # Effects of dozens of parameters are dear, and cover what others do: they
-    # are tried where those leave something.
+    # Effects of dozens of parameters are dear, and cover what others and laws
+    # of a few do: they are tried where those leave something.
+    if is_law is not None and is_law(criterion, known):
+        return known
     many = [e for e in effects if e.is_flexible]
     none = next(f for f in ranked if not criterion.findings(f))
     bases = [none] if ranked[0] is none else [none, ranked[0]]
@@ -115,7 +121,7 @@ def search_causes(
     best = _best(criterion, none, known)
     while best.is_flexible:
         number = len(criterion.findings(best))
-        known += _backward(evaluator, criterion, known, number)
+        known += without_each(evaluator, criterion, known, number)
         before, best = best, _best(criterion, none, known)
         if best is before:
             break
@@ -160,6 +166,7 @@ def _beside(
             return found
         if len(base.effects) == evaluator.room:
             return found
+        found += fit_beyond(evaluator, base, criterion)
         most = math.inf
         for start in starts_beside(evaluator, base):
             lines, done = Linearisation(evaluator, start), [*known, *found]
@@ -262,35 +269,3 @@ def _best(
     criterion: Criterion, base: CandidateFit, fits: Sequence[CandidateFit]
 ) -> CandidateFit:
     return min([base, *refined(fits)], key=criterion.score)
-
-
-def _backward(
-    evaluator: Evaluator,
-    criterion: Criterion,
-    known: Sequence[CandidateFit],
-    number: int,
-) -> list[CandidateFit]:
-    """The best set without each of its effects, led on from where it stands:
-    that may be another end than the way from the smaller set came to.
-    """
-    ranked = best_of_kinds(criterion, known)
-    best = next(
-        (f for f in ranked if len(criterion.findings(f)) == number), None
-    )
-    if best is None:
-        return []
-    found = []
-    set_out(evaluator, best)
-    try:
-        lines = Linearisation(evaluator, criterion.nominal)
-    except BraceError:
-        return []
-    for out in criterion.findings(best):
-        kept = [u for u in best.uses if u[0] is not out]
-        if not kept:
-            continue
-        parts, values = zip(*kept, strict=True)
-        less = make_candidate(lines, parts, values, best.subject, best.spread)
-        if less is not None and less.step(lines, thresholds.STEPS, own=True):
-            found.append(try_refine(evaluator, less.fit()))
-    return found
