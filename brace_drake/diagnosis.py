@@ -181,6 +181,7 @@ def diagnose(
     if not is_faulty:
         told = part_of(say, 0.15, 0.8)
         fits = search_causes(evaluator, criterion, told, laws.explains)
+        criterion = replace(criterion, law=laws.law)
     say("verdict", 0.8)
     criterion, fits = settle(evaluator, criterion, fits)
     # What is compared from here on has no number farther off than the best.

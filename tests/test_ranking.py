@@ -136,6 +136,24 @@ class TestRanking(unittest.TestCase):
         expected = decide(calm, [effect]).probability
         self.assertAlmostEqual(verdict.probability, expected)
 
+    def test_a_law_that_leaves_much_less_stands_in_place_of_an_effect(self):
+        # A law of two terms costs ln 4 more than an effect.
+        anchors = fit_of("anchor_error", 1.0)
+        for left, is_law in ((0.0, True), (0.3, False)):
+            pulls = fit_of("force_bias+force_scale", left)
+            criterion = replace(self.criterion, law=pulls)
+            verdict = decide(criterion, [anchors])
+            self.assertEqual(verdict.outside_library, is_law)
+            self.assertEqual(verdict.effects, () if is_law else (anchors.name,))
+            apart = criterion.score(anchors) - criterion.score(pulls)
+            self.assertEqual(apart > 0.0, is_law)
+            if is_law:
+                # Beside it what is left without the law is far from noise.
+                odds = math.exp(-thresholds.ODDS * apart)
+                most = 1.0 - thresholds.UNSURE
+                expected = min(1.0 / (1.0 + odds), most)
+                self.assertAlmostEqual(verdict.probability, expected, 1)
+
     def test_a_number_beyond_its_tolerance_may_be_an_effect(self):
         # At four tolerances an effect in its place would cost ln 4 and save
         # 4 ln(4 / 3), for which 2.5 times the difference are the log odds.

@@ -23,7 +23,7 @@ from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
-from brace_drake.selection.decision import decide
+from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.friction import fit_friction
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.screening import (
@@ -53,6 +53,9 @@ _AHEAD = 2
 class LawSearch:
     """The law of what fits leave, searched once for what stays as it is.
 
+    Attributes:
+        law: In place of effects; None where none was looked for or found.
+
     Args:
         evaluator: Over the fit runs.
     """
@@ -60,25 +63,30 @@ class LawSearch:
     def __init__(self, evaluator: Evaluator):
         self.evaluator = evaluator
         self._terms = list(terms_for(evaluator.twin.device).values())
+        self.law: CandidateFit | None = None
         self._base: CandidateFit | None = None
         self._found: CandidateFit | None = None
 
     def explains(
         self, criterion: Criterion, fits: Sequence[CandidateFit]
     ) -> bool:
-        """Whether a law takes all that is left, where effects leave so much
-        that something outside the library is there.
+        """Whether a law in place of effects takes all that is left, where the
+        best of these falls short.
 
         Args:
             criterion: Of the campaign.
             fits: Of the search so far.
         """
         last = replace(criterion, is_last=True).over(fits)
-        verdict = decide(last, fits)
-        if not verdict.outside_library:
+        ranked = best_of_kinds(last, [criterion.nominal, *fits])
+        if not last.is_short(ranked[0]):
             return False
-        fit = self.beside(last, verdict.winner or criterion.nominal)
-        return bool(fit.effects) and not last.is_beyond_level(fit)
+        none = next(f for f in ranked if not last.findings(f))
+        law = self.beside(last, none)
+        if law is none:
+            return False
+        self.law = law
+        return not last.is_short(law)
 
     def beside(
         self, criterion: Criterion, base: CandidateFit, say: Say = silent
@@ -111,7 +119,7 @@ def search_law(
     """
     best = longer = base
     for number in range(MOST_TERMS):
-        is_whole = not criterion.is_beyond_level(longer)
+        is_whole = not criterion.is_short(longer)
         if is_whole or len(longer.effects) >= evaluator.room:
             break
         part = part_of(say, number / MOST_TERMS, (number + 1) / MOST_TERMS)
@@ -154,7 +162,7 @@ def _one_more(
     if before and before.off is not None and after and after.off is None:
         # Its numbers go along again, as the base's do: they were put back.
         best = refit_within(evaluator, best, criterion.nuisances)
-    if best and criterion.is_beyond_level(best):
+    if best and criterion.is_short(best):
         best = _with_friction(evaluator, criterion, best)
     return best
 

@@ -54,6 +54,8 @@ class Criterion:
         nuisances: Numbers known to a tolerance.
         is_last: Whether a verdict is decided by it, and no search goes on.
         is_foreign: Whether even the best explanation leaves an unknown law.
+        law: A fit with terms of such a law in place of effects, if one was
+            looked for and found.
     """
 
     nominal: CandidateFit
@@ -65,6 +67,7 @@ class Criterion:
     nuisances: tuple[Nuisance, ...] = ()
     is_last: bool = False
     is_foreign: bool = False
+    law: CandidateFit | None = None
 
     def misfit(self, fit: CandidateFit) -> float:
         """What a fit leaves above the floor on the runs that it was fitted
@@ -200,6 +203,13 @@ class Criterion:
     def is_beyond_level(self, fit: CandidateFit) -> bool:
         """Whether a fit leaves more than a right twin would."""
         return self.left(fit) > thresholds.BEYOND_LEVEL * self.level
+
+    def is_short(self, fit: CandidateFit) -> bool:
+        """Whether a fit leaves more than a right twin would, or stretches
+        numbers not to.
+        """
+        left = self.left(fit) * math.exp(self.strain(fit))
+        return left > thresholds.BEYOND_LEVEL * self.level
 
     def may_pay(self, fit: CandidateFit) -> bool:
         """Whether one effect more could better a fit's score at all."""

@@ -66,15 +66,21 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
     """The verdict over the nominal fit and its rivals.
 
     The explanation of the least score is named, none where that is the nominal
-    twin itself; what it leaves is judged apart.
+    twin itself or a law of terms that are no effects; what it leaves is judged
+    apart.
 
     Args:
         criterion: Of the campaign.
         fits: Of the search; those refined may win.
     """
     ranked = rank(criterion, [criterion.nominal, *fits])
+    is_law = criterion.law is not None and (
+        criterion.score(criterion.law) < ranked[0].score
+    )
+    if is_law:
+        ranked = _with_law(criterion, ranked)
     best = ranked[0].fit
-    outside = criterion.is_material(best)
+    outside = is_law or criterion.is_material(best)
     # Beside an unknown law, what numbers are stretched to says nothing.
     odds = _probabilities(ranked, 0.0 if outside else criterion.strain(best))
     sure = odds[0] * _sure_of_rest(criterion, best, outside)
@@ -99,6 +105,13 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
     )
     left = criterion.unexplained(best)
     return Verdict(True, best, outside, tuple(tied), sure, supported, left)
+
+
+def _with_law(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
+    """What names nothing first, with the score of the law that is beside it."""
+    (none,) = (r for r in ranked if not criterion.named(r.fit))
+    first = none._replace(score=criterion.score(criterion.law))
+    return [first, *(r for r in ranked if r is not none)]
 
 
 def _probabilities(ranked: Sequence[Ranked], strain: float) -> list[float]:

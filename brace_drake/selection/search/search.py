@@ -109,9 +109,9 @@ def search_causes(
         beam = [f for f in beam if len(f.effects) < evaluator.room]
     # Effects of dozens of parameters are dear, and cover what others and laws
     # of a few do: they are tried where those leave something.
-    if is_law is not None and is_law(criterion, known):
-        return known
     many = [e for e in effects if e.is_flexible]
+    if many and is_law is not None and is_law(criterion, known):
+        return known
     none = next(f for f in ranked if not criterion.findings(f))
     bases = [none] if ranked[0] is none else [none, ranked[0]]
     part = part_of(say, *_SHARES[-1])
