@@ -4,9 +4,9 @@ Each term is screened by a linearised replay in the closed loop, the best
 predicted ones are fitted beside the subject and the terms before, and that of
 the best score stays; further terms are of its block (orthogonal matching
 pursuit: Pati, Rezaiifar, Krishnaprasad, Asilomar Conference 1993; in the loop,
-so that nothing has to be differentiated). A term has to pay
-for itself, on motions that are left out in turn as well; the search ends where
-no more is left than a right twin leaves.
+so that nothing has to be differentiated). A term has to pay for itself, on
+motions that are left out in turn as well; the search ends where no more is left
+than a right twin leaves.
 """
 
 from __future__ import annotations

@@ -197,7 +197,7 @@ def _search(base: Linearisation, candidate: Candidate, best: _Best) -> bool:
 
 
 def predict(
-    base: Linearisation, effect: Effect, is_rough: bool
+    base: Linearisation, effect: Effect, is_rough: bool = False
 ) -> list[Candidate]:
     """An effect beside the base's, at each of its starts, with predictions.
 
