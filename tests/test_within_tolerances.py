@@ -187,13 +187,18 @@ def drawn_bench(dry_friction: float, *effects: Use):
     return device, drawn, Evaluator(twin, prepared, 2)
 
 
-def with_friction(device, evaluator):
-    """A criterion, and the fit with the friction that a tolerance allows."""
+def criterion_of(device, evaluator):
+    """A criterion with the nominal fit beside tolerances."""
     nuisances = device.tolerances()
     nominal = fit_nominal(evaluator, nuisances, device.uses_off)
-    criterion = make_criterion(evaluator, nominal, nuisances)
+    return make_criterion(evaluator, nominal, nuisances)
+
+
+def with_friction(device, evaluator):
+    """A criterion, and the fit with the friction that a tolerance allows."""
+    criterion = criterion_of(device, evaluator)
     friction = list(effects_for(evaluator.twin.device).values())
-    lines = Linearisation(evaluator, nominal)
+    lines = Linearisation(evaluator, criterion.nominal)
     (fit,) = fit_friction(lines, criterion, friction)
     return criterion, fit
 
@@ -278,9 +283,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         true = np.array([7.5e-5, 0.07])
         joint = find_effect("leg_compliance (dry friction)")
         device, _, evaluator = drawn_bench(0.0, (joint, true))
-        nuisances = device.tolerances()
-        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
-        criterion = make_criterion(evaluator, nominal, nuisances)
+        criterion = criterion_of(device, evaluator)
         card = find_effect("coulomb_friction (without creep)")
         ring = fit_effects(evaluator, [card], [true[1:]])
         found = fit_behind_joints(Linearisation(evaluator, ring), criterion)
@@ -338,9 +341,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         card = known[name]
         values = np.array([pull, *card.lower[1:]])
         device, _, evaluator = drawn_bench(0.06, (card, values))
-        nuisances = device.tolerances()
-        nominal = fit_nominal(evaluator, nuisances, device.uses_off)
-        criterion = make_criterion(evaluator, nominal, nuisances)
+        criterion = criterion_of(device, evaluator)
         names = [
             f"term_ring_{k}" for k in ("y_constant", "x_spring", "x_drift")
         ]
@@ -348,7 +349,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         with mock.patch(f"{LawSearch.__module__}.terms_for", lambda _: few):
             laws = LawSearch(evaluator)
         self.assertTrue(laws.explains(criterion, []))
-        fit = laws.beside(criterion, nominal)
+        fit = laws.beside(criterion, criterion.nominal)
         found = {e.name: v[0] for e, v in fit.uses}
         self.assertEqual(len(found), 2)
         self.assertAlmostEqual(found[name], pull, delta=0.05)

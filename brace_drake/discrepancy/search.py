@@ -152,8 +152,8 @@ def _one_more(
     peaks = residual_peaks(evaluator, base)
     fresh = [beginning_at(t, peaks) for t in terms if t.name not in base.kinds]
     if len(fresh) > 2 * _NEAR:
-        rough = by_effect(screen(lines, fresh, say, is_rough=True))
-        fresh = [first.added for first, *_ in rough[:_NEAR]]
+        quick = by_effect(screen(lines, fresh, say, is_quick=True))
+        fresh = [first.added for first, *_ in quick[:_NEAR]]
     candidates = screen(lines, fresh, say)
     search_best(lines, candidates, say, PLACES)
     fits = refine(evaluator, best_fits(candidates), lines.remaining)

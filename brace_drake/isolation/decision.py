@@ -23,8 +23,8 @@ def accused_blocks(
     """Blocks in which the gap lies: those of the effects named and, where what
     is left is material, the one in which that lies.
 
-    A law of what is left tells its block: no other block's law leaves as
-    little. Without one it is what the tests of the blocks suspect.
+    A law of what is left tells its block, as terms of all blocks have competed.
+    Without one it is what the tests of the blocks suspect.
 
     Args:
         verdict: Of the diagnosis.

@@ -78,8 +78,8 @@ HOPELESS_OF_MANY = 0.98
 # A start is tried at another strength, this often, where it is more than that
 # many times too strong or too weak.
 RESCALED, ENOUGH, WEAKEST = 2, 0.4, 0.05
-# Starts of an effect that a rough screening takes, at most.
-ROUGH_STARTS = 4
+# Starts of an effect that a quick screening takes, at most.
+QUICK_STARTS = 4
 # Of more parameters than these a straight way says nothing; it is followed
 # this many times as far as the start.
 STRAIGHT_PARAMETERS, REACH = 4, 30.0

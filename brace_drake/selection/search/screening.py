@@ -30,7 +30,7 @@ def screen(
     base: Linearisation,
     effects: Sequence[Effect],
     say: Say = silent,
-    is_rough: bool = False,
+    is_quick: bool = False,
 ) -> list[Candidate]:
     """The base's effects with each of the given ones, from each start.
 
@@ -38,7 +38,7 @@ def screen(
         base: Where to set out from.
         effects: One more each.
         say: Progress.
-        is_rough: Whether few starts are taken, and each as it is.
+        is_quick: Whether few starts are taken, and each as it is.
 
     Returns:
         Candidates with the excess that each is predicted to leave.
@@ -47,7 +47,7 @@ def screen(
 
     def one(i, effect):
         say(f"cause {name}{effect.key}", 0.6 * i / len(effects))
-        return predict(base, effect, is_rough)
+        return predict(base, effect, is_quick)
 
     found = base.evaluator.together(
         [partial(one, i, effect) for i, effect in enumerate(effects)]
@@ -197,7 +197,7 @@ def _search(base: Linearisation, candidate: Candidate, best: _Best) -> bool:
 
 
 def predict(
-    base: Linearisation, effect: Effect, is_rough: bool = False
+    base: Linearisation, effect: Effect, is_quick: bool = False
 ) -> list[Candidate]:
     """An effect beside the base's, at each of its starts, with predictions.
 
@@ -207,13 +207,13 @@ def predict(
     Args:
         base: Where to set out from.
         effect: The one more.
-        is_rough: Whether none is, and few starts are taken.
+        is_quick: Whether none is, and few starts are taken.
     """
     found: list[Candidate] = []
     most = _most(base)
     starts, tries = [*effect.starts()], thresholds.RESCALED + 1
-    if is_rough:
-        few = min(len(starts), thresholds.ROUGH_STARTS)
+    if is_quick:
+        few = min(len(starts), thresholds.QUICK_STARTS)
         places = np.linspace(0, len(starts) - 1, few).astype(int)
         starts, tries = [starts[i] for i in places], 1
     for values in starts:
