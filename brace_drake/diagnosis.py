@@ -28,7 +28,6 @@ from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.isolation.block_tests import NUM_MACHINES, run_block_tests
 from brace_drake.isolation.decision import accused_blocks
-from brace_drake.isolation.imposed_motion import fit_imposed_motion
 from brace_drake.isolation.locate import locate_gap
 from brace_drake.isolation.residual_shapes import describe_rest
 from brace_drake.recording.recording import Campaign
@@ -151,7 +150,7 @@ def diagnose(
     twin, rate = device.twin, campaign.rate_hz
     check_room(twin)
     choice = (choice or Choice()).over(named.choice)
-    choice.limit_device(device)
+    choice.limit_subject(twin)
     effects = choice.effects_of(twin)
 
     # What the files and the control law say before anything is fitted.
@@ -227,27 +226,24 @@ def diagnose(
             seed,
         )
 
-    say("where", 0.95)
-    fit_runs = compare_runs(evaluator, nominal, winner)
-    imposed = None
-    if verdict.outside_library:
-        imposed = fit_imposed_motion(
-            device.imposed, campaign, jobs, seed, nuisances
+    law = None
+    if verdict.outside_library and not is_faulty:
+        say("law of what is left", 0.95)
+        law = find_law(
+            device, laws, validation, criterion, best, compared, seed
         )
+    repair = law.fit if law else winner
+
+    say("where", 0.97)
+    fit_runs = compare_runs(evaluator, nominal, winner)
     where = locate_gap(
-        device, evaluator, nominal, verdict, tests, imposed, fit_runs, seed
+        device, evaluator, nominal, verdict, repair, tests, fit_runs, seed
     )
     rest = []
     if verdict.gap:
         rest = describe_rest(evaluator, best, device.motion_signals, rate, seed)
-    law = None
-    if verdict.outside_library and not is_faulty:
-        say("law of what is left", 0.97)
-        law = find_law(
-            device, laws, validation, criterion, best, compared, seed
-        )
     beside = law.blocks if law else ()
-    blocks = accused_blocks(verdict, criterion, fits, tests, where, beside)
+    blocks = accused_blocks(verdict, criterion, fits, tests, beside)
     next_run = choose_next_run(
         device, evaluator, criterion, fits, verdict, seed
     )

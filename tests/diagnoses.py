@@ -94,15 +94,7 @@ def make_unexplained() -> dict:
     )
     for cause in diagnosis["causes"]:
         cause["chosen"] = False
-    where, shrink = diagnosis["where"], diagnosis["shrink"]
-    where["contact_side"] = {**where["blocks"][0], "acquitted": False}
-    where["balance"] = [
-        {
-            "block": "mechanism",
-            "explained": 0.8,
-            "errors": [{"title": "a gap", "size": 0.0312, "unit": "N"}],
-        }
-    ]
+    shrink = diagnosis["shrink"]
     for row in (shrink, *shrink["channels"]):
         row |= {"after": row["before"], "closed": None}
     shrink["closed_interval"] = None

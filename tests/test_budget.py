@@ -13,7 +13,7 @@ from brace_drake.core.cosine_transform import (
 )
 from brace_drake.identification.gap import RunComparison
 from brace_drake.identification.noise_floor import NoiseFloor
-from brace_drake.identification.whitening import band_in_time
+from brace_drake.identification.whitening import band_in_time, in_time
 from brace_drake.isolation.budget import gap_cells
 from brace_drake.isolation.phases import PHASES
 
@@ -34,6 +34,19 @@ def comparison(residual):
         weights=weights,
     )
     return RunComparison(prepared, np.zeros_like(residual), None)
+
+
+class TestWhitened(unittest.TestCase):
+    def test_a_weighted_residual_keeps_its_squares_in_time(self):
+        floor = NoiseFloor(
+            np.ones(2), np.array([0.0, 500.0]), np.array([[4.0, 0.25]])
+        )
+        weights = floor.weights(400, 200.0, highest=50.0)
+        prepared = SimpleNamespace(used=np.array([True, True]), weights=weights)
+        weighted = np.random.default_rng(1).normal(size=201 * 2)
+        series = in_time(prepared, weighted)
+        self.assertEqual(series.shape, (201, 2))
+        self.assertAlmostEqual(np.sum(series**2), weighted @ weighted)
 
 
 class TestCube(unittest.TestCase):

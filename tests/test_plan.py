@@ -15,7 +15,7 @@ from brace_drake.design.confusable import ALIKE, reason_of
 from brace_drake.design.plan import plan_campaign, standard_errors
 from brace_drake.design.signature import size_of_one_floor, sizes_of
 from brace_drake.devices.subject import SubjectParameter
-from brace_drake.devices.twin import HIGHEST_HZ, ReplayTwin
+from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import all_effects, effects_for, find_effect
 from brace_drake.recording.recording import Run
@@ -68,7 +68,6 @@ class LinearTwin(ReplayTwin):
     """y = phi w_4 + sum of p_i shapes_i, read with white noise."""
 
     channels, device, carried = ("y",), "toy", ()
-    highest_hz = HIGHEST_HZ
     subject = (
         SubjectParameter("phi", "1", 1.0, -1e9, 1e9),
         SubjectParameter("unseen", "1", 1.0, 0.0, 2.0),

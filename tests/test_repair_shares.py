@@ -1,5 +1,6 @@
 """Shares of repaired blocks on recordings whose gap is known."""
 
+import itertools
 import unittest
 from types import SimpleNamespace
 from unittest import mock
@@ -13,7 +14,7 @@ from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
 from brace_drake.identification.prepare import estimate_floors, prepare_runs
 from brace_drake.isolation.repair_shares import share_repairs
-from brace_drake.isolation.shapley import UNEXPLAINED
+from brace_drake.isolation.shapley import UNEXPLAINED, shapley_values
 from brace_drake.selection.search.candidate import make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from tests.pad_recordings import make_campaign, relaxing
@@ -25,6 +26,36 @@ DRIFT = 2.0e-2
 def drifting(motion, time):
     """A relaxing tissue under a gauge that drifts, N/s, as it warms up."""
     return relaxing(motion, time) + DRIFT * time
+
+
+def game(n, value):
+    """v of every coalition of n players."""
+    return {
+        frozenset(c): value(frozenset(c))
+        for size in range(n + 1)
+        for c in itertools.combinations(range(n), size)
+    }
+
+
+class TestShapley(unittest.TestCase):
+    def test_an_additive_game_gives_each_its_own(self):
+        own = np.array([0.1, 0.5, 0.0, 0.4])
+        values = game(4, lambda s: sum(own[i] for i in s))
+        np.testing.assert_allclose(shapley_values(values, 4), own, atol=1e-15)
+
+    def test_the_glove_game_of_the_textbook(self):
+        # Players 0 and 1 own a left glove, player 2 a right one.
+        values = game(3, lambda s: float(2 in s and len(s) > 1))
+        found = shapley_values(values, 3)
+        np.testing.assert_allclose(found, [1 / 6, 1 / 6, 4 / 6])
+
+    def test_shares_add_up_and_equal_players_get_the_same(self):
+        size = np.array([0.3, 0.3, 0.9, 0.2, 0.0])
+        values = game(5, lambda s: np.tanh(sum(size[i] for i in s)))
+        found = shapley_values(values, 5)
+        self.assertAlmostEqual(found.sum(), np.tanh(size.sum()), places=12)
+        self.assertAlmostEqual(found[0], found[1], places=12)
+        self.assertAlmostEqual(found[4], 0.0, places=12)
 
 
 class TestShares(unittest.TestCase):

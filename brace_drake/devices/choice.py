@@ -16,7 +16,6 @@ from brace_drake.core.errors import (
     quoted,
     suggest,
 )
-from brace_drake.devices.declaration import Device
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.effects.card import Effect, EffectParameter
 
@@ -123,19 +122,6 @@ class Choice:
                 keys = _keys([effect], cards, twin.device)
                 left = _bounded(left, keys, parameter, bounds)
         return left
-
-    def limit_device(self, device: Device) -> None:
-        """Holds and bounds the subject's parameters of a device's twins,
-        with priors.
-
-        Raises:
-            FitError: See `limit_subject`.
-        """
-        self.limit_subject(device.twin)
-        if device.imposed is not None:
-            limited = {p.name: p for p in device.twin.subject}
-            own = device.imposed.subject
-            device.imposed.subject = tuple(limited.get(p.name, p) for p in own)
 
     def limit_subject(self, twin) -> None:
         """Holds and bounds the subject's parameters of a twin, with priors.

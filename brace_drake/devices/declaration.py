@@ -61,22 +61,6 @@ class MotionSignals:
 
 
 @dataclass(frozen=True)
-class SmallError:
-    """One small error of a block, as effects of the twin.
-
-    Attributes:
-        block: That errs.
-        uses: From a prepared run to the effects that make the error; none
-            where it does nothing in the run.
-        is_own: Whether every run has an error of its own.
-    """
-
-    block: str
-    uses: Callable[[Any], Sequence[Use]]
-    is_own: bool = False
-
-
-@dataclass(frozen=True)
 class Nuisance:
     """One number of the twin that is known to a tolerance.
 
@@ -110,21 +94,6 @@ class Nuisance:
         names = {e.name for e, _ in self.uses}
         mine = {effect.name, *effect.generalises, *effect.contains}
         return bool(names & mine)
-
-
-@dataclass(frozen=True)
-class Term:
-    """One error as it shows in a force balance.
-
-    Attributes:
-        title: In words.
-        unit: Of its size.
-        shape: Forces that go with it (N, n), for a size of one.
-    """
-
-    title: str
-    unit: str
-    shape: np.ndarray
 
 
 class ControlLaw(ABC):
@@ -184,8 +153,6 @@ class Device(ABC):
         twin: The nominal twin.
         rate: Of the recordings, Hz.
         block_tests: In the order of the signal.
-        imposed: The twin with its motion imposed as recorded, so that no loop
-            hides what answers to it; None where the device has none.
         control_law: Of its controller; None where it has none that is known.
         torso_law: Of the torso that it pushes; None where there is none.
         words: Title and unit of each of its `quantities`.
@@ -196,7 +163,6 @@ class Device(ABC):
         takes_subjects: Whether another subject may be in some of the runs.
     """
 
-    imposed: Any = None
     control_law: ControlLaw | None = None
     torso_law: TorsoLaw | None = None
     words: Mapping[str, tuple[str, str]] = MappingProxyType({})
@@ -239,21 +205,8 @@ class Device(ABC):
         """
         return None
 
-    def small_errors(self) -> list[SmallError]:
-        """Small errors of its blocks; none where they are not known."""
-        return []
-
     def tolerances(self) -> list[Nuisance]:
         """Numbers that may be off by their tolerance without being a finding;
         none where they are fitted or exactly known.
         """
         return []
-
-    def force_balance(
-        self, prepared
-    ) -> tuple[np.ndarray, dict[str, list[Term]]] | None:
-        """What a run's forces lack to be in balance (M,), and errors of each
-        block that would make it; None where the run or the device has no such
-        balance.
-        """
-        return None

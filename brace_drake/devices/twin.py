@@ -42,7 +42,6 @@ class ReplayTwin(ABC):
         channels: Names of the columns of what `simulate` returns.
         has_loop: Whether readings, with their noise, feed back to the motion.
         num_lanes: How many replays go side by side in `simulate_each`.
-        highest_hz: Up to which its replays are compared with recordings.
         device: That the twin is of.
         numbers: What the compiled laws take.
         subject: Parameters to be estimated for every subject.
@@ -52,7 +51,6 @@ class ReplayTwin(ABC):
     channels: ClassVar[tuple[str, ...]]
     has_loop: ClassVar[bool]
     num_lanes: ClassVar[int] = 1
-    highest_hz: ClassVar[float] = HIGHEST_HZ
     device: str
     subject: tuple[SubjectParameter, ...]
 

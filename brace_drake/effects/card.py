@@ -12,8 +12,6 @@ from brace_drake.core.errors import EffectError
 from brace_drake.laws.hooks import PLUG_POINTS
 
 BLOCKS = ("actuation", "mechanism", "contact", "torso", "sensing")
-# Blocks that answer to the motion of the brace; the others make it.
-ANSWER_MOTION = ("contact", "torso", "sensing")
 
 
 # Of the range, the typical size of parameters whose search starts at 0.

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from brace_drake.devices.replays import is_dithered, simulate_noisy
-from brace_drake.devices.twin import Request
+from brace_drake.devices.twin import HIGHEST_HZ, Request
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.identification.noise_floor import (
@@ -171,7 +171,7 @@ def prepare_run(
 ) -> PreparedRun:
     """The run at a place among others, with the channels to compare with."""
     floor = floors[run.contact]
-    weights = floor.weights(len(measured), rate, twin.highest_hz)
+    weights = floor.weights(len(measured), rate, HIGHEST_HZ)
     weights = weights * twin.active(run)
     motion = twin.motion(run)
     return PreparedRun(

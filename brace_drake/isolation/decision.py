@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from brace_drake.effects.card import ANSWER_MOTION
 from brace_drake.identification.fits import CandidateFit
-from brace_drake.isolation.force_balance import DRIVES, RING, suspected_part
 from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.decision import Verdict
 from brace_drake.selection.thresholds import MATERIAL
@@ -17,7 +15,6 @@ def accused_blocks(
     criterion: Criterion,
     fits: Sequence[CandidateFit],
     tests: Sequence[dict],
-    where: dict,
     law: Sequence[str] = (),
 ) -> list[str]:
     """Blocks in which the gap lies: those of the effects named and, where what
@@ -30,7 +27,6 @@ def accused_blocks(
         verdict: Of the diagnosis.
         criterion, fits: Of the search.
         tests: Rows of `run_block_tests`.
-        where: From `locate_gap`.
         law: Blocks of the law that was found of what is left.
     """
     if not verdict.gap:
@@ -41,12 +37,7 @@ def accused_blocks(
         found = [block[name] for name in verdict.effects]
     found += law
     if verdict.outside_library and not found:
-        found = nearest_block(criterion, fits) or suspected_blocks(
-            tests,
-            where["balance"],
-            where["contact_side"],
-            where["attribution"],
-        )
+        found = nearest_block(criterion, fits) or suspected_blocks(tests)
     return list(dict.fromkeys(found))
 
 
@@ -66,29 +57,14 @@ def nearest_block(
     ]
 
 
-def suspected_blocks(
-    tests: Sequence[dict],
-    balance: Sequence[dict],
-    imposed: dict | None = None,
-    attribution: Sequence[dict] = (),
-) -> list[str]:
-    """The block with the largest share of what is above its threshold.
+def suspected_blocks(tests: Sequence[dict]) -> list[str]:
+    """The block with the largest share of what is above its threshold; where
+    all are within their thresholds, as tolerances widen them, the nearest.
 
-    If all blocks are within their thresholds, as tolerances widen them, it is
-    the block whose small errors take most of the gap in closed loop, where
-    tolerances are told apart; if none does, the block nearest to its threshold.
-    The controller is exact and is never suspected. Contact, torso and reading
-    are cleared if together they match the recording on the recorded trajectory
-    of the ring. Contact and torso are cleared if they are less beyond their
-    threshold than drives and ring.
+    The controller is exact and is never suspected.
 
     Args:
         tests: Rows of `run_block_tests`.
-        balance: Rows of `explain_imbalance`, none where the device has no
-            such balance.
-        imposed: Row of what answers to an imposed motion as a whole, None
-            where it was not looked at.
-        attribution: Rows of `attribute_errors`.
     """
 
     def nearness(row: dict) -> float:
@@ -96,21 +72,5 @@ def suspected_blocks(
         return (row["normalised_rms"] - 1.0) / (row["threshold"] - 1.0)
 
     known = [r for r in tests if r["block"] != "controller"]
-    machine = [r for r in known if r["block"] in (DRIVES, RING)]
-    if imposed is not None:
-        beyond = max((nearness(r) for r in machine), default=0.0)
-        if machine and imposed["acquitted"]:
-            known = machine
-        elif machine and nearness(imposed) < beyond:
-            known = [r for r in known if r["block"] not in ("contact", "torso")]
-        else:
-            known = [r for r in known if r["block"] in ANSWER_MOTION]
-    if not known:
-        return []
-    if all(r["acquitted"] for r in known):
-        taken = {r["block"]: r["share"] for r in attribution}
-        nearest = max(known, key=lambda r: taken.get(r["block"], 0.0))
-        if taken.get(nearest["block"], 0.0) > 0.0:
-            return [nearest["block"]]
-    block = max(known, key=lambda r: (r["share"], nearness(r)))["block"]
-    return [suspected_part(balance) if block == DRIVES else block]
+    known.sort(key=lambda r: (r["share"], nearness(r)))
+    return [r["block"] for r in known[-1:]]

@@ -14,11 +14,8 @@ from brace_drake.isolation.budget import (
     gap_cells,
     phase_budget,
 )
-from brace_drake.isolation.force_balance import DRIVES, explain_imbalance
-from brace_drake.isolation.imposed_motion import ImposedMotionFit
 from brace_drake.isolation.phases import motion_phases
 from brace_drake.isolation.repair_shares import share_repairs
-from brace_drake.isolation.small_errors import attribute_errors
 from brace_drake.selection.decision import Verdict
 
 
@@ -27,23 +24,23 @@ def locate_gap(
     evaluator: Evaluator,
     nominal: CandidateFit,
     verdict: Verdict,
+    repair: CandidateFit | None,
     tests: list[dict],
-    imposed: ImposedMotionFit | None,
     compared: Sequence[RunComparison],
     seed: int,
 ) -> dict:
     """The gap by block, channel, phase of the motion and band.
 
-    Shares of blocks are those of repairing them, else, where no effect
-    explains the gap, of what their small errors could do.
+    Shares of blocks are those of repairing them; where nothing was found that
+    repairs the gap, there are none.
 
     Args:
         device: Of the campaign.
         evaluator: Over the fit runs.
         nominal: The nominal fit.
         verdict: What explains the gap.
+        repair: With all that was found, a law included; None without.
         tests: Rows of `run_block_tests`.
-        imposed: What answers to an imposed motion, where it was asked.
         compared: The fit runs, replayed before and after the repair.
         seed: Of all draws.
     """
@@ -59,25 +56,16 @@ def locate_gap(
         phases.append(
             motion_phases(motion, measured, rate, run.contact, breath)
         )
-    balance, attribution, cells = [], [], []
-    drives = next((r for r in tests if r["block"] == DRIVES), None)
-    if verdict.outside_library and drives:
-        balance = explain_imbalance(device, prepared, drives)
-    if winner is not None:
+    attribution, cells = [], []
+    if repair is not None:
         rivals = verdict.ambiguous_with
-        attribution = share_repairs(evaluator, nominal, winner, rivals, seed)
-    elif verdict.gap:
-        errors = device.small_errors()
-        attribution = attribute_errors(evaluator, nominal, errors, seed)
+        attribution = share_repairs(evaluator, nominal, repair, rivals, seed)
     if verdict.gap:
         channels = evaluator.twin.channels
         cells = gap_cells(compared, phases, channels, rate, seed)
     return {
         "blocks": tests,
-        "contact_side": imposed.row() if imposed else None,
-        "balance": balance,
         "attribution": attribution,
-        "attribution_by": "repair" if winner else "errors",
         "channels": channel_budget(compared, evaluator.twin.channels),
         "phases": phase_budget(compared, phases),
         "bands": band_budget(compared, rate),

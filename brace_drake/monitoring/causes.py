@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from brace_drake.devices.since import OnsetMotion
-from brace_drake.devices.twin import ReplayTwin
+from brace_drake.devices.twin import HIGHEST_HZ, ReplayTwin
 from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator, PreparedRun
 from brace_drake.identification.fits import CandidateFit, finish_fit, search
@@ -130,6 +130,6 @@ def _prepare(twin, floor, motion, residual, rate, seed) -> PreparedRun:
     run = Run(
         "since.csv", motion.with_torso, "live", None, "fit", {"time_s": time}
     )
-    weights = floor.weights(len(measured), rate, twin.highest_hz)
+    weights = floor.weights(len(measured), rate, HIGHEST_HZ)
     weights = weights * twin.active(run)
     return PreparedRun(run, motion, measured, weights, floor, seed)

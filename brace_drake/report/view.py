@@ -44,7 +44,7 @@ def make_view(
         "badge": BADGES[kind],
         "certain": describe_certain(diagnosis),
         "lead": _lead(diagnosis["where"]["blocks"]),
-        "blocks": checked_blocks(diagnosis["where"]),
+        "blocks": diagnosis["where"]["blocks"],
         "figures": _draw_where(diagnosis["where"]),
         "cards": make_cards(causes, verdict),
         "how_far": _how_far(diagnosis["shrink"]),
@@ -82,17 +82,11 @@ def _draw_where(where: dict) -> dict:
     return {
         "attribution": draw_attribution(where["attribution"]),
         "power": draw_power(where["cube"]),
-        "blocks": draw_blocks(checked_blocks(where)),
+        "blocks": draw_blocks(where["blocks"]),
         "channels": draw_pairs(names, channels, WIDTH),
         "phases": draw_pairs([r["phase"] for r in phases], phases, WIDTH / 2.0),
         "bands": draw_pairs(bands, where["bands"], WIDTH / 2.0),
     }
-
-
-def checked_blocks(where: dict) -> list[dict]:
-    """The tests of single blocks, and that of the contact side after them."""
-    side = where["contact_side"]
-    return [*where["blocks"], *([side] if side else [])]
 
 
 def _how_far(shrink: dict | None) -> dict | None:

@@ -10,9 +10,6 @@ import numpy as np
 from brace_drake.devices.bench.block_tests import FORCE_Y, MARKER_Y, bench_tests
 from brace_drake.devices.bench.control_law import BenchControlLaw
 from brace_drake.devices.bench.drawn import draw_tolerances, uses_of_draws
-from brace_drake.devices.bench.errors import bench_errors
-from brace_drake.devices.bench.force_balance import balance_of_run
-from brace_drake.devices.bench.imposed_twin import GuidedBenchTwin
 from brace_drake.devices.bench.recorded_motion import ring_poses
 from brace_drake.devices.bench.rollout import FORCE, LENGTHS, MARKER
 from brace_drake.devices.bench.tolerances import bench_tolerances
@@ -55,7 +52,6 @@ class Bench(Device):
         super().__init__(twin, rate, bench_tests(twin, rate))
         self.control_law = BenchControlLaw(twin, rate)
         self.torso_law = _torso_law(twin)
-        self.imposed = GuidedBenchTwin(twin.scenario, twin.time_step)
 
     def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:
         """What a therapist asks for: pad force, N, and ring position, mm."""
@@ -114,17 +110,9 @@ class Bench(Device):
         scenario = self.twin.scenario
         return uses_of_draws(scenario, draw_tolerances(scenario, seed))
 
-    def small_errors(self):
-        """Any small error of each block, and of the places of anchors."""
-        return bench_errors()
-
     def tolerances(self) -> list[Nuisance]:
         """Of the numbers that its scenario states or assumes."""
         return bench_tolerances(self.twin.scenario)
-
-    def force_balance(self, prepared):
-        """The balance of the leg forces along the recorded way."""
-        return balance_of_run(self.twin, prepared, self.rate)
 
 
 def _torso_law(twin: BenchTwin) -> TorsoLaw:

@@ -21,7 +21,6 @@ from brace_drake.report.figures.law import draw_law
 from brace_drake.report.figures.traces import draw_plane, draw_trace
 from brace_drake.report.law_curve import LawCurve
 from brace_drake.report.traces import RunTrace, most_telling
-from brace_drake.report.view import checked_blocks
 from brace_drake.report.words import band_text, channel_text, parameter_row
 
 FORMATS = ("svg", "png", "pdf")
@@ -91,7 +90,7 @@ def _figures(
         yield f"law_{i}", draw_law, (law,)
     yield "power_by_block", draw_attribution, (where["attribution"],)
     yield "power_by_channel", draw_power, (where["cube"],)
-    yield "block_tests", draw_blocks, (checked_blocks(where),)
+    yield "block_tests", draw_blocks, (where["blocks"],)
     for key, names in (
         ("channels", [channel_text(r["channel"]) for r in where["channels"]]),
         ("phases", [row["phase"] for row in where["phases"]]),
