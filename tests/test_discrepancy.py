@@ -14,6 +14,8 @@ from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.unknown import describe_term, terms_for
 from brace_drake.identification.intervals import ParameterEstimate
 from brace_drake.identification.nominal_fit import fit_nominal
+from brace_drake.isolation.repair_shares import share_repairs
+from brace_drake.isolation.shapley import UNEXPLAINED as NONE
 from brace_drake.laws.hooks import plug
 from brace_drake.report.page import render_page
 from brace_drake.selection.criterion import Criterion
@@ -74,7 +76,7 @@ class TestSearchLaw(unittest.TestCase):
 
     def law(self, uses, names):
         """The terms found among some, and the criterion."""
-        evaluator = self.bench.evaluator(uses)
+        self.evaluator = evaluator = self.bench.evaluator(uses)
         nominal = fit_nominal(evaluator)
         criterion = make_criterion(evaluator, nominal, ())
         terms = [self.terms[name] for name in names]
@@ -93,6 +95,12 @@ class TestSearchLaw(unittest.TestCase):
         self.assertAlmostEqual(told[0]["value"] / STIFFNESS, 1.0, delta=0.05)
         self.assertAlmostEqual(told[1]["value"], ONSET, delta=1e-4)
         self.assertGreater(criterion.closed(fit), 0.9)
+        # To repair it by its law gives its block what it closes.
+        row, rest = share_repairs(self.evaluator, criterion.nominal, fit, (), 0)
+        self.assertEqual((row["block"], rest["block"]), ("mechanism", NONE))
+        self.assertAlmostEqual(row["share"] + rest["share"], 1.0, places=9)
+        left = fit.excess / criterion.nominal.excess
+        self.assertAlmostEqual(rest["share"], max(0.0, left), delta=1e-9)
 
     def test_a_tremor_is_found_at_its_frequency(self):
         uses = [(TREMOR, np.array([0.6]))]
