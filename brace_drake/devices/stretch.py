@@ -3,14 +3,17 @@
 Numbers that share an error, as the anchors along a leg do, each take a small
 part of it: of every estimate it is asked how far its tolerance and the noise
 let it move. What else there is in the residual counts as noise along the
-numbers, as large as it shows along most of them.
+numbers, as large as it shows along most of them. Of many numbers one is far off
+by chance: the farthest of them is told as one number would be that is off so by
+the same chance (Sidak, Rectangular confidence regions for the means of
+multivariate normal distributions, J. Am. Stat. Assoc. 62, 1967).
 """
 
 from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import gammaincinv
+from scipy.special import gammaincinv, log_ndtr, ndtri_exp
 
 from brace_drake.devices.tolerances import LinearTolerances
 
@@ -23,10 +26,12 @@ _TOLD = 1e-3
 def stretch_of(
     known: LinearTolerances, whitened: np.ndarray, least: float = 1.0
 ) -> float:
-    """The most standard deviations that an estimate of a number has moved.
+    """How far the farthest number is off, in standard deviations of one.
 
     An estimate with the posterior deviation s, in tolerances, has the prior
-    deviation sqrt(1 - s^2): so far it moves where all is right.
+    deviation sqrt(1 - s^2): so far it moves where all is right. As many
+    estimates move by themselves as the recording tells of numbers,
+    sum_i lambda_i / (v + lambda_i), see `noise_along`.
 
     Args:
         known: The numbers and what they change.
@@ -35,7 +40,27 @@ def stretch_of(
     """
     along = known.along(whitened)
     noise = max(least, noise_along(known, along))
-    return float(np.max(np.abs(_moved(known, along, noise))))
+    squares = known.principal[1] ** 2
+    told = float(np.sum(squares / (noise + squares)))
+    farthest = float(np.max(np.abs(_moved(known, along, noise))))
+    return as_of_one(farthest, max(1.0, told))
+
+
+def as_of_one(deviations: float, number: float) -> float:
+    """Deviations at which one normal variable is by the chance that the
+    farthest of some is at least at so many; 0 where that is certain.
+
+    Args:
+        deviations: Of the farthest, either way.
+        number: Of independent ones.
+    """
+    each = np.log(2.0) + log_ndtr(-deviations)
+    if each >= 0.0:
+        return 0.0
+    # ln(1 - (1 - p)^n), n p where p is next to nothing.
+    none = number * np.log1p(-np.exp(each))
+    chance = np.log(-np.expm1(none)) if none < 0.0 else each + np.log(number)
+    return float(max(0.0, -ndtri_exp(min(0.0, chance) - np.log(2.0))))
 
 
 def variance_over(excess: float, number: int) -> float:
