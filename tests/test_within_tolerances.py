@@ -27,6 +27,7 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.level import make_criterion
 from brace_drake.selection.search.beyond import fit_beyond
 from brace_drake.selection.search.candidate import with_one_more
+from brace_drake.selection.search.exchange import exchanged
 from brace_drake.selection.search.friction import (
     fit_behind_joints,
     fit_friction,
@@ -335,6 +336,22 @@ class TestBenchWithinTolerances(unittest.TestCase):
         self.assertLess(found.excess, fit.excess + 0.01 * evaluator.count)
         true = size + drawn["force_scale"]
         self.assertAlmostEqual(found.values[-1][0], true, delta=0.01)
+
+        # Drives of as wrong a gain that carry a ring so much lighter do the
+        # same: the prior of its mass alone tells which it is.
+        others = exchanged(evaluator, criterion, found, [fit, found])
+        (gain,) = (f for f in others if f.effects[-1].name == "force_gain")
+        self.assertAlmostEqual(gain.values[-1][0], true, delta=0.01)
+        trust = thresholds.TRUST * evaluator.count
+        self.assertLess(gain.excess, found.excess + trust)
+        mass, lighter = (
+            {n.name: t * n.deviation for n, t in estimate_off(evaluator, f)}[
+                "ring_mass_kg"
+            ]
+            for f in (found, gain)
+        )
+        whole = mass + device.twin.scenario.ring.mass
+        self.assertAlmostEqual(lighter - mass, true * whole, delta=0.006)
 
     def test_a_steady_pull_is_a_law_beside_the_friction_that_it_hid(self):
         known, name, pull = terms_for("brace"), "term_ring_x_constant", -0.6

@@ -104,3 +104,5 @@ OTHER_CHOICES, CHOICE_STEPS = 2, 4
 NESTED_SHARES, NESTED_SHAPES = (0.1, 0.4, 1.2), (0.5, 1.0, 2.0)
 NESTED_BETTER, NESTED_NEAR = 0.9, 2.0
 NESTED_STEPS, NESTED_ROUNDS, NESTED_WORTH = 4, 3, 0.8
+# An effect is replaced by another from so many starts that begin best.
+EXCHANGED_STARTS = 2

@@ -73,7 +73,9 @@ CARD = Effect(
     dithered=True,
     signature="a loop between force and depth as wide in slow as in fast runs",
     impostors={
-        "relaxation": "the loop's width depends on speed, force creeps in holds"
+        "relaxation": "the loop's width depends on speed, force creeps in"
+        " holds",
+        "hardening": "force comes back on the way that it went",
     },
     remedy="nothing is wrong with the machine: tissue keeps a part of the"
     " force; push slowly a few times before recording, and keep the law"

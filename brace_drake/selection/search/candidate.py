@@ -182,3 +182,32 @@ def make_candidate(
     else:
         (residual,) = problem.batch([z], coarse=True)
     return None if residual is None else Candidate(problem, z, residual)
+
+
+def race(
+    base: Linearisation, candidates: Sequence[Candidate]
+) -> Candidate | None:
+    """The one that leaves least after a round of steps, led on while that
+    brings much: what begins best often comes to a stop first. None where no
+    twin runs.
+
+    Args:
+        base: Where they set out from.
+        candidates: The same effects from several starts.
+    """
+    steps = [
+        partial(c.step, base, thresholds.NESTED_STEPS, own=True)
+        for c in candidates
+    ]
+    went = base.evaluator.together(steps)
+    able = [c for c, well in zip(candidates, went, strict=True) if well]
+    best = min(able, key=lambda c: c.excess, default=None)
+    if best is None:
+        return None
+    for _ in range(thresholds.NESTED_ROUNDS - 1):
+        before = best.excess
+        if not best.step(base, thresholds.NESTED_STEPS, own=True):
+            break
+        if best.excess > thresholds.NESTED_WORTH * before:
+            break
+    return best

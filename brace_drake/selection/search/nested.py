@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -20,7 +19,11 @@ from brace_drake.effects.stack import Use
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import refined
-from brace_drake.selection.search.candidate import Candidate, make_candidate
+from brace_drake.selection.search.candidate import (
+    Candidate,
+    make_candidate,
+    race,
+)
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.tolerated import holds_another, left_by
 
@@ -165,31 +168,7 @@ def _richer_in(
             if candidate is not None:
                 found.append(candidate)
         better = thresholds.NESTED_BETTER * left_by(fit, base.evaluator.count)
-        best = _race(base, [c for c in found if c.excess <= better])
+        best = race(base, [c for c in found if c.excess <= better])
         if best is not None:
             out.append(best)
     return out
-
-
-def _race(
-    base: Linearisation, candidates: Sequence[Candidate]
-) -> Candidate | None:
-    """The one that leaves least after a round of steps, led on while that
-    brings much: what begins best often comes to a stop first.
-    """
-    steps = [
-        partial(c.step, base, thresholds.NESTED_STEPS, own=True)
-        for c in candidates
-    ]
-    went = base.evaluator.together(steps)
-    able = [c for c, well in zip(candidates, went, strict=True) if well]
-    best = min(able, key=lambda c: c.excess, default=None)
-    if best is None:
-        return None
-    for _ in range(thresholds.NESTED_ROUNDS - 1):
-        before = best.excess
-        if not best.step(base, thresholds.NESTED_STEPS, own=True):
-            break
-        if best.excess > thresholds.NESTED_WORTH * before:
-            break
-    return best

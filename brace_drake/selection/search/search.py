@@ -3,7 +3,7 @@
 From the nominal twin, then from the best sets so far, every further effect is
 screened by a linearised replay. The best predicted ones are searched, the best
 of these fitted to their end. The best set is also led on without each of its
-effects.
+effects, and in the end with others in their places that act like them.
 The search ends where one more improves nothing, or nothing is left (stepwise
 selection with a beam; Hastie, Tibshirani, Friedman, The Elements of Statistical
 Learning, section 3.3).
@@ -25,6 +25,7 @@ from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.backward import without_each
 from brace_drake.selection.search.beyond import fit_beyond
+from brace_drake.selection.search.exchange import exchanged
 from brace_drake.selection.search.friction import (
     fit_behind_joints,
     fit_friction,
@@ -93,7 +94,7 @@ def search_causes(
         # Friction that is found within its tolerance adds to the level.
         criterion = with_level(evaluator, criterion, best).over(known)
         if not criterion.may_pay(best):
-            return known
+            break
         before, least = (
             min([criterion.nominal, *fits], key=criterion.weighed)
             for fits in (earlier, refined(known))
@@ -107,6 +108,10 @@ def search_causes(
             break
         beam = beam_of(criterion, known, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]
+    known += exchanged(evaluator, criterion, ranked[0], known)
+    ranked = best_of_kinds(criterion, [criterion.nominal, *known])
+    if _is_end(evaluator, criterion, ranked[0]):
+        return known
     # Effects of dozens of parameters are dear, and cover what others and laws
     # of a few do: they are tried where those leave something.
     many = [e for e in effects if e.is_flexible]

@@ -1,0 +1,107 @@
+"""Exchange: the best set with one effect replaced by one that acts like it.
+
+A search that comes by one of two confusable effects ends there, as nothing is
+left: the other is never seen at its own best. So each effect of the best set is
+replaced by those that it is confused with by the cards, from where the set
+stands (sequential replacement; Miller, Subset Selection in Regression, chapter
+3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from brace_drake.core.errors import BraceError
+from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import Use
+from brace_drake.identification.evaluation import Evaluator
+from brace_drake.identification.fits import CandidateFit
+from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.search.candidate import (
+    Candidate,
+    make_candidate,
+    race,
+)
+from brace_drake.selection.search.linearisation import Linearisation
+from brace_drake.selection.search.within import refit_within, set_out
+from brace_drake.selection.tolerated import left_by
+
+
+def exchanged(
+    evaluator: Evaluator,
+    criterion: Criterion,
+    best: CandidateFit,
+    known: Sequence[CandidateFit],
+) -> list[CandidateFit]:
+    """The best set with each of its effects replaced by others, where that
+    leaves about as little; led to its end.
+
+    Args:
+        evaluator: Over the fit runs.
+        criterion: Of the campaign.
+        best: The set; its effects within tolerances stay.
+        known: Fits of the search so far; none is made again.
+    """
+    found: list[CandidateFit] = []
+    set_out(evaluator, best)
+    try:
+        lines = Linearisation(evaluator, best)
+    except BraceError:
+        return found
+    trust = thresholds.TRUST * evaluator.count
+    most = thresholds.NEAR * (left_by(best, evaluator.count) + trust)
+    done = {_names(f.effects) for f in refined(known)}
+    for out in criterion.findings(best):
+        kept = [use for use in best.uses if use[0] is not out]
+        for forms in _confusable(evaluator.effects, out, kept):
+            names = _names([*(e for e, _ in kept), *forms[:1]])
+            if names in done:
+                continue
+            candidate = race(lines, _begun(lines, kept, forms))
+            if candidate is not None and candidate.excess <= most:
+                fit = candidate.fit()
+                fit = refit_within(evaluator, fit, criterion.nuisances)
+                found.append(fit)
+                set_out(evaluator, best)
+    return found
+
+
+def _confusable(
+    effects: Sequence[Effect], out: Effect, kept: Sequence[Use]
+) -> Iterator[list[Effect]]:
+    """Forms of each effect that another is confused with, either way round;
+    none of dozens of parameters.
+    """
+    forms: dict[str, list[Effect]] = {}
+    for effect in effects:
+        is_like = effect.name in out.impostors or out.name in effect.impostors
+        if not is_like or effect.is_flexible or effect.is_alike(out):
+            continue
+        if not any(effect.is_alike(other) for other, _ in kept):
+            forms.setdefault(effect.name, []).append(effect)
+    yield from forms.values()
+
+
+def _begun(
+    lines: Linearisation, kept: Sequence[Use], forms: Sequence[Effect]
+) -> list[Candidate]:
+    """What is kept with each form from each start; the few that begin best."""
+    effects, values = [e for e, _ in kept], [v for _, v in kept]
+    found = [
+        make_candidate(
+            lines,
+            [*effects, form],
+            [*values, start],
+            lines.base.subject,
+            lines.base.spread,
+        )
+        for form in forms
+        for start in form.starts()
+    ]
+    able = sorted((c for c in found if c is not None), key=lambda c: c.excess)
+    return able[: thresholds.EXCHANGED_STARTS]
+
+
+def _names(effects: Sequence[Effect]) -> frozenset[str]:
+    return frozenset(e.name for e in effects)
