@@ -50,7 +50,8 @@ def exchanged(
     except BraceError:
         return found
     trust = thresholds.TRUST * evaluator.count
-    most = thresholds.NEAR * (left_by(best, evaluator.count) + trust)
+    left = max(0.0, left_by(best, evaluator.count))
+    most = thresholds.NEAR * (left + trust)
     done = {_names(f.effects) for f in refined(known)}
     for out in criterion.findings(best):
         kept = [use for use in best.uses if use[0] is not out]
@@ -58,12 +59,15 @@ def exchanged(
             names = _names([*(e for e, _ in kept), *forms[:1]])
             if names in done:
                 continue
-            candidate = race(lines, _begun(lines, kept, forms))
+            # A number that is replaced would take its own place again.
+            evaluator.tolerances = best.tolerances
+            candidate = race(lines, _begun(lines, kept, forms, most))
             if candidate is not None and candidate.excess <= most:
                 fit = candidate.fit()
+                set_out(evaluator, fit)
                 fit = refit_within(evaluator, fit, criterion.nuisances)
                 found.append(fit)
-                set_out(evaluator, best)
+    set_out(evaluator, best)
     return found
 
 
@@ -84,23 +88,35 @@ def _confusable(
 
 
 def _begun(
-    lines: Linearisation, kept: Sequence[Use], forms: Sequence[Effect]
+    lines: Linearisation,
+    kept: Sequence[Use],
+    forms: Sequence[Effect],
+    most: float,
 ) -> list[Candidate]:
-    """What is kept with each form from each start; the few that begin best."""
-    effects, values = [e for e, _ in kept], [v for _, v in kept]
+    """What is kept with each form from each start: those of the few that begin
+    best that a step brings near enough, or much nearer.
+    """
     found = [
-        make_candidate(
-            lines,
-            [*effects, form],
-            [*values, start],
-            lines.base.subject,
-            lines.base.spread,
-        )
+        _made(lines, [*kept, (form, start)])
         for form in forms
         for start in form.starts()
     ]
     able = sorted((c for c in found if c is not None), key=lambda c: c.excess)
-    return able[: thresholds.EXCHANGED_STARTS]
+    near = []
+    for candidate in able[: thresholds.EXCHANGED_STARTS]:
+        worth = max(most, thresholds.WORTH_A_SET * candidate.excess)
+        if candidate.step(lines, 1, own=True) and candidate.excess <= worth:
+            near.append(candidate)
+    return near
+
+
+def _made(lines: Linearisation, uses: Sequence[Use]) -> Candidate | None:
+    """A candidate from where the best set stands; None where its twin breaks
+    down.
+    """
+    effects, values = [e for e, _ in uses], [v for _, v in uses]
+    best = lines.base
+    return make_candidate(lines, effects, values, best.subject, best.spread)
 
 
 def _names(effects: Sequence[Effect]) -> frozenset[str]:
