@@ -20,6 +20,7 @@ from brace_drake.selection.level import tolerated_friction
 from brace_drake.selection.search.candidate import (
     Candidate,
     make_candidate,
+    race,
     with_one_more,
 )
 from brace_drake.selection.search.linearisation import Linearisation
@@ -95,7 +96,8 @@ def fit_behind_joints(
             uses = _joints(form, card, values)
             if any(form.name == e.name for e, _ in rest) or not uses:
                 continue
-            best = _stepped(lines, [_made(lines, (*rest, u)) for u in uses])
+            begun = [_made(lines, (*rest, u)) for u in uses]
+            best = race(lines, [c for c in begun if c is not None])
             fit = best and best.fit()
             if fit is not None and fit.excess < most:
                 fit = refit_within(evaluator, fit, criterion.nuisances)
