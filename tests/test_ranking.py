@@ -71,6 +71,14 @@ class TestRanking(unittest.TestCase):
         self.assertEqual(len(verdict.ambiguous_with), 1)
         self.assertLess(verdict.probability, 0.51)
 
+    def test_of_what_is_tied_the_fewer_parameters_are_the_likelier(self):
+        # A loop that is as deep as the push is a spring that hardens.
+        loop, spring = fit_of("hysteresis", 0.0), fit_of("hardening", 0.0)
+        scores = self.scores(loop, spring)
+        odds = thresholds.ODDS * (scores["hysteresis"] - scores["hardening"])
+        # Of its four parameters two are choices.
+        self.assertAlmostEqual(odds, 2.0 - 1.0)
+
     def test_numbers_do_not_speak_for_what_leaves_more_or_needs_more(self):
         one = needing(fit_of("force_scale", 0.0), 2.5)
         for name, left in (("force_gain", 2.0), ("force_gain+weak_leg", 0.0)):

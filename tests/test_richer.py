@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.registry import find_effect
 from brace_drake.identification.fits import fit_effects
 from brace_drake.identification.nominal_fit import fit_nominal
@@ -54,8 +53,6 @@ class TestRicherStarts(unittest.TestCase):
 
 class TestSpecialCase(unittest.TestCase):
     def setUp(self):
-        number = 0.02, ((COULOMB, np.array([0.02])),)
-        self.known = (Nuisance("leg_coulomb_N", "N", "actuation", *number),)
         keys = "coulomb_friction", "coulomb_friction (without creep)"
         self.effects = [find_effect(key) for key in keys]
         self.holding = fit_of("coulomb_friction (without creep)", 0.2)
@@ -64,15 +61,16 @@ class TestSpecialCase(unittest.TestCase):
         fit = fit_of("leg_compliance (dry friction)", 0.3)
         fit = replace(fit, values=(np.array([1e-6, friction]),))
         fits = [fit, fit_of("coulomb_friction", 3.0), self.holding]
-        return special_case(fit, self.effects, self.known, fits)
+        return special_case(fit, self.effects, fits)
 
     def test_of_friction_in_a_soft_leg_it_is_friction_in_the_best_form(self):
         found = self.case_of(0.6)
         self.assertEqual(found.name, self.holding.name)
         self.assertEqual(found.values[0].tolist(), [0.6])
 
-    def test_friction_within_its_tolerance_is_none(self):
-        self.assertIsNone(self.case_of(0.05))
+    def test_so_it_is_where_that_friction_is_within_its_tolerance(self):
+        # Else a leg that is next to stiff would be an effect.
+        self.assertEqual(self.case_of(0.05).values[0].tolist(), [0.05])
 
 
 class TestRicherRace(unittest.TestCase):

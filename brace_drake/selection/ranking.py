@@ -4,7 +4,9 @@ What an explanation leaves and how many effects it needs make its score. Those
 of as many effects that are tied by it, as a gain of the drives and a scale of
 the force reading may be, leave the same but need other values of the numbers
 that are known to a tolerance, and of parameters that have a prior: the prior
-density of these says which is the likelier.
+density of these says which is the likelier. Every other parameter that is
+fitted costs one in its log likelihood (Akaike, A new look at the
+statistical model identification, IEEE Trans. Automatic Control 19, 1974).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
@@ -76,12 +79,25 @@ def _without_ties(criterion: Criterion, ranked: list[Ranked]) -> list[Ranked]:
     # is left of an unknown law moves numbers too.
     left = max(r.fit.excess for r in tied)
     known = min(criterion.known(r.fit) for r in tied)
-    costs = [r.score + known * prior_cost(r.fit, left) for r in tied]
+    costs = [
+        r.score
+        + known * prior_cost(r.fit, left)
+        + parameter_cost(criterion.findings(r.fit))
+        for r in tied
+    ]
     apart = [
         Ranked(r.fit, least + cost - min(costs))
         for r, cost in zip(tied, costs, strict=True)
     ]
     return sorted([*apart, *others], key=lambda r: r.score)
+
+
+def parameter_cost(effects: Sequence[Effect]) -> float:
+    """One for each of their parameters that is fitted and has no prior, over
+    `ODDS`, as of a score.
+    """
+    own = (e.is_continuous.sum() for e in effects if not e.is_flexible)
+    return float(sum(own)) / thresholds.ODDS
 
 
 def prior_cost(fit: CandidateFit, left: float) -> float:

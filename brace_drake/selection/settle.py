@@ -84,8 +84,7 @@ def _simplify(
     """The best with the special case of a richer effect, led on as it was: what
     is compared with it has to stand at its own best. None without one.
     """
-    effects, nuisances = evaluator.effects, criterion.nuisances
-    start = special_case(best, effects, nuisances, fits)
+    start = special_case(best, evaluator.effects, fits)
     if start is None:
         return None
     set_out(evaluator, best)

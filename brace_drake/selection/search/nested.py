@@ -13,9 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from brace_drake.devices.declaration import Nuisance
 from brace_drake.effects.card import Effect
-from brace_drake.effects.stack import Use
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import refined
@@ -25,7 +23,7 @@ from brace_drake.selection.search.candidate import (
     race,
 )
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.tolerated import holds_another, left_by
+from brace_drake.selection.tolerated import left_by
 
 
 def richer_starts(
@@ -66,21 +64,18 @@ def richer_starts(
 def special_case(
     fit: CandidateFit,
     effects: Sequence[Effect],
-    nuisances: Sequence[Nuisance] = (),
     known: Sequence[CandidateFit] = (),
 ) -> CandidateFit | None:
     """A fit as it sets out with the special case of a richer effect in its
-    place; None where it has no richer one.
+    place, or what the effect contains; None where it has no richer one.
 
     Args:
         fit: Of any effects.
         effects: All that there are.
-        nuisances: Numbers known to a tolerance: what an effect contains is a
-            case of it where that is beyond them.
         known: Other fits: the best of them says in which form.
     """
     for i, use in enumerate(fit.uses):
-        special = _case_of(use, effects, nuisances, known)
+        special = _case_of(use[0], effects, known)
         if special is None:
             continue
         richer, values = use
@@ -93,15 +88,11 @@ def special_case(
 
 
 def _case_of(
-    use: Use,
-    effects: Sequence[Effect],
-    nuisances: Sequence[Nuisance],
-    known: Sequence[CandidateFit],
+    richer: Effect, effects: Sequence[Effect], known: Sequence[CandidateFit]
 ) -> Effect | None:
     """The special case of an effect, if it has one."""
-    richer, _ = use
     case = next((e for e in effects if richer.is_richer_than(e)), None)
-    if case is not None or not holds_another(use, nuisances):
+    if case is not None:
         return case
     names = set(richer.parameter_names)
     held = {
