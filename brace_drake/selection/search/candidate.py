@@ -184,7 +184,7 @@ def make_candidate(
     return None if residual is None else Candidate(problem, z, residual)
 
 
-def race(
+def best_of_starts(
     base: Linearisation, candidates: Sequence[Candidate]
 ) -> Candidate | None:
     """The one that leaves least after a round of steps, led on while that

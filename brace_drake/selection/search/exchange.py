@@ -20,8 +20,8 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.search.candidate import (
     Candidate,
+    best_of_starts,
     make_candidate,
-    race,
 )
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.within import refit_within, set_out
@@ -61,7 +61,7 @@ def exchanged(
                 continue
             # A number that is replaced would take its own place again.
             evaluator.tolerances = best.tolerances
-            candidate = race(lines, _begun(lines, kept, forms, most))
+            candidate = best_of_starts(lines, _begun(lines, kept, forms, most))
             if candidate is not None and candidate.excess <= most:
                 fit = candidate.fit()
                 set_out(evaluator, fit)

@@ -19,8 +19,8 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import tolerated_friction
 from brace_drake.selection.search.candidate import (
     Candidate,
+    best_of_starts,
     make_candidate,
-    race,
     with_one_more,
 )
 from brace_drake.selection.search.linearisation import Linearisation
@@ -97,7 +97,7 @@ def fit_behind_joints(
             if any(form.name == e.name for e, _ in rest) or not uses:
                 continue
             begun = [_made(lines, (*rest, u)) for u in uses]
-            best = race(lines, [c for c in begun if c is not None])
+            best = best_of_starts(lines, [c for c in begun if c is not None])
             fit = best and best.fit()
             if fit is not None and fit.excess < most:
                 fit = refit_within(evaluator, fit, criterion.nuisances)

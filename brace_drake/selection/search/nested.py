@@ -19,8 +19,8 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import (
     Candidate,
+    best_of_starts,
     make_candidate,
-    race,
 )
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.tolerated import left_by
@@ -159,7 +159,7 @@ def _richer_in(
             if candidate is not None:
                 found.append(candidate)
         better = thresholds.NESTED_BETTER * left_by(fit, base.evaluator.count)
-        best = race(base, [c for c in found if c.excess <= better])
+        best = best_of_starts(base, [c for c in found if c.excess <= better])
         if best is not None:
             out.append(best)
     return out
