@@ -16,7 +16,7 @@ from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.nested import (
     richer_starts,
     search_richer,
-    special_case,
+    special_cases,
 )
 from brace_drake.selection.search.screening import (
     _best_starts,
@@ -52,25 +52,25 @@ class TestRicherStarts(unittest.TestCase):
 
 
 class TestSpecialCase(unittest.TestCase):
-    def setUp(self):
-        keys = "coulomb_friction", "coulomb_friction (without creep)"
-        self.effects = [find_effect(key) for key in keys]
-        self.holding = fit_of("coulomb_friction (without creep)", 0.2)
-
-    def case_of(self, friction):
+    def cases_of(self, friction):
         fit = fit_of("leg_compliance (dry friction)", 0.3)
         fit = replace(fit, values=(np.array([1e-6, friction]),))
-        fits = [fit, fit_of("coulomb_friction", 3.0), self.holding]
-        return special_case(fit, self.effects, fits)
+        keys = "coulomb_friction", "coulomb_friction (without creep)"
+        return special_cases(fit, [find_effect(key) for key in keys])
 
-    def test_of_friction_in_a_soft_leg_it_is_friction_in_the_best_form(self):
-        found = self.case_of(0.6)
-        self.assertEqual(found.name, self.holding.name)
-        self.assertEqual(found.values[0].tolist(), [0.6])
+    def test_of_friction_in_a_soft_leg_it_is_friction_in_each_form(self):
+        # Within its tolerance too: else a leg that is next to stiff would be
+        # an effect.
+        for friction in (0.6, 0.05):
+            found = self.cases_of(friction)
+            names = [f.name for f in found]
+            self.assertEqual(len(set(names)), 2)
+            for fit in found:
+                self.assertEqual(fit.values[0].tolist(), [friction])
 
-    def test_so_it_is_where_that_friction_is_within_its_tolerance(self):
-        # Else a leg that is next to stiff would be an effect.
-        self.assertEqual(self.case_of(0.05).values[0].tolist(), [0.05])
+    def test_of_what_has_none_there_is_none(self):
+        fit = fit_of("force_bias", 0.3)
+        self.assertEqual(special_cases(fit, [find_effect("force_drift")]), [])
 
 
 class TestRicherRace(unittest.TestCase):

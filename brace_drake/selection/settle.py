@@ -20,7 +20,7 @@ from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.same_model import comes_down_to
-from brace_drake.selection.search.nested import special_case
+from brace_drake.selection.search.nested import special_cases
 from brace_drake.selection.search.within import refit_within, set_out
 
 # Fits that are led to their end at most, with their special cases.
@@ -55,7 +55,7 @@ def settle(
         again = check_fit(evaluator, correct_along(evaluator, again))
         fits = [again if f is best else f for f in fits]
         ended.append(again)
-        simpler = _simplify(evaluator, criterion, again, fits)
+        simpler = _simplify(evaluator, criterion, again)
         if simpler is not None:
             ended.append(simpler)
             fits = [f for f in fits if not comes_down_to(f.uses, simpler.uses)]
@@ -76,25 +76,22 @@ def _with_best(
 
 
 def _simplify(
-    evaluator: Evaluator,
-    criterion: Criterion,
-    best: CandidateFit,
-    fits: Sequence[CandidateFit],
+    evaluator: Evaluator, criterion: Criterion, best: CandidateFit
 ) -> CandidateFit | None:
     """The best with the special case of a richer effect, led on as it was: what
     is compared with it has to stand at its own best. None without one.
     """
-    start = special_case(best, evaluator.effects, fits)
-    if start is None:
-        return None
-    set_out(evaluator, best)
-    try:
-        fit = fit_effects(evaluator, start.effects, start)
-    except (BraceError, ValueError):
-        # Its twin breaks down.
-        return None
-    fit = refit_within(evaluator, fit, criterion.nuisances)
-    return check_fit(evaluator, correct_along(evaluator, fit))
+    found = []
+    for start in special_cases(best, evaluator.effects):
+        set_out(evaluator, best)
+        try:
+            fit = fit_effects(evaluator, start.effects, start)
+        except (BraceError, ValueError):
+            # Its twin breaks down.
+            continue
+        fit = refit_within(evaluator, fit, criterion.nuisances)
+        found.append(check_fit(evaluator, correct_along(evaluator, fit)))
+    return min(found, key=criterion.score, default=None)
 
 
 def set_within(

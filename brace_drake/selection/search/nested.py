@@ -16,7 +16,6 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import refined
 from brace_drake.selection.search.candidate import (
     Candidate,
     best_of_starts,
@@ -61,48 +60,43 @@ def richer_starts(
         )
 
 
-def special_case(
-    fit: CandidateFit,
-    effects: Sequence[Effect],
-    known: Sequence[CandidateFit] = (),
-) -> CandidateFit | None:
+def special_cases(
+    fit: CandidateFit, effects: Sequence[Effect]
+) -> list[CandidateFit]:
     """A fit as it sets out with the special case of a richer effect in its
-    place, or what the effect contains; None where it has no richer one.
+    place, or with each form of what the effect contains; empty where it has no
+    richer one.
 
     Args:
         fit: Of any effects.
         effects: All that there are.
-        known: Other fits: the best of them says in which form.
     """
-    for i, use in enumerate(fit.uses):
-        special = _case_of(use[0], effects, known)
-        if special is None:
-            continue
-        richer, values = use
+    for i, (richer, values) in enumerate(fit.uses):
+        cases = _cases_of(richer, effects)
         mine = dict(zip(richer.parameter_names, values, strict=False))
-        own = [mine.get(p.name, p.starts[0]) for p in special.parameters]
-        every, each = list(fit.effects), list(fit.values)
-        every[i], each[i] = special, np.array(own)
-        return replace(fit, effects=tuple(every), values=tuple(each))
-    return None
+        found = []
+        for case in cases:
+            own = [mine.get(p.name, p.starts[0]) for p in case.parameters]
+            every, each = list(fit.effects), list(fit.values)
+            every[i], each[i] = case, np.array(own)
+            more = replace(fit, effects=tuple(every), values=tuple(each))
+            found.append(more)
+        if found:
+            return found
+    return []
 
 
-def _case_of(
-    richer: Effect, effects: Sequence[Effect], known: Sequence[CandidateFit]
-) -> Effect | None:
-    """The special case of an effect, if it has one."""
+def _cases_of(richer: Effect, effects: Sequence[Effect]) -> list[Effect]:
+    """The special case of an effect, else all forms of what it contains."""
     case = next((e for e in effects if richer.is_richer_than(e)), None)
     if case is not None:
-        return case
+        return [case]
     names = set(richer.parameter_names)
-    held = {
-        e.key: e
+    return [
+        e
         for e in effects
         if e.name in richer.contains and names >= set(e.parameter_names)
-    }
-    found = (e.key for f in refined(known) for e in f.effects)
-    keys = [*(k for k in found if k in held), *held]
-    return held[keys[0]] if keys else None
+    ]
 
 
 def search_richer(
