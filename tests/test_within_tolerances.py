@@ -281,7 +281,8 @@ class TestBenchWithinTolerances(unittest.TestCase):
             self.assertAlmostEqual(off[name], drawn[name] / size, delta=delta)
 
     def test_friction_is_told_to_stick_behind_a_leg_that_gives_way(self):
-        true = np.array([7.5e-5, 0.07])
+        # A leg half as soft is known to a fifth only.
+        true = np.array([1.5e-4, 0.07])
         joint = find_effect("leg_compliance (dry friction)")
         device, _, evaluator = drawn_bench(0.0, (joint, true))
         criterion = criterion_of(device, evaluator)
@@ -291,7 +292,7 @@ class TestBenchWithinTolerances(unittest.TestCase):
         fit = min(found, key=lambda f: f.excess)
         self.assertEqual(fit.name, joint.key)
         self.assertLess(fit.excess, 0.2 * ring.excess)
-        np.testing.assert_allclose(fit.values[0] / true, 1.0, atol=0.2)
+        np.testing.assert_allclose(fit.values[0] / true, 1.0, atol=0.05)
 
     def test_a_gain_is_found_where_numbers_were_stretched_to_take_its_place(
         self,
