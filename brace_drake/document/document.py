@@ -108,8 +108,8 @@ def confirmed(d: Diagnosis) -> bool | None:
         return None
     if verdict.effects:
         return True if shrinkage["closed"] is not None else None
-    most = thresholds.BEYOND_LEVEL * d.criterion.level
-    if verdict.gap and shrinkage["before"] <= np.sqrt(1.0 + most):
+    most = np.sqrt(1.0 + d.criterion.beyond)
+    if verdict.gap and shrinkage["before"] <= most:
         return None
     return True
 

@@ -26,7 +26,7 @@ from brace_drake.isolation.shapley import (
     shapley_values,
     share_rows,
 )
-from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.candidate import candidate_of
 from brace_drake.selection.search.linearisation import Linearisation
 
 _STEPS = 5
@@ -117,15 +117,10 @@ def _repaired_in(
     """Residual with the winner's effects of these blocks alone, refitted, and
     the mean square of noise in it.
     """
-    kept = [
-        (e, v)
-        for e, v in zip(winner.effects, winner.values, strict=True)
-        if e.block in blocks
-    ]
-    effects, values = zip(*kept, strict=True)
+    uses = tuple((e, v) for e, v in winner.uses if e.block in blocks)
     base = Linearisation(evaluator, nominal)
     starts = [
-        make_candidate(base, effects, values, subject, winner.spread)
+        candidate_of(base, uses, subject, winner.spread)
         for subject in (nominal.subject, winner.subject)
     ]
     starts = [r for r in starts if r is not None]
@@ -133,5 +128,4 @@ def _repaired_in(
         return nominal.solution.residual, 1.0
     best = min(starts, key=lambda r: r.residual @ r.residual)
     best.step(base, _STEPS)
-    uses = tuple(zip(effects, values, strict=True))
     return best.residual, evaluator.noise_level(uses, coarse=True)

@@ -113,6 +113,13 @@ class Criterion:
         """Misfit below which no effect more is found: `trust` with chance."""
         return self.level - thresholds.LEVEL + thresholds.TRUST
 
+    @property
+    def beyond(self) -> float:
+        """More than this, geometric mean of both misfits and the level, a right
+        twin does not leave.
+        """
+        return thresholds.BEYOND_LEVEL * self.level
+
     def score(self, fit: CandidateFit) -> float:
         """Of a fit; the least one is the best explanation."""
         richer = sum(bool(e.generalises) for e in self.findings(fit))
@@ -144,8 +151,7 @@ class Criterion:
         """
         if self.is_foreign:
             return 0.0
-        most = thresholds.BEYOND_LEVEL * self.level
-        return min(1.0, most / self.left(fit))
+        return min(1.0, self.beyond / self.left(fit))
 
     def stretch(self, fit: CandidateFit) -> float:
         """Of the numbers of a fit, where what a right twin leaves beyond the
@@ -202,14 +208,13 @@ class Criterion:
 
     def is_beyond_level(self, fit: CandidateFit) -> bool:
         """Whether a fit leaves more than a right twin would."""
-        return self.left(fit) > thresholds.BEYOND_LEVEL * self.level
+        return self.left(fit) > self.beyond
 
     def is_short(self, fit: CandidateFit) -> bool:
         """Whether a fit leaves more than a right twin would, or stretches
         numbers not to.
         """
-        left = self.left(fit) * math.exp(self.strain(fit))
-        return left > thresholds.BEYOND_LEVEL * self.level
+        return self.left(fit) * math.exp(self.strain(fit)) > self.beyond
 
     def may_pay(self, fit: CandidateFit) -> bool:
         """Whether one effect more could better a fit's score at all."""

@@ -136,8 +136,7 @@ def _sure_of_rest(
     """Probability that what is left is judged rightly: that it is next to
     nothing, or that it is much.
     """
-    beyond = thresholds.BEYOND_LEVEL * criterion.level
-    far = math.log(criterion.left(best) / beyond)
+    far = math.log(criterion.left(best) / criterion.beyond)
     far = far if outside else max(-far, math.log(thresholds.MATERIAL))
     if not outside and criterion.is_beyond_level(best):
         share = criterion.unexplained(best)

@@ -10,7 +10,7 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion
 from brace_drake.selection.ranking import best_of_kinds
-from brace_drake.selection.search.candidate import make_candidate
+from brace_drake.selection.search.candidate import candidate_of
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.shortlist import try_refine
 from brace_drake.selection.search.within import set_out
@@ -47,8 +47,7 @@ def without_each(
         kept = [u for u in best.uses if u[0] is not out]
         if not kept:
             continue
-        parts, values = zip(*kept, strict=True)
-        less = make_candidate(lines, parts, values, best.subject, best.spread)
+        less = candidate_of(lines, kept, best.subject, best.spread)
         if less is not None and less.step(lines, thresholds.STEPS, own=True):
             found.append(try_refine(evaluator, less.fit()))
     return found

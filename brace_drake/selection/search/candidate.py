@@ -15,6 +15,7 @@ import numpy as np
 
 from brace_drake.core.errors import BraceError
 from brace_drake.effects.card import Effect
+from brace_drake.effects.stack import Use
 from brace_drake.identification.fits import CandidateFit, finish_fit
 from brace_drake.identification.least_squares import (
     LeastSquaresSolution,
@@ -182,6 +183,22 @@ def make_candidate(
     else:
         (residual,) = problem.batch([z], coarse=True)
     return None if residual is None else Candidate(problem, z, residual)
+
+
+def candidate_of(
+    base: Linearisation,
+    uses: Sequence[Use],
+    subject: np.ndarray,
+    spread: float | None = None,
+) -> Candidate | None:
+    """The same of effects with their parameters, one at least.
+
+    Args:
+        base, subject, spread: See `make_candidate`.
+        uses: Of the candidate.
+    """
+    effects, values = zip(*uses, strict=True)
+    return make_candidate(base, effects, values, subject, spread)
 
 
 def best_of_starts(

@@ -21,7 +21,7 @@ from brace_drake.selection.criterion import Criterion, refined
 from brace_drake.selection.search.candidate import (
     Candidate,
     best_of_starts,
-    make_candidate,
+    candidate_of,
 )
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.search.within import refit_within, set_out
@@ -44,7 +44,10 @@ def exchanged(
         known: Fits of the search so far; none is made again.
     """
     found: list[CandidateFit] = []
+    named = criterion.findings(best)
     set_out(evaluator, best)
+    if not named:
+        return found
     try:
         lines = Linearisation(evaluator, best)
     except BraceError:
@@ -52,12 +55,12 @@ def exchanged(
     trust = thresholds.TRUST * evaluator.count
     left = max(0.0, left_by(best, evaluator.count))
     most = thresholds.NEAR * (left + trust)
-    done = {_names(f.effects) for f in refined(known)}
-    for out in criterion.findings(best):
+    done = {f.kinds for f in refined(known)}
+    for out in named:
         kept = [use for use in best.uses if use[0] is not out]
+        names = frozenset(e.name for e, _ in kept)
         for forms in _confusable(evaluator.effects, out, kept):
-            names = _names([*(e for e, _ in kept), *forms[:1]])
-            if names in done:
+            if names | {forms[0].name} in done:
                 continue
             # A number that is replaced would take its own place again.
             evaluator.tolerances = best.tolerances
@@ -96,8 +99,9 @@ def _begun(
     """What is kept with each form from each start: those of the few that begin
     best that a step brings near enough, or much nearer.
     """
+    best = lines.base
     found = [
-        _made(lines, [*kept, (form, start)])
+        candidate_of(lines, [*kept, (form, start)], best.subject, best.spread)
         for form in forms
         for start in form.starts()
     ]
@@ -108,16 +112,3 @@ def _begun(
         if candidate.step(lines, 1, own=True) and candidate.excess <= worth:
             near.append(candidate)
     return near
-
-
-def _made(lines: Linearisation, uses: Sequence[Use]) -> Candidate | None:
-    """A candidate from where the best set stands; None where its twin breaks
-    down.
-    """
-    effects, values = [e for e, _ in uses], [v for _, v in uses]
-    best = lines.base
-    return make_candidate(lines, effects, values, best.subject, best.spread)
-
-
-def _names(effects: Sequence[Effect]) -> frozenset[str]:
-    return frozenset(e.name for e in effects)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from brace_drake.effects.card import Effect
-from brace_drake.effects.stack import Use, behind_joints
+from brace_drake.effects.stack import behind_joints
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.held_out import estimate_off
 from brace_drake.selection import thresholds
@@ -20,7 +20,7 @@ from brace_drake.selection.level import tolerated_friction
 from brace_drake.selection.search.candidate import (
     Candidate,
     best_of_starts,
-    make_candidate,
+    candidate_of,
     with_one_more,
 )
 from brace_drake.selection.search.linearisation import Linearisation
@@ -96,7 +96,9 @@ def fit_behind_joints(
             uses = _joints(form, card, values)
             if any(form.name == e.name for e, _ in rest) or not uses:
                 continue
-            begun = [_made(lines, (*rest, u)) for u in uses]
+            begun = [
+                candidate_of(lines, (*rest, u), base.subject) for u in uses
+            ]
             best = best_of_starts(lines, [c for c in begun if c is not None])
             fit = best and best.fit()
             if fit is not None and fit.excess < most:
@@ -137,9 +139,4 @@ def _behind_joints(
     """
     base, forms = lines.base, lines.evaluator.effects
     sets = behind_joints(base.uses, card, start, forms)
-    return [_made(lines, uses) for uses in sets]
-
-
-def _made(lines: Linearisation, uses: Sequence[Use]) -> Candidate | None:
-    effects, values = zip(*uses, strict=True)
-    return make_candidate(lines, effects, values, lines.base.subject)
+    return [candidate_of(lines, uses, base.subject) for uses in sets]
