@@ -315,7 +315,7 @@ class TestRealMachines(unittest.TestCase):
         values = estimates(found)
         # Published: 4.2 mm with a spread of 0.5 over conditions, 6 MN/m.
         self.assertAlmostEqual(1e3 * values["backlash_m"], 4.2, delta=0.6)
-        stiffness = values["joint_stiffness_N_m"]
+        stiffness = values["stiffness_N_m"]
         self.assertAlmostEqual(1e-6 * stiffness, 6.0, delta=1.0)
 
     def test_a_seal_s_friction_grows_with_pressure(self):

@@ -47,10 +47,11 @@ def move(reference, gain, seed, law, lag=0.05, delay=0.0):
     return np.array(command), np.array(reading)
 
 
-def make_campaign(law=lambda r, v, a, h: a, **numbers) -> Campaign:
+def make_campaign(law=lambda r, v, a, h: a, rest=1.0, **numbers) -> Campaign:
     time, runs = np.arange(1200) / RATE, []
     for i, (gain, split) in enumerate(GAINS):
         steps = np.random.default_rng(100 + i).uniform(-1.0, 1.0, 8)
+        steps[0] *= rest
         command, y = move(np.repeat(steps, 150), gain, i, law, **numbers)
         columns = {
             "time_s": time,
@@ -101,6 +102,16 @@ class TestLaws(unittest.TestCase):
         log = simulate_response(law, motion, 1.0, 1e-4, uses)
         np.testing.assert_allclose(log[:, 1], limit * time, rtol=0.01)
 
+    def test_dry_friction_takes_its_share_of_a_commanded_speed(self):
+        # 0 = (r - v) / T - c, and none of a speed below c T.
+        time, lag, friction = np.arange(300) / RATE, 0.1, 2.0
+        law = np.array([1.0 / lag, 1.0 / lag, 0.0, 0.0])
+        uses = [(find_effect("coulomb_friction"), np.array([friction]))]
+        for speed, wanted in ((0.7, 0.5), (0.15, 0.0)):
+            motion = Commanded(time, np.full(300, speed), np.zeros(2))
+            log = simulate_response(law, motion, 1.0, 1e-3, uses)
+            self.assertAlmostEqual(log[-1, 1], wanted, delta=2e-4)
+
 
 class TestAnswers(unittest.TestCase):
     def check(self, campaign, name, parameter=None, value=0.0, delta=0.0):
@@ -150,12 +161,20 @@ class TestAnswers(unittest.TestCase):
         campaign = make_campaign(delay=0.03)
         self.check(campaign, "command_delay", "delay_s", 0.03, 0.002)
 
+    def test_a_long_dead_time_is_named_too(self):
+        campaign = make_campaign(delay=0.12, rest=0.0)
+        self.check(campaign, "command_delay", "delay_s", 0.12, 0.002)
+
     def test_the_command_decides_what_an_axis_is_given(self):
         device = MakeDevice(make_campaign())
         self.assertEqual(device.twin.channels, ("speed_rad_s",))
-        names = {e.name for e in device.twin.effects().values()}
-        # No force is known, so that none is added.
-        self.assertNotIn("coulomb_friction", names)
+        effects = device.twin.effects()
+        # No force is known: what acts as one is told for 1 kg m^2.
+        (friction,) = effects["coulomb_friction"].parameters
+        self.assertEqual(
+            (friction.name, friction.unit), ("coulomb_rad_s2", "rad/s^2")
+        )
+        self.assertNotIn("force_gain", effects)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ from brace_drake.core.errors import CampaignError, ScenarioError
 from brace_drake.devices.device import MakeDevice
 from brace_drake.devices.diagram.factory import call_factory, find_factory
 from brace_drake.devices.diagram.joint_forces import solve_speed
-from brace_drake.devices.diagram.signals import pass_series
 from brace_drake.effects.registry import effects_for
+from brace_drake.effects.series import pass_series
 from brace_drake.recording import LoadCampaign, WriteCampaign
 from brace_drake.recording.importing.mapped import ImportCampaign
 from brace_drake.scenario.effects import describe_use

@@ -70,6 +70,7 @@ class TestCards(unittest.TestCase):
         }
         of_diagram = {
             "joint of a plant",
+            "body of a plant",
             "command of a port",
             "reading of a port",
         }

@@ -43,13 +43,16 @@ PLACES = {
     },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
     "axis under command": {
-        "one drive",
         "drive of its own",
         "drive",
         "sensing",
         "length reading",
-        "command",
         "commanded motion",
+        "one joint",
+        "joint position",
+        "angle",
+        "signal",
+        "command of a port",
     },
     "axis": {
         "one drive",
@@ -69,10 +72,12 @@ PLACES = {
         "joint of a plant",
         "angle",
     },
-    "command of a port": {"signal", "command of a port"},
-    "reading of a port": {"signal", "reading of a port"},
+    "command of a port": {"signal", "command of a port", "port"},
+    "reading of a port": {"signal", "reading of a port", "port"},
 }
 
+# Places of which a device has several, each with a form of an effect.
+_HAS_FORMS = {"extra input", "signal", "joint of a plant", "body of a plant"}
 ENTRY_POINTS = "brace_drake.effects"
 
 _registered: dict[str, Effect] = {}
@@ -142,7 +147,8 @@ def effects_for(device: str) -> dict[str, Effect]:
 
 def find_effect(key: str) -> Effect:
     """The card of a key, or of a name: then its first form. A device may have
-    forms of its own, as for each of its inputs: they have the card they are of.
+    forms of its own, as for each of its inputs, ports, joints or bodies: they
+    have the card they are of.
 
     Raises:
         EffectError: No such effect; the message offers the closest.
@@ -151,9 +157,10 @@ def find_effect(key: str) -> Effect:
     for card in cards.values():
         if key in (card.key, card.name):
             return card
-    for card in cards.values():
-        if not card.form and key.startswith(f"{card.name} ("):
-            return card
+    name, own_form, _ = key.partition(" (")
+    forms = [c for c in cards.values() if own_form and c.name == name]
+    for card in sorted(forms, key=lambda c: c.places.isdisjoint(_HAS_FORMS)):
+        return card
     hint = suggest(key, cards)
     there = " There" if hint else "; there"
     raise EffectError(f"no effect {key!r}{hint}{there} are {', '.join(cards)}")

@@ -8,10 +8,10 @@ import numpy as np
 from scipy.signal import lfilter
 
 from brace_drake.devices.declaration import Device, MotionSignals
-from brace_drake.devices.diagram.signals import pass_series
 from brace_drake.devices.registry import DeviceCard
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
+from brace_drake.effects.series import pass_series
 from brace_drake.recording.columns import Channel
 from brace_drake.recording.columns import Device as Recorded
 from brace_drake.scenario.brace import EffectUse

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from brace_drake.core.errors import BraceError
 from brace_drake.devices.pad_bench.twin import steps_per_sample
 from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
-from brace_drake.effects.stack import stack_effects
+from brace_drake.effects.series import held_commands
+from brace_drake.effects.stack import Use, stack_effects
 from brace_drake.laws.alone.axis_response import BIAS, WORK, rollout_response
 from brace_drake.recording.columns import AXIS
 from brace_drake.recording.recording import Run
@@ -24,8 +25,11 @@ from brace_drake.recording.ways import axis_columns, speed_column
 from brace_drake.scenario.axis import AxisScenario
 from brace_drake.scenario.pad_noise import white_noise
 
-# Samples from which the first position and speed are taken.
-_START = 20
+# Samples from which the first position and speed are taken, and those in which
+# the machine does what it did before.
+_START, _FIRST = 20, 3
+# That long the command was the same before, s.
+_BEFORE_S = 0.5
 # Numbers may be so many times less or more than nominal.
 _SPREAD = 20.0
 
@@ -38,11 +42,13 @@ class Commanded:
         time: Sample times from 0 (N,), s.
         command: (N,), m/s or m.
         state: Position and speed at the start (2,).
+        before: Command before the run.
     """
 
     time: np.ndarray
     command: np.ndarray
     state: np.ndarray
+    before: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -96,7 +102,9 @@ class AxisFollower(ReplayTwin):
         command = run.channels[self._command]
         y = run.channels[self.position]
         state = self._start(time[:_START], command[:_START], y[:_START])
-        return Commanded(time, command, state)
+        calm = self._answer(time, y)[:_FIRST]
+        before = np.mean(calm) if self.is_speed else command[0]
+        return Commanded(time, command, state, float(before))
 
     def _start(self, time, command, y) -> np.ndarray:
         """Position and speed from which the nominal follower comes nearest to
@@ -133,15 +141,28 @@ class AxisFollower(ReplayTwin):
 
     def _replay(self, numbers, motion, subject, uses, generator):
         length = self.units.length
-        mine = self.scenario.of_reference(uses)
         law = numbers.law.copy()
         law[BIAS] /= length
+        mine = self.scenario.of_reference(uses)
+        sent = [(e, v) for e, v in mine if "signal" in e.laws]
+        if sent:
+            motion = replace(motion, command=self._arrived(motion, sent))
+        mine = [(e, v) for e, v in mine if "signal" not in e.laws]
         log = simulate_response(law, motion, length, self.time_step, mine)
         position = length * log[:, int(self.has_speed)]
         if generator is not None:
             noise = generator.standard_normal(len(position))
             position = position + numbers.noise * noise
         return self._answer(motion.time, position)[:, None]
+
+    def _arrived(self, motion: Commanded, sent: Sequence[Use]) -> np.ndarray:
+        """What arrives of the command, held from sample to sample (N,)."""
+        period = float(np.median(np.diff(motion.time)))
+        before = np.full(max(1, round(_BEFORE_S / period)), motion.before)
+        given = np.concatenate([before, motion.command])[:, None]
+        sizes = [self.scenario.command_size]
+        arrived = held_commands(given, period, 1, sizes, {0: sent})
+        return arrived[len(before) :, 0]
 
     def estimate_noise(self, runs: Sequence[Run]) -> float:
         """White noise of the position readings of recordings, m or rad."""

@@ -11,7 +11,7 @@ import numpy as np
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.diagram.joint_forces import JointForces
 from brace_drake.devices.diagram.model import DiagramModel
-from brace_drake.devices.diagram.signals import held_commands, pass_series
+from brace_drake.effects.series import held_commands, pass_series
 from brace_drake.effects.signal.ways import COMMAND, READING
 from brace_drake.effects.stack import Use
 from brace_drake.scenario.diagram import DiagramScenario

@@ -37,7 +37,7 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: position)
 
 
 JOINT_STIFFNESS = EffectParameter(
-    "joint_stiffness_N_m",
+    "stiffness_N_m",
     "N/m",
     10.0,
     1e6,
@@ -71,7 +71,7 @@ CARD = Effect(
     ),
     laws={"drive": _law},
     num_states={"drive": 7},
-    generalises=("coulomb_friction",),
+    generalises=("coulomb_friction", "joint_spring"),
     needs=("one joint",),
     signature="no force over a constant way after each reversal, then a steep"
     " rise to a level",

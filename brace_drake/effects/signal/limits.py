@@ -44,6 +44,7 @@ CARDS = (
             ),
         ),
         ways=(COMMAND,),
+        needs=("port",),
         names=("saturation", ""),
         equation="y = sat(s, +-L)",
         source="Tao and Kokotovic, Adaptive Control of Systems with Actuator"
@@ -70,6 +71,7 @@ CARDS = (
         ),
         num_states=2,
         ways=(COMMAND,),
+        needs=("port",),
         names=("rate_limit", ""),
         equation="|y'| <= R",
         source="Astrom and Murray, Feedback Systems, section 11.4",

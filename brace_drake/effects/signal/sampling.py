@@ -9,6 +9,8 @@ from brace_drake.laws.hooks import plug
 _REMEDY = (
     "read this channel more often, or let the twin hold it as the machine does"
 )
+# Periods of 50, 30, 20 and 10 Hz: from others steps of the signal give no way.
+_USUAL_S = (0.02, 1.0 / 30.0, 0.05, 0.1)
 
 
 @plug("signal")
@@ -49,7 +51,7 @@ CARDS = (
         _hold,
         (
             EffectParameter(
-                "period_s", "s", 0.0, 0.5, (0.03, 0.1), "period T of updates"
+                "period_s", "s", 0.0, 0.5, _USUAL_S, "period T of updates"
             ),
         ),
         num_states=2,

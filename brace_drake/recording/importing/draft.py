@@ -1,7 +1,7 @@
 """A draft of a map: which column of a file may be which channel.
 
-Columns are guessed from their names and units alone; whoever knows the machine
-has the last word.
+Columns are guessed from their names, units and ranges; whoever knows the
+machine has the last word.
 """
 
 from __future__ import annotations
@@ -140,18 +140,10 @@ def guess_channels(table: Columns) -> tuple[str, list[Guess]]:
 
     A column whose name says no unit has that in which its range is plausible.
     """
-    device, stage = guess_stage_channels(table) or (AXIS, None)
-    taken: set[str] = set()
+    device, known = guess_stage_channels(table) or (AXIS, _by_column(table))
     found = []
     for column, values in table.items():
-        unit = unit_of(column)
-        if stage is None:
-            every = (c for c in _channels(column, unit) if c not in taken)
-            channel = next(every, None)
-        else:
-            channel = stage.get(column)
-        if channel is not None:
-            taken.add(channel)
+        unit, channel = unit_of(column), known.get(column)
         finite = values[np.isfinite(values)]
         low, high = (finite.min(), finite.max()) if len(finite) else (0.0, 0.0)
         guessed = ""
@@ -192,11 +184,27 @@ def unit_of(column: str) -> str:
     return known if fits and (bracketed or known != column) else ""
 
 
-def _channels(column: str, unit: str) -> Iterator[str]:
+def _by_column(table: Columns) -> dict[str, str]:
+    """Channels of an axis by column: by its words first, where those say
+    nothing by its unit.
+    """
+    found: dict[str, str] = {}
+    for by_unit in (False, True):
+        for column in table:
+            if column not in found:
+                every = _channels(column, unit_of(column), by_unit)
+                free = [c for c in every if c not in found.values()]
+                if free:
+                    found[column] = free[0]
+    return found
+
+
+def _channels(column: str, unit: str, by_unit: bool) -> Iterator[str]:
+    """Channels that a column may be, by a word of its name or by its unit."""
     words = words_of(column)
     is_command = bool(re.search(_COMMAND, words))
     for pattern, (measured, *command) in _WORDS:
-        if not re.search(pattern, words):
+        if not (unit if by_unit else re.search(pattern, words)):
             continue
         channel = command[0] if is_command and command else measured
         for name in (channel, _ROTARY.get(channel)):

@@ -11,6 +11,7 @@ from brace_drake.core.errors import CampaignError
 from brace_drake.core.reading import ReadBytes, check_file, in_file
 from brace_drake.recording.fields import TEXT, Field
 from brace_drake.recording.importing.apart import read_apart
+from brace_drake.recording.importing.dialect import guess_options
 from brace_drake.recording.importing.formats.cells import Table
 from brace_drake.recording.importing.formats.flatten import as_columns
 from brace_drake.recording.importing.formats.json_rows import read_json
@@ -55,9 +56,9 @@ def LoadTable(path: str | Path, options: dict) -> Table:
 
     Args:
         path: See `READERS`; or the folder of a ROS 2 bag.
-        options: See `OPTIONS`. Of text: `delimiter`, `decimal`, `skip_lines`,
-            the last also of Excel. `group` is the struct, group, sheet, key
-            or topic to look in.
+        options: See `OPTIONS`. Of text: `delimiter` and `decimal`, guessed
+            where nothing is said, `skip_lines`, also of Excel. `group` is the
+            struct, group, sheet, key or topic to look in.
 
     Raises:
         CampaignError: One line: file, and what is wrong with it.
@@ -83,6 +84,9 @@ def LoadTable(path: str | Path, options: dict) -> Table:
 
 
 def _read_text(path: Path, options: dict) -> Columns:
+    if not options.keys() & {"delimiter", "decimal", "skip_lines"}:
+        guessed = guess_options(path)
+        options = {k: v for k, v in guessed.items() if k != "skip_lines"}
     default = "\t" if path.suffix == ".tsv" else ","
     return read_text(
         path,

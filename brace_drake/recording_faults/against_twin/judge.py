@@ -81,7 +81,7 @@ def find_recording_faults(
         return found
     if own.misfit > _NOTHING and not is_right and is_lawless:
         every = Refitter(device, (), fit_runs, subject, uses, jobs)
-        found = find_undone(every, campaign, maker, seed)
+        found = find_undone(every, validation, campaign, maker, seed)
         return found or find_validation_faults(
             device, fit_runs, validation, own.subject, uses, jobs
         )

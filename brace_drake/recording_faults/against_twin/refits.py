@@ -51,12 +51,17 @@ _NOTHING = 1e-3
 
 
 def find_undone(
-    every: Refitter, campaign: Campaign, maker: Maker, seed: int
+    every: Refitter,
+    new: Sequence[PreparedRun],
+    campaign: Campaign,
+    maker: Maker,
+    seed: int,
 ) -> list[Finding]:
     """Faults of fit runs: of the odd one out, or of all alike.
 
     Args:
         every: Accuses all fit runs.
+        new: Validation runs.
         campaign: Theirs.
         maker: Of devices, since noise and sizes of a scenario may be
             estimated from the runs.
@@ -67,7 +72,7 @@ def find_undone(
     if odd is None:
         return _explained(every, tried)
     # A machine may do in one run what it does in no other.
-    found = _explained(odd, [*tried, *_tried(odd)])
+    found = _explained(odd, [*tried, *_tried(odd, new)])
     return found or _contradiction(odd, _UNKNOWN)
 
 
@@ -122,9 +127,10 @@ class _Tried(NamedTuple):
         return self.misfit < NEAR + _LIKE_OTHERS * (level - LEAST)
 
 
-def _tried(refitter: Refitter) -> list[_Tried]:
+def _tried(refitter: Refitter, new: Sequence[PreparedRun] = ()) -> list[_Tried]:
     """All faults that the accused runs could have, undone, the best delay to a
-    sample; another subject's where there are runs beside them.
+    sample; another subject's where other runs, `new` ones among them, move
+    alike and are not accused: else it may be the motion that is another.
     """
     runs = [p.run for p in refitter.accused]
     suspects = list(of_time(runs, refitter.names))
@@ -150,7 +156,7 @@ def _tried(refitter: Refitter) -> list[_Tried]:
         )
         for misfit, s in tried
     ]
-    both = refitter.sound and refitter.apart()
+    both = refitter.has_witness(new) and refitter.apart()
     if both:
         card = other_subject.CARD
         found.append(_Tried(both, both, _SUBJECT, card, (), {}, refitter))

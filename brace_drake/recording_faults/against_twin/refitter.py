@@ -13,11 +13,14 @@ from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
 from brace_drake.identification.prepare import prepare_runs
 from brace_drake.recording.recording import Run
+from brace_drake.recording_faults.against_twin.alike import moves_alike
 from brace_drake.recording_faults.against_twin.misfit import (
     SubjectFit,
     fit_subject_to,
     make_evaluator,
+    misfit_of,
 )
+from brace_drake.recording_faults.against_twin.subjects import TIMES
 from brace_drake.recording_faults.against_twin.undone import (
     Suspect,
     is_usable,
@@ -111,6 +114,36 @@ class Refitter:
         if one is None or other is None:
             return None
         return one.misfit + self.share * (other.misfit - one.misfit)
+
+    def has_witness(self, new: Sequence[PreparedRun] = ()) -> bool:
+        """Whether a run that moves as an accused one does is like the others:
+        one of them, or one of these that their twin fits.
+        """
+
+        def way(prepared):
+            motion = self._device.motion_signals(prepared, self._subject)
+            return motion.position
+
+        accused, fit = [way(p) for p in self.accused], None
+        for p in (*self.sound, *new):
+            if any(moves_alike(way(p), w) for w in accused):
+                fit = fit or self.fit(self.sound)
+                if fit is not None and self._left_by(fit, p) < self._like:
+                    return True
+        return False
+
+    @property
+    def _like(self) -> float:
+        """Misfit of a run that is like the others."""
+        return TIMES * self.level
+
+    def _left_by(self, fit: SubjectFit, prepared: PreparedRun) -> float:
+        """Misfit of one run beside the subject of others."""
+        one = make_evaluator(
+            self._device, [prepared], fit.subject, self._uses, self.jobs
+        )
+        found = misfit_of(one, fit.subject, self._uses)
+        return np.inf if found is None else found
 
     def gain_and_zero(self) -> tuple[float, np.ndarray] | None:
         """Recorded over expected in the accused runs, as the others have it,

@@ -10,9 +10,15 @@ import numpy as np
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import effects_for
-from brace_drake.scenario.axis.units import AxisUnits, input_unit, scales
+from brace_drake.scenario.axis.signal_card import signal_card
+from brace_drake.scenario.axis.units import (
+    AxisUnits,
+    input_unit,
+    scales,
+    with_few_starts,
+)
 
-# Places that an axis has which follows a command: no force is known there.
+# Places that an axis has which follows a command.
 COMMANDED = "axis under command"
 # Unit of a parameter that is for each unit of an extra input.
 _OF_INPUT = "/input"
@@ -44,21 +50,27 @@ def own_cards(
     units: AxisUnits,
     inputs: tuple[str, ...],
     sizes: tuple[float, ...],
+    command: tuple[str, float] = ("", 1.0),
 ) -> dict[str, OwnCard]:
     """Cards of an axis by key; those that take a load once for each input.
 
     Args:
-        device: AXIS or COMMANDED, where effects with forces are none.
+        device: AXIS or COMMANDED.
         units: Of the axis.
         inputs: Columns of its extra inputs.
         sizes: What each of these is counted in.
+        command: Column of the command that it follows, and half of its range.
     """
-    found = {}
+    found: dict[str, OwnCard] = {}
     for effect in effects_for(device).values():
-        forces = any("N" in p.unit for p in effect.parameters)
-        if forces and device == COMMANDED:
+        if "signal" in effect.laws:
+            # What the drive's own feedback sees comes before.
+            if effect.name not in found:
+                found[effect.key] = OwnCard(*signal_card(effect, *command))
             continue
         card, unit = units.card(effect), scales(effect, units)
+        if device == COMMANDED:
+            card = with_few_starts(card)
         if "angle" in effect.places:
             if units.is_rotary:
                 found[card.key] = OwnCard(card, unit, (units.length,))

@@ -8,6 +8,7 @@ import numpy as np
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.recording.columns import AXIS
+from brace_drake.recording.ways import axis_columns
 from brace_drake.scenario.axis.cards import COMMANDED, OwnCard, own_cards
 from brace_drake.scenario.axis.units import FORCE_N, LENGTH_M, AxisUnits
 from brace_drake.scenario.brace import EffectUse
@@ -67,18 +68,26 @@ class AxisScenario:
 
     @property
     def units(self) -> AxisUnits:
-        """What the axis counts in."""
-        return AxisUnits(
-            self.length_scale / LENGTH_M,
-            self.force_scale / FORCE_N,
-            self.kind == "rotary",
-        )
+        """What the axis counts in; its forces under a command for 1 kg."""
+        length, is_rotary = self.length_scale / LENGTH_M, self.kind == "rotary"
+        if not self.is_imposed:
+            return AxisUnits(length, length, is_rotary, per_mass=True)
+        return AxisUnits(length, self.force_scale / FORCE_N, is_rotary)
+
+    @property
+    def command_size(self) -> float:
+        """Half of the range of a command of speed or position."""
+        is_speed = self.command == "speed"
+        return self.speed_scale if is_speed else self.length_scale
 
     def own_cards(self) -> dict[str, OwnCard]:
         """Effects that it can have, in its own units, by key."""
         sizes = tuple(self.input_scales.get(n, 1.0) for n in self.gains)
         device = AXIS if self.is_imposed else COMMANDED
-        return own_cards(device, self.units, tuple(self.gains), sizes)
+        column = axis_columns(self.kind, self.command)[1]
+        command = column, self.command_size
+        inputs = tuple(self.gains)
+        return own_cards(device, self.units, inputs, sizes, command)
 
     def of_reference(self, uses: Sequence[Use]) -> list[Use]:
         """Effects with the parameters of the machine of reference."""

@@ -19,6 +19,9 @@ from brace_drake.recording.columns import AXIS, DEVICES, split_unit
 # The machine of reference.
 LENGTH_M, FORCE_N = 0.01, 10.0
 
+_MOST_STARTS = 12
+# What no name has in it.
+_NO_NAME = str.maketrans("", "", "^)")
 _FACTOR = re.compile(r"([A-Za-z]+)(?:\^?(-?\d))?")
 
 
@@ -30,11 +33,14 @@ class AxisUnits:
         length: Of its lengths, or angles in rad.
         force: Of its forces, or torques in N m.
         is_rotary: Whether m stands for rad and N for N m.
+        per_mass: Whether forces are accelerations, of a machine whose mass is
+            not known.
     """
 
     length: float = 1.0
     force: float = 1.0
     is_rotary: bool = False
+    per_mass: bool = False
 
     def scale(self, unit: str) -> float:
         """Value in SI of one unit of the machine of reference.
@@ -62,7 +68,11 @@ class AxisUnits:
         )
 
     def unit(self, unit: str) -> str:
-        """A unit as this axis has it: "N m s/rad" for "N s/m" if rotary."""
+        """A unit as this axis has it: "N m s/rad" for "N s/m" if rotary, "1/s"
+        of an acceleration.
+        """
+        if self.per_mass:
+            unit = _of_one_kg(unit)
         if not self.is_rotary:
             return unit
         words = {"m": "rad", "N": "N m", "kg": "kg m^2"}
@@ -102,6 +112,28 @@ class AxisUnits:
         )
 
 
+def _of_one_kg(unit: str) -> str:
+    """A unit with m/s^2 in the place of N and none in that of kg."""
+    powers = {"m": 0, "s": 0, "1": 0}
+    for sign, part in zip((1, -1), unit.partition("/")[::2], strict=True):
+        for name, power in _FACTOR.findall(part):
+            count = sign * int(power or 1)
+            if name == "N":
+                powers["m"] += count
+                powers["s"] -= 2 * count
+            elif name != "kg":
+                powers[name] = powers.get(name, 0) + count
+
+    def factors(sign: int) -> list[str]:
+        found = {n: sign * p for n, p in powers.items() if sign * p > 0}
+        return [n if p == 1 else f"{n}^{p}" for n, p in found.items()]
+
+    above, below = " ".join(factors(1)) or "1", factors(-1)
+    if len(below) > 1:
+        return f"{above}/({' '.join(below)})"
+    return "/".join([above, *below])
+
+
 def input_unit(name: str) -> tuple[str, str]:
     """Quantity and unit of an extra input: of "input_pressure_bar" "pressure"
     and "bar".
@@ -115,7 +147,17 @@ def input_unit(name: str) -> tuple[str, str]:
 
 def _suffix(unit: str) -> str:
     """A unit as the end of a name: "N s/m" is "_N_s_m"."""
-    return "_" + re.sub(r"[ /]+", "_", unit).replace("^", "")
+    return "_" + re.sub(r"[ /(]+", "_", unit).translate(_NO_NAME)
+
+
+def with_few_starts(card: Effect) -> Effect:
+    """A card whose parameters are searched from the first of their starts: for
+    machines whose motion a replay has to find.
+    """
+    few = tuple(
+        replace(p, starts=p.starts[:_MOST_STARTS]) for p in card.parameters
+    )
+    return replace(card, parameters=few)
 
 
 def scales(effect: Effect, units: AxisUnits) -> np.ndarray:

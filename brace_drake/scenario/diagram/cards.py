@@ -8,23 +8,23 @@ from functools import cache
 
 import numpy as np
 
-from brace_drake.effects.card import Effect, EffectParameter
+from brace_drake.effects.card import Effect
 from brace_drake.effects.mechanism.payload import payload_card
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.signal.ways import COMMAND, READING
-from brace_drake.recording.columns import shown_unit, split_unit
+from brace_drake.recording.columns import split_unit
+from brace_drake.scenario.axis.signal_card import signal_card
 from brace_drake.scenario.axis.units import (
     FORCE_N,
     LENGTH_M,
     AxisUnits,
     scales,
+    with_few_starts,
 )
 from brace_drake.scenario.diagram.number_off import number_off
 
 # Places of `effects.registry.PLACES`, beside those of a port.
 JOINT, BODY, NUMBER = "joint of a plant", "body", "number"
-# Starts of a parameter that a joint's effect is searched from.
-_MOST_STARTS = 12
 
 
 @dataclass(frozen=True)
@@ -87,36 +87,9 @@ def place_cards(
 def _of_signal(
     way: str, column: str, form: str, size: float
 ) -> Iterator[PlacedCard]:
-    unit = split_unit(column)[1]
     for effect in effects_for(way).values():
-        sizes = [size if "signal" in p.unit else 1.0 for p in effect.parameters]
-        own = tuple(
-            _scaled(p, s, unit)
-            for p, s in zip(effect.parameters, sizes, strict=True)
-        )
-        yield PlacedCard(
-            _placed(effect, form, own), way, column, np.array(sizes)
-        )
-
-
-def _scaled(
-    parameter: EffectParameter, size: float, unit: str
-) -> EffectParameter:
-    """A parameter that is counted in a signal's size, in the signal's unit."""
-    if "signal" not in parameter.unit:
-        return parameter
-    per_s = parameter.unit.endswith("/s")
-    name = f"{parameter.name}_{unit}" if unit else parameter.name
-    off = parameter.off
-    return replace(
-        parameter,
-        name=name + "_s" * per_s,
-        unit=(shown_unit(unit) or "1") + "/s" * per_s,
-        lower=size * parameter.lower,
-        upper=size * parameter.upper,
-        starts=tuple(size * s for s in parameter.starts),
-        off=None if off is None else size * off,
-    )
+        card, sizes = signal_card(effect, column, size)
+        yield PlacedCard(_placed(card, form), way, column, sizes)
 
 
 def _of_joint(
@@ -128,12 +101,9 @@ def _of_joint(
         if is_turned and not units.is_rotary:
             continue
         behind = (units.length,) if is_turned else ()
-        card = units.card(effect)
-        own = tuple(
-            replace(p, starts=p.starts[:_MOST_STARTS]) for p in card.parameters
-        )
+        card = with_few_starts(units.card(effect))
         yield PlacedCard(
-            _placed(card, name, own),
+            _placed(card, name),
             JOINT,
             name,
             scales(effect, units),
@@ -141,12 +111,6 @@ def _of_joint(
         )
 
 
-def _placed(
-    effect: Effect, form: str, parameters: tuple[EffectParameter, ...]
-) -> Effect:
-    return replace(
-        effect,
-        form=form,
-        title=f"{effect.title}: {form.replace('_', ' ')}",
-        parameters=parameters,
-    )
+def _placed(effect: Effect, form: str) -> Effect:
+    title = f"{effect.title}: {form.replace('_', ' ')}"
+    return replace(effect, form=form, title=title)

@@ -63,7 +63,7 @@ def richer_starts(
 def special_cases(
     fit: CandidateFit, effects: Sequence[Effect]
 ) -> list[CandidateFit]:
-    """A fit as it sets out with the special case of a richer effect in its
+    """A fit as it sets out with each special case of a richer effect in its
     place, or with each form of what the effect contains; empty where it has no
     richer one.
 
@@ -87,10 +87,10 @@ def special_cases(
 
 
 def _cases_of(richer: Effect, effects: Sequence[Effect]) -> list[Effect]:
-    """The special case of an effect, else all forms of what it contains."""
-    case = next((e for e in effects if richer.is_richer_than(e)), None)
-    if case is not None:
-        return [case]
+    """The special cases of an effect, else all forms of what it contains."""
+    cases = [e for e in effects if richer.is_richer_than(e)]
+    if cases:
+        return cases
     names = set(richer.parameter_names)
     return [
         e

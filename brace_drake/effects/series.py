@@ -1,4 +1,4 @@
-"""Effects on what goes into a diagram and what comes out."""
+"""Effects on a signal, sample by sample."""
 
 from __future__ import annotations
 
