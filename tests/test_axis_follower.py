@@ -47,10 +47,21 @@ def move(reference, gain, seed, law, lag=0.05, delay=0.0):
     return np.array(command), np.array(reading)
 
 
-def make_campaign(law=lambda r, v, a, h: a, rest=1.0, **numbers) -> Campaign:
+def make_campaign(
+    law=lambda r, v, a, h: a, rest=1.0, gains=GAINS, size=1.0, **numbers
+) -> Campaign:
+    """A campaign of one joint.
+
+    Args:
+        law: See `move`.
+        rest: How many times as far the first step goes.
+        gains: Of the outer control of each run, and what it is for.
+        size: Of the steps, rad.
+        numbers: As `move` takes them.
+    """
     time, runs = np.arange(1200) / RATE, []
-    for i, (gain, split) in enumerate(GAINS):
-        steps = np.random.default_rng(100 + i).uniform(-1.0, 1.0, 8)
+    for i, (gain, split) in enumerate(gains):
+        steps = np.random.default_rng(100 + i).uniform(-size, size, 8)
         steps[0] *= rest
         command, y = move(np.repeat(steps, 150), gain, i, law, **numbers)
         columns = {

@@ -70,6 +70,9 @@ class TestImport(unittest.TestCase):
         self.write_text(";", ",")
         (self.folder / "out").rename(self.folder / "first")
         self.check("a.csv", 'options: {delimiter: ";", decimal: ","}')
+        # The file itself shows it as well.
+        (self.folder / "out").rename(self.folder / "second")
+        self.check("a.csv")
 
     def test_matlab_vectors_a_struct_and_a_matrix(self):
         columns = {"Time": self.time, "Travel": self.travel, "Load": self.load}

@@ -86,6 +86,18 @@ class TestDraft(unittest.TestCase):
         found = {g.column: g.channel for g in guess_channels(table)[1]}
         self.assertEqual(found, names)
 
+    def test_where_words_say_nothing_units_do_after_all_words(self):
+        names = {
+            "time": "time_s",
+            "gap_mm": None,
+            "cmd_mm": "position_command_m",
+            "position_mm": "position_m",
+            "pot_N": "force_N",
+        }
+        table = {name: np.arange(3.0) for name in names}
+        found = {g.column: g.channel for g in guess_channels(table)[1]}
+        self.assertEqual(found, names)
+
     def test_a_channel_is_given_once(self):
         table = {n: np.arange(3.0) for n in ("force_N", "load_N", "time_s")}
         found = [g.channel for g in guess_channels(table)[1]]

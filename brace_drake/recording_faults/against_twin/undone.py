@@ -15,6 +15,7 @@ import numpy as np
 from brace_drake.recording.columns import split_unit
 from brace_drake.recording.recording import Run
 from brace_drake.recording.samples import TELLING_ROWS
+from brace_drake.recording_faults.channels import is_computed, is_desired
 from brace_drake.recording_faults.library.channels import (
     exchanged_channels,
     moved_zero,
@@ -30,6 +31,7 @@ from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 
 # Delays that are tried, samples; the best is refined by single ones.
 _DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
+_OF_WAYS = ("m", "rad")
 # Beforehand a named unit is so much more likely than a number.
 UNIT, OTHER = 1.0, 0.2
 
@@ -106,9 +108,14 @@ def _scaled(name: str, scale: float, weight: float) -> Suspect:
 
 
 def _lost(runs: Sequence[Run]) -> Hypothesis | None:
-    """Blocks that are lost where a channel jumps; None where none does."""
+    """Blocks that are lost where a measured way jumps; None where none does.
+    What is asked for may jump by itself.
+    """
     for run in runs:
-        for name in (n for n in run.channels if n != "time_s"):
+        for name in run.channels:
+            is_asked = is_desired(name) or is_computed(name)
+            if is_asked or split_unit(name)[1] not in _OF_WAYS:
+                continue
             values = lost_samples.lost_of(run, name)
             if values is not None:
                 return Hypothesis(lost_samples.CARD, (name,), values)
