@@ -78,12 +78,8 @@ def answer(name: str, seed: int, fault: Fault, out: Path) -> dict:
     campaign = LoadCampaign(folder / "campaign")
     start = time.process_time()
     found = bd.diagnose(campaign, diagram=MAKERS[name], progress=False, jobs=1)
-    winner = found.found.verdict.winner
-    verdict = {
-        "keys": [e.key for e in winner.effects] if winner else [],
-        "cpu_s": time.process_time() - start,
-        **found.document["verdict"],
-    }
+    verdict = found.document["verdict"]
+    verdict["cpu_s"] = time.process_time() - start
     path.write_text(json.dumps(verdict, indent=1))
     return verdict
 
@@ -92,9 +88,14 @@ def is_right(name: str, fault: Fault, verdict: dict) -> bool:
     """Whether exactly the fault's effect is named; for none, no gap."""
     if fault.kind == "none":
         return not verdict["gap"]
-    named, outside = verdict["keys"], verdict["outside_library"]
+    named, outside = told(verdict), verdict["outside_library"]
     alone = len(named) == 1 and named[0] in right_names(name, fault)
     return alone and not outside
+
+
+def told(verdict: dict) -> list[str]:
+    """Effects of a verdict, each with its place."""
+    return [f"{r['effect']} ({r['form']})" for r in verdict["supported"]]
 
 
 def main() -> None:
@@ -118,7 +119,7 @@ def main() -> None:
             print(
                 f"{name} {seed} {'right' if well else 'WRONG'}"
                 f" {fault.kind} {fault.at} {fault.values}:"
-                f" {verdict['keys']}"
+                f" {told(verdict)}"
                 f"{' outside' if verdict['outside_library'] else ''}"
                 f" p {verdict['probability']:.2f}, {verdict['cpu_s']:.0f} s",
                 flush=True,

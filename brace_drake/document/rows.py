@@ -89,6 +89,8 @@ def supported_rows(d: Diagnosis) -> list[dict]:
         rows.append(
             {
                 "effect": support.name,
+                # Which of its laws; of a diagram, at which place.
+                "form": cards[support.name].form,
                 "block": cards[support.name].block,
                 "title": cards[support.name].title,
                 "probability": support.probability,

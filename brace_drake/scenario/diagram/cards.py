@@ -12,7 +12,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.mechanism.payload import payload_card
 from brace_drake.effects.registry import effects_for
 from brace_drake.effects.signal.ways import COMMAND, READING
-from brace_drake.recording.columns import split_unit
+from brace_drake.recording.columns import shown_unit, split_unit
 from brace_drake.scenario.axis.signal_card import signal_card
 from brace_drake.scenario.axis.units import (
     FORCE_N,
@@ -112,5 +112,6 @@ def _of_joint(
 
 
 def _placed(effect: Effect, form: str) -> Effect:
-    title = f"{effect.title}: {form.replace('_', ' ')}"
-    return replace(effect, form=form, title=title)
+    quantity, unit = split_unit(form)
+    place = quantity.replace("_", " ") + (f" ({shown_unit(unit)})" * bool(unit))
+    return replace(effect, form=form, title=f"{effect.title}: {place}")
