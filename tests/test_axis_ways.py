@@ -114,6 +114,17 @@ class TestWays(unittest.TestCase):
                 one = {"a.csv": ("time_s", way[0])}
                 self.assertEqual(check_ways(ways, one, "m")[0].file, "a.csv")
 
+    def test_what_is_not_used_beside_a_way_is_told(self):
+        ways = [way.columns for way in AXIS_WAYS]
+        columns = ("position_rad", "position_command_rad", "torque_N_m")
+        (found,) = check_ways(ways, {"a.csv": columns}, "m")
+        self.assertEqual(found.severity, "warning")
+        self.assertEqual(
+            found.message,
+            "not used: torque_N_m; the twin takes position_rad and"
+            " position_command_rad",
+        )
+
     def test_a_device_without_ways_is_asked_for_none(self):
         self.assertEqual(check_ways((), {"a.csv": ()}, "m"), [])
 

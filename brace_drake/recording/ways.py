@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from brace_drake.recording.findings import Problem, error
+from brace_drake.recording.findings import Problem, error, warning
 
 # Columns of a recording beyond these are not named in a message.
 _MOST_NAMES = 6
@@ -84,7 +84,8 @@ def check_ways(
     runs: Mapping[str, Collection[str]],
     manifest: str,
 ) -> list[Problem]:
-    """What keeps all runs from having one set of columns.
+    """What keeps all runs from having one set of columns, and a warning of
+    what is not used beside it.
 
     Args:
         ways: The sets; none: nothing is asked.
@@ -93,8 +94,10 @@ def check_ways(
     """
     if not ways or not runs:
         return []
-    if any(all({*way} <= {*own} for own in runs.values()) for way in ways):
-        return []
+    shared = set.intersection(*({*own} for own in runs.values()))
+    taken = next((way for way in ways if {*way} <= shared), None)
+    if taken is not None:
+        return _not_used(taken, ways, shared, manifest)
     allowed = describe_ways(ways)
     problems = [
         error(
@@ -107,6 +110,14 @@ def check_ways(
     if problems:
         return problems
     return [error(manifest, f"runs differ; allowed: {allowed} in all runs")]
+
+
+def _not_used(taken, ways, shared, manifest: str) -> list[Problem]:
+    other = {name for way in ways for name in way if name in shared} - {*taken}
+    if not other:
+        return []
+    names, both = ", ".join(sorted(other)), " and ".join(taken)
+    return [warning(manifest, f"not used: {names}; the twin takes {both}")]
 
 
 def _listed(names: Collection[str]) -> str:
