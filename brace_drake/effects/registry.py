@@ -72,6 +72,14 @@ PLACES = {
         "joint of a plant",
         "angle",
     },
+    "joint that is moved": {
+        "drive",
+        "drive of its own",
+        "one joint",
+        "joint position",
+        "joint of a plant",
+        "angle",
+    },
     "command of a port": {"signal", "command of a port", "port"},
     "reading of a port": {"signal", "reading of a port", "port"},
 }

@@ -18,6 +18,9 @@ class Ports:
     Attributes:
         inputs, outputs: Columns of the elements of each exported port.
         start, start_speed: Column in which each joint's run begins.
+        imposed, forces: Of a machine that is moved as it was recorded, in the
+            place of ports: column of the position of each joint, and of the
+            force or torque that it takes.
         numbers: What the function that makes the diagram is given.
         fitted: Limits of those that are fitted.
         deviations: One standard deviation of those known to a tolerance.
@@ -28,6 +31,8 @@ class Ports:
     outputs: dict[str, tuple[str, ...]] = field(default_factory=dict)
     start: dict[str, str] = field(default_factory=dict)
     start_speed: dict[str, str] = field(default_factory=dict)
+    imposed: dict[str, str] = field(default_factory=dict)
+    forces: dict[str, str] = field(default_factory=dict)
     numbers: dict[str, float] = field(default_factory=dict)
     fitted: dict[str, tuple[float, float]] = field(default_factory=dict)
     deviations: dict[str, float] = field(default_factory=dict)
@@ -38,13 +43,20 @@ class Ports:
         """All that a recording must have, each once."""
         of_ports = [*self.inputs.values(), *self.outputs.values()]
         names = [name for columns in of_ports for name in columns]
-        names += [*self.start.values(), *self.start_speed.values()]
+        for by_joint in (
+            self.start,
+            self.start_speed,
+            self.imposed,
+            self.forces,
+        ):
+            names += by_joint.values()
         return tuple(dict.fromkeys(names))
 
     @property
     def commands(self) -> tuple[str, ...]:
-        """Columns of the inputs."""
-        return tuple(c for names in self.inputs.values() for c in names)
+        """Columns of what is put in."""
+        given = [c for names in self.inputs.values() for c in names]
+        return (*given, *self.imposed.values())
 
     def section(self) -> dict:
         """As campaign.yaml has it; what is empty is left out."""
@@ -89,9 +101,10 @@ _FIELDS = {
     "outputs": Field(
         "a map of ports, each with its list of columns",
         lambda v: _is_map(_are_columns)(v) and v != {},
+        required=False,
     ),
     **dict.fromkeys(
-        ("start", "start_speed"),
+        ("start", "start_speed", "imposed", "forces"),
         Field(
             "a map of joints, each with its column", _is_map(_is_name), False
         ),
@@ -116,6 +129,7 @@ def parse_ports(section) -> tuple[Ports, list[Fault]]:
     if not isinstance(section, dict):
         return Ports(), [Fault("diagram", "a map with outputs", section)]
     taken, faults = take(section, _FIELDS)
+    faults += _faults_of_ways(taken, section)
     names = [f.name for f in fields(Ports)]
     faults += [
         Fault(
@@ -142,11 +156,37 @@ def parse_ports(section) -> tuple[Ports, list[Fault]]:
         for names_of in taken.get(part, {}).values()
         for column in names_of
     ]
+    for part in ("imposed", "forces"):
+        columns += taken.get(part, {}).values()
     for column in dict.fromkeys(c for c in columns if columns.count(c) > 1):
         faults.append(Fault("columns of ports", "each once", column))
     return Ports(**_typed(taken)), [
         fault._replace(name=f"diagram.{fault.name}") for fault in faults
     ]
+
+
+def _faults_of_ways(taken: dict, section: dict) -> list[Fault]:
+    """A machine has ports, or joints that are moved as recorded."""
+    imposed, forces = taken.get("imposed", {}), taken.get("forces", {})
+    if not (imposed or forces):
+        wanted = "a map of ports, each with its list of columns"
+        is_told = section.get("outputs") is not None
+        return [] if is_told else [Fault("outputs", wanted, None)]
+    of_ports = ("inputs", "outputs", "start", "start_speed")
+    faults = [
+        Fault(part, "nothing beside imposed and forces", taken[part])
+        for part in of_ports
+        if taken.get(part)
+    ]
+    for part, own in (("imposed", imposed), ("forces", forces)):
+        if not own:
+            wanted = "a map of joints, each with its column"
+            faults.append(Fault(part, wanted, None))
+    for joint in forces:
+        if imposed and joint not in imposed:
+            wanted = f"one of imposed: {', '.join(imposed)}"
+            faults.append(Fault("forces", wanted, joint))
+    return faults
 
 
 def _typed(taken: dict) -> dict:

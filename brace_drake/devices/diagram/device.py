@@ -15,6 +15,7 @@ from brace_drake.devices.declaration import (
     Nuisance,
 )
 from brace_drake.devices.diagram.factory import MakeDiagram
+from brace_drake.devices.diagram.imposed import ImposedTwin
 from brace_drake.devices.diagram.nominal import MakeDiagramScenario
 from brace_drake.devices.diagram.twin import DiagramTwin
 from brace_drake.devices.motions.library import MotionSet
@@ -38,15 +39,16 @@ class DiagramDevice(Device):
             )
         name = f"{make.__module__}:{getattr(make, '__qualname__', 'diagram')}"
         scenario = scenario or MakeDiagramScenario(campaign, make, name)
-        twin = DiagramTwin(scenario, make)
+        way = ImposedTwin if scenario.is_imposed else DiagramTwin
+        twin = way(scenario, make)
         tests: list[BlockTest] = []
         super().__init__(twin, campaign.rate_hz, tests)
-        self.words = MappingProxyType(_words(scenario.outputs))
+        self.words = MappingProxyType(_words(_outputs(scenario)))
 
     def quantities(self, x: np.ndarray) -> dict[str, np.ndarray]:
         """Each output port, where its elements are of one unit."""
         found, end = {}, 0
-        names = self.twin.scenario.outputs
+        names = _outputs(self.twin.scenario)
         units = [_unit(columns) for columns in names.values()]
         for (port, columns), unit in zip(names.items(), units, strict=True):
             begin, end = end, end + len(columns)
@@ -55,7 +57,14 @@ class DiagramDevice(Device):
         return found
 
     def motion_signals(self, prepared, subject: np.ndarray) -> MotionSignals:
-        """The first reading; of no force is known that it goes along it."""
+        """The first reading, of no force is known that it goes along it; of an
+        imposed motion the first joint whose force was read.
+        """
+        scenario = self.twin.scenario
+        if scenario.is_imposed:
+            joint = next(iter(scenario.forces))
+            way = prepared.run.channels[scenario.imposed[joint]]
+            return MotionSignals(way, 0, None, way, joint.replace("_", " "))
         way = prepared.measured[:, 0]
         name = split_unit(self.twin.channels[0])[0].replace("_", " ")
         return MotionSignals(way, None, None, way, name)
@@ -77,6 +86,12 @@ class DiagramDevice(Device):
                     Nuisance(placed.target, unit, block, deviation, uses)
                 )
         return found
+
+
+def _outputs(scenario) -> dict[str, list[str]]:
+    """Columns of each output port; of an imposed motion of each joint."""
+    of_joints = {joint: [column] for joint, column in scenario.forces.items()}
+    return scenario.outputs or of_joints
 
 
 def _unit(columns: Sequence[str]) -> str | None:

@@ -170,8 +170,13 @@ def _check_port(
         )
 
 
-def check_starts(model: DiagramModel, source: str, names) -> None:
+def check_joints(model: DiagramModel, source: str, key: str, names) -> None:
     """Checks that joints are there.
+
+    Args:
+        model: Of the user's diagram.
+        source, key: Named in the error.
+        names: Of the joints.
 
     Raises:
         ScenarioError: One line: joint, and what there is.
@@ -181,7 +186,7 @@ def check_starts(model: DiagramModel, source: str, names) -> None:
             hint = suggest(name, model.joints)
             there = ", ".join(model.joints) or "none"
             raise ScenarioError(
-                f"{source}: diagram.start: the plant has no joint {name!r} of"
+                f"{source}: diagram.{key}: the plant has no joint {name!r} of"
                 f" one degree of freedom{hint or f'; there are {there}'}"
             )
 

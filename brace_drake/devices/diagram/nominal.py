@@ -9,10 +9,11 @@ from pydrake.multibody.tree import MultibodyForces
 
 from brace_drake.core.errors import BraceError, ScenarioError
 from brace_drake.devices.diagram.factory import MakeDiagram, call_factory
+from brace_drake.devices.diagram.imposed import take_imposed_sizes
 from brace_drake.devices.diagram.model import (
     DiagramModel,
+    check_joints,
     check_ports,
-    check_starts,
 )
 from brace_drake.devices.diagram.rollout import simulate_diagram
 from brace_drake.devices.diagram.twin import DiagramTwin
@@ -32,6 +33,8 @@ _FINEST = 1e-5
 _STATES = 200
 # Part of the noise that a step may be off, and how often it is halved for it.
 _ACCURATE, _HALVINGS = 0.2, 6
+# Steps of an effect between two samples of an imposed motion.
+_STEP_PARTS = 4.0
 # A joint that does not move has a size all the same.
 _LEAST = 1e-3
 
@@ -58,15 +61,22 @@ def MakeDiagramScenario(
         outputs={k: list(v) for k, v in ports.outputs.items()},
         start=dict(ports.start),
         start_speed=dict(ports.start_speed),
+        imposed=dict(ports.imposed),
+        forces=dict(ports.forces),
         numbers=dict(ports.numbers),
         fitted={k: list(v) for k, v in ports.fitted.items()},
         deviations=dict(ports.deviations),
         time_step=step,
     )
     model = DiagramModel(call_factory(make, scenario.numbers), step)
-    check_ports(model, str(campaign.path), scenario.inputs, scenario.outputs)
-    starts = [*scenario.start, *scenario.start_speed]
-    check_starts(model, str(campaign.path), starts)
+    source = str(campaign.path)
+    if scenario.is_imposed:
+        check_joints(model, source, "imposed", [*scenario.imposed])
+        take_imposed_sizes(scenario, runs, model.joints)
+    else:
+        check_ports(model, source, scenario.inputs, scenario.outputs)
+        starts = [*scenario.start, *scenario.start_speed]
+        check_joints(model, source, "start", starts)
     for column in (*scenario.commands, *scenario.readings):
         values = [run.channels[column] for run in runs]
         half = 0.5 * float(np.ptp(np.concatenate(values)))
@@ -75,10 +85,15 @@ def MakeDiagramScenario(
         sigma = estimate_white_noise([run.channels[column] for run in runs])
         least = _FINEST * scenario.ranges[column]
         scenario.noise[column] = max(sigma, least)
+    if scenario.is_imposed:
+        scenario.time_step = ports.time_step or step / _STEP_PARTS
+        _take_bodies(scenario, model)
+        return scenario
     if not ports.time_step:
         _take_step(scenario, make, runs)
     if model.plant is not None:
         _take_sizes(scenario, model, make, runs)
+        _take_bodies(scenario, model)
     return scenario
 
 
@@ -115,7 +130,7 @@ def _take_sizes(
     make: MakeDiagram,
     runs: Sequence[Run],
 ) -> None:
-    """Sizes of joints and bodies, from replays of the nominal diagram."""
+    """Sizes of joints, from replays of the nominal diagram."""
     twin, plant = DiagramTwin(scenario, make), model.plant
     states: list[tuple[np.ndarray, np.ndarray]] = []
     forces: list[np.ndarray] = []
@@ -146,6 +161,10 @@ def _take_sizes(
         scenario.joints[name] = JointSizes(
             kind, max(travel, _LEAST), max(force, _LEAST)
         )
+
+
+def _take_bodies(scenario: DiagramScenario, model: DiagramModel) -> None:
+    """Sizes of bodies."""
     for name, body in model.bodies.items():
         M_BBo_B = body.CalcSpatialInertiaInBodyFrame(model.plant_context)
         reach = float(np.linalg.norm(M_BBo_B.get_com()))

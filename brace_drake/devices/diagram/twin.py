@@ -8,6 +8,7 @@ from collections import OrderedDict
 from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -79,13 +80,13 @@ class DiagramTwin(ReplayTwin):
         self._models = _Models(make, self.time_step)
         self._memory = RunMemory()
 
-    def coarse(self) -> DiagramTwin:
+    def coarse(self) -> Self:
         """The same twin: its step is the user's."""
         return self
 
-    def finer(self) -> DiagramTwin:
+    def finer(self) -> Self:
         """The same twin with half the step."""
-        return DiagramTwin(self.scenario, self.make, self.time_step / 2.0)
+        return type(self)(self.scenario, self.make, self.time_step / 2.0)
 
     def scenario_of(self, subject: np.ndarray) -> DiagramScenario:
         """The scenario with a machine's fitted numbers, a copy."""

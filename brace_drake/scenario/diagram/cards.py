@@ -25,6 +25,7 @@ from brace_drake.scenario.diagram.number_off import number_off
 
 # Places of `effects.registry.PLACES`, beside those of a port.
 JOINT, BODY, NUMBER = "joint of a plant", "body", "number"
+_IMPOSED = "joint that is moved"
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class PlacedCard:
 
 @cache
 def place_cards(
-    commands, readings, joints, bodies, deviations
+    commands, readings, joints, bodies, deviations, is_imposed=False
 ) -> dict[str, PlacedCard]:
     """Cards of a diagram by key.
 
@@ -66,6 +67,7 @@ def place_cards(
         joints: (name, kind, half of its travel, force) of each.
         bodies: (name, mass, kg, reach, m) of each.
         deviations: (number, one standard deviation) of each.
+        is_imposed: Whether joints are moved as they were recorded.
     """
     found = []
     for way, signals in ((COMMAND, commands), (READING, readings)):
@@ -74,7 +76,8 @@ def place_cards(
             # A position and its speed may be the same but for the unit.
             own = quantity if quantities.count(quantity) == 1 else name
             found += _of_signal(way, name, own, size)
-    found += [p for joint in joints for p in _of_joint(*joint)]
+    way = _IMPOSED if is_imposed else JOINT
+    found += [p for joint in joints for p in _of_joint(way, *joint)]
     for name, mass, reach in bodies:
         card = payload_card(name, mass, reach)
         found.append(PlacedCard(card, BODY, name, np.ones(2)))
@@ -93,10 +96,15 @@ def _of_signal(
 
 
 def _of_joint(
-    name: str, kind: str, travel: float, force: float
+    way: str, name: str, kind: str, travel: float, force: float
 ) -> Iterator[PlacedCard]:
     units = AxisUnits(travel / LENGTH_M, force / FORCE_N, kind == "rotary")
-    for effect in effects_for(JOINT).values():
+    known: set[str] = set()
+    for effect in effects_for(way).values():
+        # The first form of those that a joint cannot tell apart.
+        if effect.name in known:
+            continue
+        known.add(effect.name)
         is_turned = "angle" in effect.places
         if is_turned and not units.is_rotary:
             continue

@@ -42,6 +42,10 @@ class DiagramScenario:
     # Columns in which joints begin a run: positions, and speeds, else 0.
     start: dict[str, str] = field(default_factory=dict)
     start_speed: dict[str, str] = field(default_factory=dict)
+    # In the place of ports: columns of positions that the plant is moved
+    # along, and of the forces that its joints take.
+    imposed: dict[str, str] = field(default_factory=dict)
+    forces: dict[str, str] = field(default_factory=dict)
     # What the function is given, by name.
     numbers: dict[str, float] = field(default_factory=dict)
     # Limits of those that every recording is fitted anew.
@@ -64,8 +68,14 @@ class DiagramScenario:
 
     @property
     def readings(self) -> tuple[str, ...]:
-        """Columns of the outputs, port after port."""
-        return tuple(c for names in self.outputs.values() for c in names)
+        """Columns of the outputs, port after port, or of joints' forces."""
+        read = [c for names in self.outputs.values() for c in names]
+        return (*read, *self.forces.values())
+
+    @property
+    def is_imposed(self) -> bool:
+        """Whether the plant is moved as it was recorded."""
+        return bool(self.imposed)
 
     def placed_cards(self) -> dict[str, PlacedCard]:
         """Effects that the machine can have, each at a place, by key."""
@@ -78,7 +88,7 @@ class DiagramScenario:
             tuple((n, b.mass, b.reach) for n, b in self.bodies.items()),
             tuple(self.deviations.items()),
         )
-        return place_cards(*sizes)
+        return place_cards(*sizes, is_imposed=self.is_imposed)
 
     def own_effects(self) -> dict[str, Effect]:
         """Cards of those that a diagnosis may find, by key."""
