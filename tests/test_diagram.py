@@ -166,6 +166,15 @@ class TestScenario(unittest.TestCase):
         np.testing.assert_allclose(after[:, 0], 1.2 * before[:, 0])
         np.testing.assert_array_equal(after[:, 1:], before[:, 1:])
 
+    def test_a_joint_moves_as_far_as_it_was_read_to(self):
+        # Without the spring the nominal arm turns far away.
+        spring = Fault("joint_spring", 0, (0.03,))
+        campaign = make_campaign("pendulum", spring, 1)
+        sizes = MakeDevice(campaign, diagram=MakePendulum).twin.scenario.joints
+        read = [r.channels["arm_rad"] for r in campaign.split("fit")]
+        half = 0.5 * np.ptp(np.concatenate(read))
+        self.assertAlmostEqual(sizes["turn"].travel, half)
+
     def test_a_repaired_scenario_comes_back_the_same(self):
         twin = self.device.twin
         subject = np.array([2.0, 0.003])

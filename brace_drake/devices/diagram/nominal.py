@@ -37,6 +37,8 @@ _ACCURATE, _HALVINGS = 0.2, 6
 _STEP_PARTS = 4.0
 # A joint that does not move has a size all the same.
 _LEAST = 1e-3
+# A reading is a position where it is off by this part of its range.
+_SAME = 1e-6
 
 
 def MakeDiagramScenario(
@@ -130,10 +132,13 @@ def _take_sizes(
     make: MakeDiagram,
     runs: Sequence[Run],
 ) -> None:
-    """Sizes of joints, from replays of the nominal diagram."""
+    """Sizes of joints, from replays of the nominal diagram; how far those move
+    whose positions were read, from the readings.
+    """
     twin, plant = DiagramTwin(scenario, make), model.plant
     states: list[tuple[np.ndarray, np.ndarray]] = []
     forces: list[np.ndarray] = []
+    readings: list[np.ndarray] = []
     for run in runs:
         motion = twin.motion(run)
         mine: list[tuple[np.ndarray, np.ndarray]] = []
@@ -143,24 +148,36 @@ def _take_sizes(
             mine.append((q, plant.GetVelocities(model.plant_context)))
 
         try:
-            simulate_diagram(
+            log = simulate_diagram(
                 model, scenario, motion, scenario.time_step, {}, (), watch
             )
         except BraceError as error:
             raise ScenarioError(
                 f"{run.file}: the nominal diagram cannot replay it: {error}"
             ) from error
+        readings.append(log)
         states += mine
         forces += _forces(model, motion.period, mine)
     q = np.array([state[0] for state in states])
     tau = np.array(forces)
     for name, joint in model.joints.items():
         travel = 0.5 * float(np.ptp(q[:, joint.position]))
+        column = _reading_of(q[:, joint.position], np.concatenate(readings))
+        if column is not None:
+            # A nominal machine may drift far away.
+            travel = scenario.ranges[scenario.readings[column]]
         force = float(np.sqrt(np.mean(tau[:, joint.velocity] ** 2)))
         kind = "rotary" if joint.is_rotary else "linear"
         scenario.joints[name] = JointSizes(
             kind, max(travel, _LEAST), max(force, _LEAST)
         )
+
+
+def _reading_of(position: np.ndarray, readings: np.ndarray) -> int | None:
+    """The column (N, C) that reads a position (N,); None where none does."""
+    off = np.abs(readings - position[:, None]).max(axis=0)
+    same = np.flatnonzero(off <= _SAME * np.ptp(position))
+    return int(same[0]) if len(same) and np.ptp(position) > 0.0 else None
 
 
 def _take_bodies(scenario: DiagramScenario, model: DiagramModel) -> None:

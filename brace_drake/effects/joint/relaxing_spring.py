@@ -48,7 +48,10 @@ CARD = Effect(
     num_states={"drive": 7},
     needs=("one joint", "joint position"),
     signature="force falls in a hold, and fast strokes are stiffer than slow",
-    impostors={"stiffening": "the same force at the same place, however fast"},
+    impostors={
+        "stiffening": "the same force at the same place, however fast",
+        "joint_spring": "the same, in proportion to the place",
+    },
     remedy="wait after each step until the force stands; look at belts, hoses"
     " and soft parts",
     experiment="steps with long holds",
