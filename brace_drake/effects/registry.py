@@ -80,8 +80,8 @@ PLACES = {
         "joint of a plant",
         "angle",
     },
-    "command of a port": {"signal", "command of a port", "port"},
-    "reading of a port": {"signal", "reading of a port", "port"},
+    "command of a port": {"signal", "command of a port"},
+    "reading of a port": {"signal", "reading of a port"},
 }
 
 # Places of which a device has several, each with a form of an effect.

@@ -30,6 +30,8 @@ from brace_drake.scenario.pad_noise import estimate_white_noise
 # reading is better than this part of its range.
 _DEGREE, _FINEST = 5, 1e-6
 _ROWS_OF_A_PIECE = 3
+# Pieces at each end that the forces fade in over.
+_ENDS = 2
 # Law of an axis that takes no force by itself.
 _NO_LAW = np.zeros(4)
 
@@ -107,6 +109,18 @@ class ImposedMotion:
         """
         return {n: way.path(noise.get(n)) for n, way in self.ways.items()}
 
+    def trust(self) -> np.ndarray:
+        """Weight of each sample, 0 to 1 (N, 1): a spline knows little of the
+        acceleration in its first and last pieces.
+        """
+        time = next(iter(self.ways.values())).time
+        knots = [w.knots for w in self.ways.values() if len(w.knots) > _ENDS]
+        first = max((k[_ENDS - 1] for k in knots), default=0.0)
+        last = min((k[-_ENDS] for k in knots), default=time[-1])
+        way = np.minimum(time, time[-1] - time)
+        length = max(first, time[-1] - last, 1e-9)
+        return np.sin(0.5 * np.pi * np.clip(way / length, 0.0, 1.0))[:, None]
+
 
 class ImposedTwin(DiagramTwin):
     """Moves the plant of a diagram along recorded positions."""
@@ -121,6 +135,10 @@ class ImposedTwin(DiagramTwin):
             for joint, column in columns.items()
         }
         return ImposedMotion(float(np.median(np.diff(run.time_s))), ways)
+
+    def measured(self, run: Run) -> np.ndarray:
+        """Recorded forces, as far as the motion is known (N, J)."""
+        return self.motion(run).trust() * super().measured(run)
 
     def _replay(self, numbers, motion, subject, uses, generator):
         """What joints take, and what is read of it; noise of positions goes
@@ -151,10 +169,10 @@ class ImposedTwin(DiagramTwin):
             scenario.placed_cards()[e.key].place == READING for e, _ in uses
         ):
             log = read_log(scenario, motion, log, uses)
-        if generator is None:
-            return log
-        sigma = [scenario.noise.get(n, 0.0) for n in self.channels]
-        return log + generator.standard_normal(log.shape) * np.array(sigma)
+        if generator is not None:
+            sigma = [scenario.noise.get(n, 0.0) for n in self.channels]
+            log = log + generator.standard_normal(log.shape) * np.array(sigma)
+        return motion.trust() * log
 
     def _at_joints(self, motion: ImposedMotion, paths, uses) -> np.ndarray:
         """What effects at joints take (N, J)."""

@@ -44,7 +44,6 @@ CARDS = (
             ),
         ),
         ways=(COMMAND,),
-        needs=("port",),
         names=("saturation", ""),
         equation="y = sat(s, +-L)",
         source="Tao and Kokotovic, Adaptive Control of Systems with Actuator"
@@ -71,7 +70,6 @@ CARDS = (
         ),
         num_states=2,
         ways=(COMMAND,),
-        needs=("port",),
         names=("rate_limit", ""),
         equation="|y'| <= R",
         source="Astrom and Murray, Feedback Systems, section 11.4",

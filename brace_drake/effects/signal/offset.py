@@ -15,7 +15,6 @@ CARDS = signal_cards(
     "constant offset",
     _law,
     (EffectParameter("offset", "signal", -2.0, 2.0, (0.05,), "what is added"),),
-    needs=("port",),
     equation="y = s + o",
     source="Fraden, Handbook of Modern Sensors, section 3.2",
     signature="there at rest as well",

@@ -18,7 +18,6 @@ def signal_cards(
     num_states: int = 0,
     ways: tuple[str, ...] = (COMMAND, READING),
     names: tuple[str, str] | None = None,
-    needs: tuple[str, ...] = (),
     **words,
 ) -> tuple[Effect, ...]:
     """Cards of an error that either kind of signal can have.
@@ -32,7 +31,6 @@ def signal_cards(
         num_states: Of the law.
         ways: Which of both there are.
         names: Other names of the two effects than command_... and sensor_...
-        needs: What a device has to have beside the signal.
         words: What both cards share.
     """
     both = names or (f"command_{name}", f"sensor_{name}")
@@ -50,7 +48,7 @@ def signal_cards(
                 laws={"signal": law},
                 num_states={"signal": num_states},
                 parameters=parameters,
-                needs=(way, *needs),
+                needs=(way,),
                 on_command=False,
                 **words,
             )

@@ -20,6 +20,8 @@ from brace_drake.scenario.axis.units import (
 
 # Places that an axis has which follows a command.
 COMMANDED = "axis under command"
+# What a follower has by its own numbers: its bias, its limits.
+_OF_A_FOLLOWER = {"command_offset", "saturation", "rate_limit"}
 # Unit of a parameter that is for each unit of an extra input.
 _OF_INPUT = "/input"
 
@@ -65,7 +67,7 @@ def own_cards(
     for effect in effects_for(device).values():
         if "signal" in effect.laws:
             # What the drive's own feedback sees comes before.
-            if effect.name not in found:
+            if effect.name not in {*found, *_OF_A_FOLLOWER}:
                 found[effect.key] = OwnCard(*signal_card(effect, *command))
             continue
         card, unit = units.card(effect), scales(effect, units)
