@@ -202,7 +202,7 @@ class ReportTest(unittest.TestCase):
         chosen["parameters"] = [*chosen["parameters"], friction]
         _, text = self.check_whole(diagnosis)
         self.assertRegex(
-            text, r"dry friction in the legs \(coulomb 0\.0224\d* N\)"
+            text, r"dry friction \(coulomb 0\.0224\d* N\)"
         )
         self.assertIn("so it is no finding", text)
 

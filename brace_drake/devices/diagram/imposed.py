@@ -8,12 +8,13 @@ known, and nothing drifts.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.multibody.tree import MultibodyForces
-from scipy.interpolate import LSQUnivariateSpline, UnivariateSpline
+from scipy.interpolate import LSQUnivariateSpline
 
 from brace_drake.devices.axis.twin import simulate_axis
 from brace_drake.devices.diagram.model import DiagramModel
@@ -30,6 +31,9 @@ from brace_drake.scenario.pad_noise import estimate_white_noise
 # reading is better than this part of its range.
 _DEGREE, _FINEST = 5, 1e-6
 _ROWS_OF_A_PIECE = 3
+# Pieces are as many more from trial to trial; residuals of noise alone are so
+# many times its variance at most.
+_MORE, _AT_NOISE = 1.3, 1.1
 # Pieces at each end that the forces fade in over.
 _ENDS = 2
 # Law of an axis that takes no force by itself.
@@ -44,8 +48,8 @@ class JointPath:
         time: From 0 (N,), s.
         position: As recorded (N,).
         knots: Inner ones, half as far apart as those that leave no more than
-            the readings' noise (Dierckx, Curve and Surface Fitting with
-            Splines, chapter 5).
+            the readings' noise (de Boor, A Practical Guide to Splines, chapter
+            14).
     """
 
     time: np.ndarray
@@ -73,19 +77,25 @@ def MakeJointPath(
         sigma: Standard deviation of a reading.
     """
     since = time - time[0]
+    most = max(1, len(since) // _ROWS_OF_A_PIECE)
     least = max(sigma, _FINEST * float(np.ptp(position)), 1e-12)
-    spline = UnivariateSpline(
-        since, position, k=_DEGREE, s=len(since) * least**2
-    )
-    ends = spline.get_knots()
-    # As few as that are as far off as the noise is: half as far apart the
-    # spline is off by little of it.
-    knots = np.sort([*ends[1:-1], *0.5 * (ends[1:] + ends[:-1])])
-    # Each piece has readings of its own.
-    rows = np.unique(np.searchsorted(since, knots) // _ROWS_OF_A_PIECE)
-    knots = since[_ROWS_OF_A_PIECE * rows[1:]]
-    knots = knots[knots < since[-1 - _ROWS_OF_A_PIECE]]
+    pieces = 4
+    while pieces < most:
+        knots = _even_knots(since, pieces)
+        spline = LSQUnivariateSpline(since, position, knots, k=_DEGREE)
+        free = len(since) - pieces - _DEGREE
+        if spline.get_residual() <= _AT_NOISE * free * least**2:
+            break
+        pieces = math.ceil(_MORE * pieces)
+    # With so few it is as far off as the noise is; with twice as many by little
+    # of it.
+    knots = _even_knots(since, min(2 * pieces, most))
     return JointPath(since, np.array(position, dtype=float), knots)
+
+
+def _even_knots(time: np.ndarray, pieces: int) -> np.ndarray:
+    """Between even pieces: noise is then the same everywhere."""
+    return np.linspace(time[0], time[-1], pieces + 1)[1:-1]
 
 
 @dataclass(frozen=True)

@@ -109,7 +109,7 @@ def _law_without_creep(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
 CARD = Effect(
     name="coulomb_friction",
     block="actuation",
-    title="dry friction in the legs",
+    title="dry friction",
     equation="f = u - b l' - s_0 z - s_1 z', z' = l' - s_0 |l'| z / F_c"
     " (LuGre bristles without Stribeck effect: F_c sign(l') when sliding;"
     " s_0 = F_c / 5 um, s_1 = s_0 1.5 ms, both capped)",
@@ -140,7 +140,7 @@ CARD = Effect(
 WITHOUT_CREEP = replace(
     CARD,
     form="without creep",
-    title="dry friction in the legs that holds without creep",
+    title="dry friction that holds without creep",
     equation="f = u - b l' - s_0 z - s_1 z', z' = l' - a s_0 |l'| z / F_c"
     " (elasto-plastic bristles: a = 0, nothing slips, up to 0.7 of the"
     " deflection of sliding, s_0 = F_c / 10 um; otherwise as the other form)",
