@@ -36,6 +36,8 @@ _ROWS_OF_A_PIECE = 3
 _MORE, _AT_NOISE = 1.3, 1.1
 # Pieces at each end that the forces fade in over.
 _ENDS = 2
+# A joint that does not move has a size all the same.
+_LEAST = 1e-6
 # Law of an axis that takes no force by itself.
 _NO_LAW = np.zeros(4)
 
@@ -255,6 +257,7 @@ def take_imposed_sizes(scenario: DiagramScenario, runs, kinds) -> None:
             continue
         every = np.concatenate([run.channels[force] for run in runs])
         kind = "rotary" if kinds[name].is_rotary else "linear"
+        size = float(np.sqrt(np.mean(every**2)))
         scenario.joints[name] = JointSizes(
-            kind, travel or 1.0, float(np.sqrt(np.mean(every**2))) or 1.0
+            kind, max(travel, _LEAST), max(size, _LEAST)
         )
