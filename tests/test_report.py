@@ -201,9 +201,7 @@ class ReportTest(unittest.TestCase):
         }
         chosen["parameters"] = [*chosen["parameters"], friction]
         _, text = self.check_whole(diagnosis)
-        self.assertRegex(
-            text, r"dry friction \(coulomb 0\.0224\d* N\)"
-        )
+        self.assertRegex(text, r"dry friction \(coulomb 0\.0224\d* N\)")
         self.assertIn("so it is no finding", text)
 
     def test_a_fault_of_the_recording_is_shown(self):
