@@ -56,16 +56,14 @@ def right_names(name: str, fault: Fault) -> set[str]:
     if fault.kind == "payload":
         return {f"payload ({LOADED[name]})"}
     if fault.kind.startswith("sensor"):
-        (column,) = [next(iter(setup.outputs.values()))[fault.at]]
+        column = next(iter(setup.outputs.values()))[fault.at]
         stem = re.sub(r"_(rad|m)$", "", column)
         return {f"{fault.kind} ({place})" for place in (stem, column)}
     if fault.kind.startswith(("command", "saturation", "rate_limit")):
         ((port, columns),) = setup.inputs.items()
         stem = re.sub(r"_(rad|N|N_m)$", "", columns[fault.at])
         return {f"{fault.kind} ({p})" for p in (port, columns[fault.at], stem)}
-    kinds = {"cogging": ("cogging", "torque_ripple", "periodic_force")}
-    names = kinds.get(fault.kind, (fault.kind,))
-    return {f"{kind} ({JOINTS[name][fault.at]})" for kind in names}
+    return {f"{fault.kind} ({JOINTS[name][fault.at]})"}
 
 
 def answer(name: str, seed: int, fault: Fault, out: Path) -> dict:

@@ -181,10 +181,7 @@ class ImposedTwin(DiagramTwin):
             scenario.placed_cards()[e.key].place == READING for e, _ in uses
         ):
             log = read_log(scenario, motion, log, uses)
-        if generator is not None:
-            sigma = [scenario.noise.get(n, 0.0) for n in self.channels]
-            log = log + generator.standard_normal(log.shape) * np.array(sigma)
-        return motion.trust() * log
+        return motion.trust() * self._with_noise(log, generator)
 
     def _at_joints(self, motion: ImposedMotion, paths, uses) -> np.ndarray:
         """What effects at joints take (N, J)."""

@@ -149,6 +149,12 @@ class DiagramTwin(ReplayTwin):
         readings = log
         if len(ahead) < len(uses):
             readings = read_log(self.scenario, motion, log, uses)
+        return self._with_noise(readings, generator)
+
+    def _with_noise(self, readings: np.ndarray, generator) -> np.ndarray:
+        """Readings with white noise of their own; without a generator as they
+        are.
+        """
         if generator is None:
             return readings
         sigma = [self.scenario.noise.get(n, 0.0) for n in self.channels]

@@ -103,14 +103,14 @@ class Refitter:
         """Misfit that the other runs leave by themselves, at least `LEAST`; inf
         where the twin breaks down.
         """
-        fit = self.fit(self.sound)
+        fit = self._of_sound
         return np.inf if fit is None else max(LEAST, fit.misfit)
 
     def apart(self) -> float | None:
         """Misfit of all runs, with a subject of its own in the accused ones;
         None where the twin breaks down.
         """
-        one, other = self.fit(self.sound), self.fit(self.accused)
+        one, other = self._of_sound, self.fit(self.accused)
         if one is None or other is None:
             return None
         return one.misfit + self.share * (other.misfit - one.misfit)
@@ -124,18 +124,18 @@ class Refitter:
             motion = self._device.motion_signals(prepared, self._subject)
             return motion.position
 
-        accused, fit = [way(p) for p in self.accused], None
-        for p in (*self.sound, *new):
-            if any(moves_alike(way(p), w) for w in accused):
-                fit = fit or self.fit(self.sound)
-                if fit is not None and self._left_by(fit, p) < self._like:
-                    return True
-        return False
+        accused = [way(p) for p in self.accused]
+        return any(
+            any(moves_alike(way(p), w) for w in accused)
+            and self._of_sound is not None
+            and self._left_by(self._of_sound, p) < TIMES * self.level
+            for p in (*self.sound, *new)
+        )
 
-    @property
-    def _like(self) -> float:
-        """Misfit of a run that is like the others."""
-        return TIMES * self.level
+    @cached_property
+    def _of_sound(self) -> SubjectFit | None:
+        """The subject of the other runs; None where the twin breaks down."""
+        return self.fit(self.sound)
 
     def _left_by(self, fit: SubjectFit, prepared: PreparedRun) -> float:
         """Misfit of one run beside the subject of others."""
@@ -150,7 +150,7 @@ class Refitter:
         and recorded less expected in the mean (C,); None where the twin breaks
         down.
         """
-        fit = self.fit(self.sound)
+        fit = self._of_sound
         if fit is None:
             return None
         recorded, expected, off = [], [], []
