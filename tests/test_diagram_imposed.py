@@ -10,6 +10,7 @@ from brace_drake.core.errors import ScenarioError
 from brace_drake.devices.device import MakeDevice
 from brace_drake.devices.diagram.imposed import MakeJointPath
 from brace_drake.diagnosis import diagnose
+from brace_drake.document.document import MakeDocument
 from brace_drake.recording.ports import Ports, parse_ports
 from brace_drake.recording.recording import Campaign, Run
 from tests.foreign import machines
@@ -40,8 +41,12 @@ def move(generator) -> np.ndarray:
     return np.array([(size * w).sum(axis=1) for w in waves])
 
 
-def make_campaign(load=(0.0, 0.0), is_noisy=True) -> Campaign:
-    """An arm that another controller has moved, with a load on its hand."""
+def make_campaign(
+    load=(0.0, 0.0), is_noisy=True, friction=(0.0, 0.0)
+) -> Campaign:
+    """An arm that another controller has moved, with a load on its hand and
+    dry friction at its joints.
+    """
     arm, runs = machines.arm(DAMPING, load), []
     generator = np.random.default_rng(4)
     for i, split in enumerate(("fit", "fit", "fit", "validation")):
@@ -56,7 +61,8 @@ def make_campaign(load=(0.0, 0.0), is_noisy=True) -> Campaign:
         channels = {"time_s": np.arange(q.shape[1]) / RATE}
         for j, joint in enumerate(JOINTS):
             channels[f"{joint}_rad"] = q[j] + NOISE_RAD * noise[0, j]
-            torque = tau[j] + NOISE_N_M * noise[1, j]
+            dry = friction[j] * np.tanh(v[j] / 0.01)
+            torque = tau[j] + dry + NOISE_N_M * noise[1, j]
             channels[f"{joint}_torque_N_m"] = torque
         runs.append(Run(f"{i}.csv", True, f"{i}", None, split, channels))
     return Campaign(
@@ -115,10 +121,23 @@ class TestDiagnosis(unittest.TestCase):
         found = diagnose(
             make_campaign((0.3, 0.25)), jobs=1, diagram=MakeArm
         ).verdict
-        self.assertEqual(found.effects, ("payload",))
-        ((card, values),) = found.winner.uses
-        self.assertEqual(card.form, "lower")
+        self.assertEqual(found.effects, ("payload (lower)",))
+        ((_, values),) = found.winner.uses
         np.testing.assert_allclose(values, (0.3, 0.25), rtol=0.02)
+
+    def test_dry_friction_at_two_joints_is_two_causes(self):
+        friction = (0.6, 0.3)
+        campaign = make_campaign(friction=friction)
+        found = diagnose(campaign, jobs=1, diagram=MakeArm)
+        causes = [f"coulomb_friction ({joint})" for joint in JOINTS]
+        self.assertCountEqual(found.verdict.effects, causes)
+        sizes = {e.cause: v[0] for e, v in found.verdict.winner.uses}
+        for cause, wanted in zip(causes, friction, strict=True):
+            self.assertAlmostEqual(sizes[cause], wanted, delta=0.1 * wanted)
+        document = MakeDocument(found)["verdict"]
+        self.assertEqual(document["effects"], ["coulomb_friction"] * 2)
+        places = [row["form"] for row in document["supported"]]
+        self.assertCountEqual(places, JOINTS)
 
 
 class TestBadInput(unittest.TestCase):

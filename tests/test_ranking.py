@@ -11,7 +11,7 @@ from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.tolerances import LinearTolerances
 from brace_drake.effects.registry import find_effect
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.criterion import Criterion, cost_of
 from brace_drake.selection.decision import decide
 from brace_drake.selection.ranking import prior_cost, rank
 from brace_drake.selection.search.sets import beam_of
@@ -145,9 +145,9 @@ class TestRanking(unittest.TestCase):
         self.assertAlmostEqual(verdict.probability, expected)
 
     def test_a_law_that_leaves_much_less_stands_in_place_of_an_effect(self):
-        # A law of two terms costs ln 4 more than an effect.
+        # A law of two terms costs ln 3 more than an effect, all but.
         anchors = fit_of("anchor_error", 1.0)
-        for left, is_law in ((0.0, True), (0.3, False)):
+        for left, is_law in ((0.0, True), (0.4, False)):
             pulls = fit_of("force_bias+force_scale", left)
             criterion = replace(self.criterion, law=pulls)
             verdict = decide(criterion, [anchors])
@@ -161,6 +161,12 @@ class TestRanking(unittest.TestCase):
                 most = 1.0 - thresholds.UNSURE
                 expected = min(1.0 / (1.0 + odds), most)
                 self.assertAlmostEqual(verdict.probability, expected, 1)
+
+    def test_any_number_of_effects_is_as_likely_and_so_is_each_set(self):
+        for number in range(4):
+            sets = math.comb(thresholds.CAUSES, number)
+            chance = math.exp(-thresholds.ODDS * cost_of(number))
+            self.assertAlmostEqual(chance * sets, 1.0)
 
     def test_a_number_beyond_its_tolerance_may_be_an_effect(self):
         # At four tolerances an effect in its place would cost ln 4 and save

@@ -42,7 +42,7 @@ class TestCriterion(unittest.TestCase):
         self.assertTrue(verdict.outside_library)
 
     def test_less_than_a_twin_is_exact_to_says_nothing(self):
-        one = fit_of("relaxation", 0.02, 0.02)
+        one = fit_of("relaxation", thresholds.TRUST, thresholds.TRUST)
         two = fit_of("relaxation+force_bias", 0.0, 0.0)
         verdict = decide(self.criterion, [two, one])
         self.assertEqual(verdict.effects, ("relaxation",))
@@ -188,7 +188,7 @@ class TestVerdict(unittest.TestCase):
             self.assertEqual(found.winner, pair)
             return found.probability
 
-        sure = [probability(rest) for rest in (0.14, 0.07, 0.0)]
+        sure = [probability(rest) for rest in (0.2, 0.1, 0.0)]
         self.assertEqual(sure, sorted(sure))
         self.assertLess(sure[0], 0.6)
         self.assertGreater(sure[2], 0.75)

@@ -21,7 +21,7 @@ from unittest import mock
 
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
-from brace_drake.selection import thresholds
+from brace_drake.selection import criterion, thresholds
 from brace_drake.selection.criterion import Criterion
 from tools.fit_bank import BANK, TOLERANCES
 from tools.score_criterion import score
@@ -57,11 +57,12 @@ def ablations() -> Iterator[tuple[str, tuple]]:
         (_law("num_effects", lambda s, fit: len(s.findings(fit))),),
     )
     yield "no noise less than thought", (_law("over", lambda s, fits: s),)
-    for share in (2.0, 8.0):
-        yield (
-            f"an effect leaves 1/{share:.0f}",
-            (_number("COST_OF_EFFECT", math.log(share)),),
-        )
+    for causes in (6, 16, 64, 181):
+        yield f"{causes} causes", (_number("CAUSES", causes),)
+    yield (
+        "every effect leaves a quarter",
+        (mock.patch.object(criterion, "cost_of", lambda n: n * math.log(4.0)),),
+    )
     for name, values in (
         ("BEYOND_LEVEL", (2.0, 8.0)),
         ("MATERIAL", (0.01, 0.1, 0.3)),

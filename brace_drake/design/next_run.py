@@ -160,7 +160,7 @@ def open_rivals(
         return []
     # What is within tolerances is no explanation.
     best = {
-        "+".join(e.name for e in criterion.findings(fit)): fit
+        "+".join(e.cause for e in criterion.findings(fit)): fit
         for fit in best_of_kinds(criterion, fits)
         if criterion.findings(fit)
     }
@@ -199,7 +199,7 @@ def describe_next(
         names = [*verdict.effects, *verdict.ambiguous_with]
         why = "these data do not separate " + ", ".join(names)
         motion = next(
-            e.experiment for e in verdict.winner.effects if e.name == first
+            e.experiment for e in verdict.winner.effects if e.cause == first
         )
     elif verdict.outside_library and blocks:
         why = f"the largest unexplained rest lies in {blocks[0]}"

@@ -30,6 +30,7 @@ from brace_drake.isolation.block_tests import describe_unchecked
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.finding import recording_verdict
 from brace_drake.selection import thresholds
+from brace_drake.selection.criterion import cost_of
 
 FORMAT = "brace-diagnosis/2"
 
@@ -48,10 +49,11 @@ def MakeDocument(d: Diagnosis, origin: Origin | None = None) -> dict:
     closed = d.shrinkage["closed"] if d.shrinkage else None
     off = d.shrinkage["after"] if d.shrinkage else None
     moved = tolerance_rows(d)
+    supported = supported_rows(d)
     told = {
         "gap": verdict.gap,
-        "effects": list(verdict.effects),
-        "supported": supported_rows(d),
+        "effects": [row["effect"] for row in supported],
+        "supported": supported,
         "blocks": d.blocks,
         "unexplained": _unexplained(d),
         "outside_library": verdict.outside_library,
@@ -208,7 +210,9 @@ def _provenance(d: Diagnosis) -> dict:
         "time_step_s": d.device.twin.time_step,
         "misfit": criterion.misfit(d.nominal),
         "level": criterion.level,
-        "cost_of_effect": thresholds.COST_OF_EFFECT,
+        "costs_of_effects": [
+            cost_of(n + 1) for n in range(thresholds.MOST_EFFECTS)
+        ],
         "material_share": thresholds.MATERIAL,
         "replays": d.evaluator.replays,
         "probability_is": "from the scores of all explanations, calibrated on"

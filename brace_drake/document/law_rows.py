@@ -19,7 +19,7 @@ def law_row(law: FoundLaw | None) -> dict | None:
         return None
     rows = parameters_by_effect(law.fit, law.estimates)
     terms = [
-        describe_term(effect, values, _errors(rows[effect.name]))
+        describe_term(effect, values, _errors(rows[effect.cause]))
         for effect, values in law.fit.uses
         if is_term(effect)
     ]

@@ -34,7 +34,7 @@ def cause_rows(d: Diagnosis) -> list[dict]:
                 "chosen": is_winner,
                 "block": "+".join(dict.fromkeys(e.block for e in fit.effects)),
                 "title": " and ".join(e.title for e in fit.effects),
-                "within": [e.name for e in fit.effects if e not in found],
+                "within": [e.cause for e in fit.effects if e not in found],
                 "score": cause.score,
                 "excess": d.criterion.misfit(fit),
                 "held_out": fit.held_out,
@@ -71,7 +71,7 @@ def real_rivals(d: Diagnosis, causes: Sequence[dict]) -> list[str]:
     """
     chosen = {row["effect"] for row in causes if row["chosen"]}
     same = {
-        "+".join(e.name for e in d.criterion.findings(cause.fit))
+        "+".join(e.cause for e in d.criterion.findings(cause.fit))
         for cause, row in zip(d.causes, causes, strict=True)
         if row["same_as"] in chosen
     }
@@ -84,13 +84,13 @@ def supported_rows(d: Diagnosis) -> list[dict]:
     if winner is None:
         return rows
     table = parameters_by_effect(winner, d.estimates)
-    cards = {e.name: e for e in winner.effects}
+    cards = {e.cause: e for e in winner.effects}
     for support in d.verdict.supported:
         rows.append(
             {
-                "effect": support.name,
-                # Which of its laws; of a diagram, at which place.
-                "form": cards[support.name].form,
+                "effect": cards[support.name].name,
+                # Which of its laws, and at which place.
+                "form": cards[support.name].variant,
                 "block": cards[support.name].block,
                 "title": cards[support.name].title,
                 "probability": support.probability,
@@ -105,11 +105,11 @@ def supported_rows(d: Diagnosis) -> list[dict]:
 def parameters_by_effect(
     fit: CandidateFit, table: EstimateTable | None
 ) -> dict[str, list[dict]]:
-    """Rows of `effect_parameters` by the name of the effect."""
+    """Rows of `effect_parameters` by cause."""
     rows, found = iter(effect_parameters(fit, table)), {}
     for effect in fit.effects:
         size = 1 if effect.spread else len(effect.parameters)
-        found[effect.name] = list(itertools.islice(rows, size))
+        found[effect.cause] = list(itertools.islice(rows, size))
     return found
 
 

@@ -136,7 +136,14 @@ def _explained_text(name: str, verdict: dict, closed: float | None) -> str:
 
 def _title(candidate: str) -> str:
     """Effects joined by + in words."""
-    return " and ".join(find_effect(n).title for n in candidate.split("+"))
+    return " and ".join(map(_cause_title, candidate.split("+")))
+
+
+def _cause_title(cause: str) -> str:
+    """Of an effect, with the place where it is."""
+    name, _, at = cause.removesuffix(")").partition(" (")
+    title = find_effect(name).title
+    return f"{title}: {at}" if at else title
 
 
 def controller_text(block_tests: Sequence[dict]) -> str:

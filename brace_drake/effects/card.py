@@ -69,6 +69,9 @@ class Effect:
         name: Identifier as in a diagnosis.
         form: Tells apart several laws of the same effect; a diagnosis tries
             each and answers with the name.
+        at: Where of several alike places it acts, such as a joint; empty for
+            the only one, or all. Effects at different places are different
+            causes.
         block: actuation, mechanism, contact, torso or sensing.
         title: A few words for a reader.
         equation: The law, in plain text.
@@ -103,7 +106,9 @@ class Effect:
             before those that add a force.
         stage: Of a brace of several moving stages the only one that has it,
             counted from 0, and how many there are; None: all, or the torso.
-        key: Name, and form where there are several.
+        variant: Form and place, where there are several.
+        key: Name and variant.
+        cause: Name and place: what a verdict tells apart.
         parameter_names, lower, upper: Names and limits in order.
         is_continuous: Parameters that a fit moves (n,).
         is_strength: Parameters that vanish with the effect (n,).
@@ -135,12 +140,15 @@ class Effect:
     dithered: bool = False
     spread: tuple[str, str] | None = None
     form: str = ""
+    at: str = ""
     run_parameters: tuple[EffectParameter, ...] = ()
     generalises: tuple[str, ...] = ()
     contains: tuple[str, ...] = ()
     on_command: bool = False
     stage: tuple[int, int] | None = None
+    variant: str = _derived()
     key: str = _derived()
+    cause: str = _derived()
     parameter_names: tuple[str, ...] = _derived()
     lower: np.ndarray = _derived()
     upper: np.ndarray = _derived()
@@ -175,8 +183,11 @@ class Effect:
         if self.modify is not None or self.constants is not None:
             places.append("brace")
         either = bool(signs.size and np.all(signs < 0.0))
+        variant = ", ".join(filter(None, (self.form, self.at)))
         derived = {
-            "key": f"{self.name} ({self.form})" if self.form else self.name,
+            "variant": variant,
+            "key": f"{self.name} ({variant})" if variant else self.name,
+            "cause": f"{self.name} ({self.at})" if self.at else self.name,
             "parameter_names": tuple(p.name for p in parameters),
             "lower": lower,
             "upper": np.array([p.upper for p in parameters]),
@@ -191,8 +202,11 @@ class Effect:
 
     def is_alike(self, other: Effect) -> bool:
         """Whether both are forms of one effect, or one holds the other: then
-        the two together are no more than the richer one.
+        the two together are no more than the richer one. At two places they
+        are two.
         """
+        if self.at and other.at and self.at != other.at:
+            return False
         return (
             self.name == other.name
             or self.name in (*other.generalises, *other.contains)
@@ -200,8 +214,10 @@ class Effect:
         )
 
     def is_richer_than(self, other: Effect) -> bool:
-        """Whether the other one is a special case, in the same form."""
-        return other.name in self.generalises and other.form == self.form
+        """Whether the other one is a special case, in the same form at the
+        same place.
+        """
+        return other.name in self.generalises and other.variant == self.variant
 
     def in_run(self, values: np.ndarray, index: int) -> np.ndarray:
         """The law's vector p in one run.

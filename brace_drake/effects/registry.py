@@ -63,6 +63,7 @@ PLACES = {
         "one joint",
         "joint position",
         "extra input",
+        "imposed motion",
         "angle",
     },
     "joint of a plant": {
@@ -73,6 +74,7 @@ PLACES = {
         "angle",
     },
     "joint that is moved": {
+        "imposed motion",
         "drive",
         "drive of its own",
         "one joint",

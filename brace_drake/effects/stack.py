@@ -79,7 +79,7 @@ def behind_joints(
         (*uses[:i], (form, np.append(mine, values)), *uses[i + 1 :])
         for i, (effect, mine) in enumerate(uses)
         for form in forms
-        if form.name == effect.name
+        if form.cause == effect.cause
         and card.name in form.contains
         and card.name not in effect.contains
         and len(form.parameters) == len(mine) + len(values)

@@ -21,7 +21,7 @@ _OF_LEGS = 6
 
 
 def stage_cards(device: str, stages: Sequence[int]) -> dict[str, Effect]:
-    """Cards by key: what a single stage can have, its number in the form, and
+    """Cards by key: what a single stage can have, its number in the key, and
     what all stages or the torso can have.
 
     Args:
@@ -54,11 +54,11 @@ def of_stage(card: Effect, index: int, stages: Sequence[int]) -> Effect:
         index: Of the stage, from 0.
         stages: Those that move, by number.
     """
-    form = f"stage {stages[index]}"
+    at = f"stage {stages[index]}"
     return replace(
         card,
-        form=f"{card.form}, {form}" if card.form else form,
-        title=f"{card.title}: {form}",
+        at=at,
+        title=f"{card.title}: {at}",
         stage=(index, len(stages)),
     )
 

@@ -68,8 +68,8 @@ class CandidateFit:
         within: Effects that set those numbers off as the fit has them.
         is_searched: Whether a search has moved it, not screening alone.
         name: Keys of the effects joined by +, or "nominal".
-        identifiers, kinds: Names of the effects, whatever their form, in order
-            and in no order.
+        identifiers, kinds: Their causes, whatever their form, in order and in
+            no order.
         uses: The effects with their fitted parameters.
         num_free: Parameters beyond the subject's that were moved.
         is_flexible: Whether one of the effects has dozens of parameters.
@@ -102,7 +102,7 @@ class CandidateFit:
     has_run_parameters: bool = field(init=False)
 
     def __post_init__(self):
-        names = tuple(e.name for e in self.effects)
+        names = tuple(e.cause for e in self.effects)
         free = len(self.scales) - len(self.subject)
         derived = {
             "name": "+".join(e.key for e in self.effects) or "nominal",

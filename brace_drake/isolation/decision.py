@@ -33,7 +33,7 @@ def accused_blocks(
         return []
     found: list[str] = []
     if verdict.winner is not None:
-        block = {e.name: e.block for e in verdict.winner.effects}
+        block = {e.cause: e.block for e in verdict.winner.effects}
         found = [block[name] for name in verdict.effects]
     found += law
     if verdict.outside_library and not found:

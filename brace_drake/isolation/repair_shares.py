@@ -80,7 +80,7 @@ def share_repairs(
     left = float(np.clip(pieces[everyone].sum() / gap, 0.0, 1.0))
     cards = evaluator.twin.effects().values()
     named = set(itertools.chain.from_iterable(r.split("+") for r in rivals))
-    others = dict.fromkeys(c.block for c in cards if c.name in named)
+    others = dict.fromkeys(c.block for c in cards if c.cause in named)
     return share_rows(
         blocks,
         shares,

@@ -57,7 +57,7 @@ def summary_row(name: str, document: dict) -> dict:
             "verdict": BADGES[kind_of(verdict)].lower(),
             "effects": "+".join(verdict["effects"]),
             "blocks": "+".join(verdict["blocks"]),
-            "ambiguous_with": " ".join(verdict["ambiguous_with"]),
+            "ambiguous_with": ", ".join(verdict["ambiguous_with"]),
             "report": f"{name}/report.html",
         }
     )
@@ -97,7 +97,7 @@ def _shown(row: dict) -> dict:
         "link": quote(row["report"]),
         "tone": _TONES[row["verdict"]],
         "effects": [e for e in row["effects"].split("+") if e],
-        "ambiguous": row["ambiguous_with"].split(),
+        "ambiguous": [n for n in row["ambiguous_with"].split(", ") if n],
         "blocks": row["blocks"].replace("+", ", "),
         "interval": percent_interval(cells["closed"], *ends)[1],
     }

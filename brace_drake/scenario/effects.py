@@ -42,7 +42,9 @@ def describe_use(effect: Effect, values: np.ndarray) -> EffectUse:
         values: Its parameters; run parameters behind them are left out.
     """
     named = zip(effect.parameter_names, values, strict=False)
-    return EffectUse(effect.name, {n: float(v) for n, v in named}, effect.form)
+    return EffectUse(
+        effect.name, {n: float(v) for n, v in named}, effect.variant
+    )
 
 
 def effects_of(scenario) -> dict[str, Effect]:
@@ -113,7 +115,7 @@ def _cards(name: str, scenario) -> dict[str, Effect]:
     if name == off.name and off.places <= known:
         cards.append(off)
     cards += [c for n, c in terms_for(scenario.device).items() if n == name]
-    forms = {card.form: card for card in cards}
+    forms = {card.variant: card for card in cards}
     if cards:
         forms.setdefault("", cards[0])
     return forms

@@ -1,7 +1,7 @@
 """The criterion: what a set of effects leaves, and what each effect costs.
 
     score = ln(misfit + trust) / 2 + ln(predicted + trust) / 2
-            + 4 known ln(max(1, stretch / 3)) + cost n + tied m
+            + 4 known ln(max(1, stretch / 3)) + cost(n) + tied m
 
 `misfit` is the mean square that a fit leaves above the noise, `predicted` the
 same on motions that it has not seen: left out in turn
@@ -123,8 +123,7 @@ class Criterion:
     def score(self, fit: CandidateFit) -> float:
         """Of a fit; the least one is the best explanation."""
         richer = sum(bool(e.generalises) for e in self.findings(fit))
-        cost = thresholds.COST_OF_EFFECT * self.num_effects(fit)
-        cost += thresholds.TIED * richer
+        cost = cost_of(self.num_effects(fit)) + thresholds.TIED * richer
         return float(np.log(self.weighed(fit)) + cost)
 
     def weighed(self, fit: CandidateFit) -> float:
@@ -186,8 +185,8 @@ class Criterion:
         return len(self.findings(fit)) + held
 
     def named(self, fit: CandidateFit) -> frozenset[str]:
-        """Names of those."""
-        return frozenset(e.name for e in self.findings(fit))
+        """Their causes."""
+        return frozenset(e.cause for e in self.findings(fit))
 
     def closed(self, fit: CandidateFit) -> float:
         """Share of the gap's amplitude that a fit takes away."""
@@ -219,7 +218,7 @@ class Criterion:
     def may_pay(self, fit: CandidateFit) -> bool:
         """Whether one effect more could better a fit's score at all."""
         number = self.num_effects(fit) + 1
-        least = np.log(self.findable) + thresholds.COST_OF_EFFECT * number
+        least = np.log(self.findable) + cost_of(number)
         return bool(self.score(fit) > least)
 
     def is_material(self, fit: CandidateFit) -> bool:
@@ -228,6 +227,17 @@ class Criterion:
         """
         share = self.unexplained(fit)
         return self.is_beyond_level(fit) and share > thresholds.MATERIAL
+
+
+def cost_of(number: int) -> float:
+    """What a set of so many effects costs in a score: ln C(K, n) over `ODDS`.
+
+    Any number of effects is as likely beforehand, and so is each of the sets
+    of as many of K causes (Scott and Berger, Bayes and empirical-Bayes
+    multiplicity adjustment in the variable-selection problem, Annals of
+    Statistics 38, 2010).
+    """
+    return math.log(math.comb(thresholds.CAUSES, number)) / thresholds.ODDS
 
 
 def closed_amplitude(before: float, after: float) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import Criterion
+from brace_drake.selection.criterion import Criterion, cost_of
 from brace_drake.selection.ranking import Ranked, rank
 
 
@@ -17,7 +17,7 @@ class Support:
     """How well one named effect is supported by itself.
 
     Attributes:
-        name: Of the effect.
+        name: Its cause: the effect, and its place.
         probability: That it is there, whatever else may be.
         closes: Share of the gap's amplitude that comes back without it, of
             what is closed with all.
@@ -58,7 +58,7 @@ class Verdict:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of the effects that explain the gap, the largest first."""
+        """Causes that explain the gap, the largest first."""
         return tuple(s.name for s in self.supported)
 
 
@@ -92,7 +92,7 @@ def decide(criterion: Criterion, fits: Sequence[CandidateFit]) -> Verdict:
         within = best if best.effects else None
         return Verdict(gap, within, gap, (), sure, (), left)
     tied = [
-        "+".join(e.name for e in criterion.findings(r.fit))
+        "+".join(e.cause for e in criterion.findings(r.fit))
         for r in ranked[1:]
         if criterion.findings(r.fit)
         and r.score - ranked[0].score < thresholds.TIED
@@ -125,7 +125,7 @@ def _probabilities(ranked: Sequence[Ranked], strain: float) -> list[float]:
     weights = [math.exp(-thresholds.ODDS * (r.score - least)) for r in ranked]
     others = sum(weights[1:])
     if strain > 0.0:
-        more = thresholds.COST_OF_EFFECT - strain
+        more = cost_of(1) - strain
         others = max(others, math.exp(-thresholds.ODDS * more))
     return [w / (weights[0] + others) for w in weights]
 
@@ -149,13 +149,13 @@ def _support(criterion, best, effect, ranked, odds) -> Support:
     sure = sum(
         p
         for r, p in zip(ranked, odds, strict=True)
-        if effect.name in criterion.named(r.fit)
+        if effect.cause in criterion.named(r.fit)
     )
-    others = criterion.named(best) - {effect.name}
+    others = criterion.named(best) - {effect.cause}
     same = (r.fit for r in ranked if criterion.named(r.fit) == others)
     without = next(same, criterion.nominal)
     closes = criterion.closed(best) - max(0.0, criterion.closed(without))
-    return Support(effect.name, _limited(sure), max(0.0, closes))
+    return Support(effect.cause, _limited(sure), max(0.0, closes))
 
 
 def contradict(verdict: Verdict, reason: str) -> Verdict:

@@ -16,19 +16,21 @@ LEVEL = 0.10
 # share that the laws of dry friction, which are forms, leave of the amplitude
 # of what it does (0.6 % with 2 N in each leg).
 TRUST = 0.01
-# An effect has to leave a quarter of what is left without it, in logarithms.
-COST_OF_EFFECT = math.log(4.0)
+# Weight of a difference of scores in the log odds of two explanations
+# (tools/calibrate_probability.py).
+ODDS = 2.5
+# So many causes a machine may have, in the library or not. Of sets of as many
+# effects each is as likely beforehand (`criterion.cost_of`): the first effect
+# has to leave a quarter of what is left without it, a second one a third.
+CAUSES = 32
 # So many levels are more than a right twin leaves: what an effect would have to
 # take before it pays.
-BEYOND_LEVEL = math.exp(COST_OF_EFFECT)
+BEYOND_LEVEL = CAUSES ** (1.0 / ODDS)
 # Share of the gap's amplitude that is worth a word when nothing explains it.
 MATERIAL = 0.20
 # Explanations whose scores differ by less are tied: one leaves twice as much as
 # the other. What a richer law of one effect has to leave less is the same.
-TIED = 0.5 * COST_OF_EFFECT
-# Weight of a difference of scores in the log odds of two explanations
-# (tools/calibrate_probability.py).
-ODDS = 2.5
+TIED = math.log(2.0)
 # Effects whose strength is within so many tolerances are no finding.
 WITHIN = 3.0
 # What is farther off costs the logarithm of its distance so many times: with

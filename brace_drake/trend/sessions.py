@@ -192,16 +192,26 @@ def _taken(values, fields, source: str, at: str) -> dict[str, Any]:
 
 
 def _effects(rows: Sequence[dict], source: str) -> tuple[NamedEffect, ...]:
-    found = []
+    found, names = [], _names_of(rows)
     for i, row in enumerate(rows):
         at = f"verdict.supported[{i}]."
         taken = _taken(row, form.SUPPORTED, source, at)
-        name = taken["effect"]
+        name = names[i]
         own = _estimates(taken["parameters"], name, source, f"{at}parameters")
         share, closes = taken["probability"], taken.get("closes")
         found.append(NamedEffect(name, taken["title"], share, closes, own))
     _check_once([e.name for e in found], source, "verdict.supported: effect")
     return tuple(found)
+
+
+def _names_of(rows: Sequence[dict]) -> list[str]:
+    """Of named effects; with its place where one is there at several."""
+    names = [row.get("effect") for row in rows]
+    places = [row.get("form") for row in rows]
+    return [
+        f"{name} ({at})" if at and names.count(name) > 1 else name
+        for name, at in zip(names, places, strict=True)
+    ]
 
 
 def _estimates(rows, of: str, source: str, at: str) -> tuple[Estimate, ...]:

@@ -73,7 +73,7 @@ def rank_causes(
     for fit in fits:
         is_winner = fit is verdict.winner
         seen = next((p for p in predictions if p.fit is fit), None)
-        named = "+".join(e.name for e in criterion.findings(fit))
+        named = "+".join(e.cause for e in criterion.findings(fit))
         is_tied = named in verdict.ambiguous_with
         score = criterion.score(fit) if fit.refined else None
         # Once ties are broken.

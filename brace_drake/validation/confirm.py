@@ -155,7 +155,7 @@ def withdraw(
 
 
 def _harm_text(verdict: Verdict, name: str, closed: Closed) -> str:
-    block = next(e.block for e in verdict.winner.effects if e.name == name)
+    block = next(e.block for e in verdict.winner.effects if e.cause == name)
     low, high = (100.0 * end for end in closed.interval)
     return (
         f"{name} ({block}) makes the validation runs worse: it closes"

@@ -33,6 +33,11 @@ def _joined(effects: Iterable[str], outside: bool) -> str:
     return "+".join([*names, OUTSIDE] if outside or not names else names)
 
 
+def _name_of(cause: str) -> str:
+    """Of an effect that is told with its place."""
+    return cause.partition(" (")[0]
+
+
 @dataclass(frozen=True)
 class Judged:
     """A case with its answer.
@@ -111,7 +116,7 @@ class Judged:
             return []
         outside = verdict["outside_library"]
         rivals = verdict.get("ambiguous_with", [])
-        others = (_joined(r.split("+"), outside) for r in rivals)
+        others = (_joined(map(_name_of, r.split("+")), outside) for r in rivals)
         return list(dict.fromkeys([self.given, *others]))
 
     @property

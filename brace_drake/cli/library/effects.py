@@ -113,7 +113,7 @@ def describe_effect(card: Effect) -> dict:
     return {
         "effect": card.key,
         "name": card.name,
-        "form": card.form,
+        "form": card.variant,
         "block": card.block,
         "title": card.title,
         "equation": card.equation,

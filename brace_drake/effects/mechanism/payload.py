@@ -69,7 +69,7 @@ def payload_card(body: str, mass: float, reach: float) -> Effect:
     """
     return replace(
         CARD,
-        form=body,
+        at=body,
         title=f"{CARD.title}: {body.replace('_', ' ')}",
         parameters=_parameters(mass, reach),
         modify=partial(_load, body=body),

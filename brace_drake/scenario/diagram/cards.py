@@ -100,7 +100,8 @@ def _of_joint(
 ) -> Iterator[PlacedCard]:
     units = AxisUnits(travel / LENGTH_M, force / FORCE_N, kind == "rotary")
     known: set[str] = set()
-    for effect in effects_for(way).values():
+    cards = effects_for(way).values()
+    for effect in sorted(cards, key=lambda e: "imposed motion" not in e.places):
         # The first form of those that a joint cannot tell apart.
         if effect.name in known:
             continue
@@ -119,7 +120,7 @@ def _of_joint(
         )
 
 
-def _placed(effect: Effect, form: str) -> Effect:
-    quantity, unit = split_unit(form)
+def _placed(effect: Effect, target: str) -> Effect:
+    quantity, unit = split_unit(target)
     place = quantity.replace("_", " ") + (f" ({shown_unit(unit)})" * bool(unit))
-    return replace(effect, form=form, title=f"{effect.title}: {place}")
+    return replace(effect, form="", at=target, title=f"{effect.title}: {place}")

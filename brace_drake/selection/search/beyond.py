@@ -59,6 +59,6 @@ def _beyond(lines: Linearisation) -> Iterator[tuple[Effect, np.ndarray]]:
         if abs(t) <= thresholds.WITHIN or card.name in taken:
             continue
         for effect in evaluator.effects:
-            is_it = effect.name == card.name and not effect.form
+            is_it = effect.name == card.name and not effect.variant
             if is_it and not (effect.is_flexible or effect.dithered):
                 yield effect, np.clip(t * values, effect.lower, effect.upper)

@@ -58,9 +58,9 @@ def exchanged(
     done = {f.kinds for f in refined(known)}
     for out in named:
         kept = [use for use in best.uses if use[0] is not out]
-        names = frozenset(e.name for e, _ in kept)
+        causes = frozenset(e.cause for e, _ in kept)
         for forms in _confusable(evaluator.effects, out, kept):
-            if names | {forms[0].name} in done:
+            if causes | {forms[0].cause} in done:
                 continue
             # A number that is replaced would take its own place again.
             evaluator.tolerances = best.tolerances
@@ -86,7 +86,7 @@ def _confusable(
         if not is_like or effect.is_flexible or effect.is_alike(out):
             continue
         if not any(effect.is_alike(other) for other, _ in kept):
-            forms.setdefault(effect.name, []).append(effect)
+            forms.setdefault(effect.cause, []).append(effect)
     yield from forms.values()
 
 

@@ -94,7 +94,7 @@ def fit_behind_joints(
         rest = (*base.uses[:i], *base.uses[i + 1 :])
         for form in evaluator.effects:
             uses = _joints(form, card, values)
-            if any(form.name == e.name for e, _ in rest) or not uses:
+            if any(form.cause == e.cause for e, _ in rest) or not uses:
                 continue
             begun = [
                 candidate_of(lines, (*rest, u), base.subject) for u in uses
@@ -114,7 +114,8 @@ def _joints(
     none for it.
     """
     own = len(form.parameters) - len(values)
-    if friction.name not in form.contains or own < 1:
+    is_at = form.at == friction.at
+    if not is_at or friction.name not in form.contains or own < 1:
         return []
     starts = {tuple(start[:own]) for start in form.starts()}
     return [(form, np.append(start, values)) for start in sorted(starts)]

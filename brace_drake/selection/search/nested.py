@@ -95,7 +95,9 @@ def _cases_of(richer: Effect, effects: Sequence[Effect]) -> list[Effect]:
     return [
         e
         for e in effects
-        if e.name in richer.contains and names >= set(e.parameter_names)
+        if e.name in richer.contains
+        and e.at == richer.at
+        and names >= set(e.parameter_names)
     ]
 
 

@@ -20,7 +20,7 @@ from brace_drake.effects.card import Effect
 from brace_drake.identification.evaluation import Evaluator
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.criterion import Criterion, cost_of, refined
 from brace_drake.selection.level import with_level
 from brace_drake.selection.ranking import best_of_kinds
 from brace_drake.selection.search.backward import without_each
@@ -101,10 +101,12 @@ def search_causes(
         )
         after = criterion.weighed(least)
         worth = thresholds.WORTH_A_SET * criterion.weighed(before)
-        is_shorter = number > 1 and len(criterion.findings(best)) < number
+        # Even if one more took as much as the first has to.
+        next_score = math.log(after) + cost_of(number + 1) - cost_of(1)
+        is_hopeless = number > 1 and next_score > criterion.score(best)
         # What numbers are stretched to may be another effect.
         is_whole = criterion.stretch(least) <= thresholds.WITHIN
-        if after > worth or (is_shorter and is_whole):
+        if after > worth or (is_hopeless and is_whole):
             break
         beam = beam_of(criterion, known, number)
         beam = [f for f in beam if len(f.effects) < evaluator.room]

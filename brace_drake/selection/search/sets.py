@@ -42,9 +42,9 @@ def untried(
     """Effects that in no form were led to their end beside a fit yet."""
     base, mine = lines.base, keys_of(lines.base.effects)
     larger = ended_beside(base, known)
-    done = {e.name for f in larger for e in f.effects if e.key not in mine}
+    done = {e.cause for f in larger for e in f.effects if e.key not in mine}
     more = others(lines.evaluator.effects, base)
-    return [e for e in more if e.name not in done]
+    return [e for e in more if e.cause not in done]
 
 
 def ended_beside(

@@ -15,7 +15,7 @@ from brace_drake.identification.fits import CandidateFit, fit_effects
 from brace_drake.identification.held_out import check_fit
 from brace_drake.identification.numbers.reweigh import noise_left, reweigh
 from brace_drake.selection import thresholds
-from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.criterion import Criterion, cost_of, refined
 from brace_drake.selection.search.candidate import Candidate, make_candidate
 from brace_drake.selection.search.linearisation import Linearisation
 from brace_drake.selection.tolerated import left_by
@@ -138,7 +138,7 @@ def rivals(
         named = criterion.named(fits[i])
         # What names nothing more than the base is no rival, but may be best.
         is_other = named != criterion.named(base) or fits[i] is best
-        if is_other and score <= least + thresholds.COST_OF_EFFECT:
+        if is_other and score <= least + cost_of(1):
             found.setdefault(named, i)
     few = list(found.values())[: thresholds.NUM_SHORTLIST]
     return [i for i in few if not fits[i].is_settled]
@@ -172,7 +172,10 @@ def other_choices(base: Linearisation, fit: CandidateFit) -> list[Candidate]:
     effect, found = fit.effects[-1], []
     mine = fit.values[-1][: len(effect.parameters)]
     discrete = [p.choices for p in effect.parameters if p.choices]
-    forms = [effect, *_other_forms(base.evaluator.effects, effect)]
+    others = _other_forms(base.evaluator.effects, effect)
+    kept = fit.effects[:-1]
+    able = [o for o in others if not any(o.is_alike(e) for e in kept)]
+    forms = [effect, *able]
     for form, choice in itertools.product(forms, itertools.product(*discrete)):
         values = mine.copy()
         values[~effect.is_continuous] = choice
@@ -194,12 +197,12 @@ def other_choices(base: Linearisation, fit: CandidateFit) -> list[Candidate]:
 
 
 def _other_forms(effects: Sequence[Effect], effect: Effect) -> list[Effect]:
-    """Forms of an effect with the same parameters."""
+    """Forms of an effect, here and elsewhere, with the same parameters."""
     names = [p.name for p in effect.parameters]
     return [
         other
         for other in effects
         if other.name == effect.name
-        and other.form != effect.form
+        and other.variant != effect.variant
         and [p.name for p in other.parameters] == names
     ]
