@@ -97,7 +97,9 @@ class TestTorques(unittest.TestCase):
         uses = [(effects["payload (lower)"], np.array(load))]
         loaded = twin.simulate(motion, subject, uses)
         np.testing.assert_allclose(loaded, twin.measured(run), atol=0.015)
-        uses += [(effects["coulomb_friction (elbow)"], np.array([friction]))]
+        uses += [
+            (effects["coulomb_friction (elbow)"], np.array([friction, 1e-4]))
+        ]
         more = twin.simulate(motion, subject, uses) - loaded
         speed = motion.paths({})["elbow"][:, 1]
         # Where its bristles have gone over, and the motion is known.

@@ -222,8 +222,16 @@ def _provenance(d: Diagnosis) -> dict:
 
 
 def campaign_hash(campaign: Campaign) -> str:
-    """SHA-256 over the campaign's files in the order of their names."""
+    """SHA-256 over the campaign's files in the order of their names; over its
+    channels where it was never written.
+    """
     digest = hashlib.sha256()
+    if not (campaign.path / "campaign.yaml").is_file():
+        for run in sorted(campaign.runs, key=lambda r: r.file):
+            for name, values in sorted(run.channels.items()):
+                digest.update(f"{run.file} {name}".encode())
+                digest.update(np.ascontiguousarray(values).tobytes())
+        return digest.hexdigest()
     files = ["campaign.yaml", *sorted(run.file for run in campaign.runs)]
     for name in files:
         digest.update(name.encode())

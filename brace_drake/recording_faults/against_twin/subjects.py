@@ -79,7 +79,8 @@ def divide(fits: Sequence[SubjectFit]) -> Division | None:
         H = sum(normal[i] for i in group)
         b = sum(normal[i] @ fits[i].scaled for i in group)
         ridge = 1e-9 * np.trace(H) / len(H)
-        z = np.linalg.solve(H + ridge * np.eye(len(H)), b)
+        # Of runs that show nothing of the subject it is singular.
+        z, *_ = np.linalg.lstsq(H + ridge * np.eye(len(H)), b, rcond=None)
         away = [z - fits[i].scaled for i in group]
         cost = sum(
             float(d @ normal[i] @ d) for d, i in zip(away, group, strict=True)
