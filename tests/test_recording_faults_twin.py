@@ -51,6 +51,13 @@ class TestOtherSubjects(unittest.TestCase):
         found = divide(fits)
         self.assertLess(found.one - found.two, 0.1)
 
+    def test_runs_that_show_nothing_of_the_subject_are_divided_too(self):
+        fits = [fit_of([1.0, 2.0], i) for i in range(3)]
+        for fit in fits[:2]:
+            fit.solution.jacobian *= 0.0
+        found = divide(fits)
+        self.assertLess(found.one - found.two, 1e-9)
+
     def test_a_single_run_is_not_divided(self):
         self.assertIsNone(divide([fit_of([1.0], 0)]))
 
