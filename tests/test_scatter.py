@@ -20,6 +20,7 @@ def effect(spread):
     return SimpleNamespace(
         name="many",
         key="many",
+        cause="many",
         parameters=(),
         is_flexible=True,
         spread=spread,
