@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import ScenarioError
+from brace_drake.devices.choice import Choice
 from brace_drake.devices.device import MakeDevice
 from brace_drake.devices.diagram.imposed import MakeJointPath
 from brace_drake.diagnosis import diagnose
@@ -130,7 +131,10 @@ class TestDiagnosis(unittest.TestCase):
     def test_dry_friction_at_two_joints_is_two_causes(self):
         friction = (0.6, 0.3)
         campaign = make_campaign(friction=friction)
-        found = diagnose(campaign, jobs=1, diagram=MakeArm)
+        names = ("coulomb_friction", "joint_spring", "sensor_offset")
+        found = diagnose(
+            campaign, jobs=1, diagram=MakeArm, choice=Choice(effects=names)
+        )
         causes = [f"coulomb_friction ({joint})" for joint in JOINTS]
         self.assertCountEqual(found.verdict.effects, causes)
         sizes = {e.cause: v[0] for e, v in found.verdict.winner.uses}

@@ -19,7 +19,7 @@ def row(block, rms, share, threshold=1.2):
 class TestSuspects(unittest.TestCase):
     def test_a_law_of_what_is_left_tells_its_block_before_any_test(self):
         tests = [row("controller", 1.0, 0.0), row("torso", 3.0, 1.0)]
-        leg = SimpleNamespace(name="leg", block="actuation")
+        leg = SimpleNamespace(cause="leg", block="actuation")
         named = SimpleNamespace(effects=(leg,))
         for winner, effects, blocks in (
             (None, (), ["sensing"]),
