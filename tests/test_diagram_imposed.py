@@ -43,7 +43,7 @@ def move(generator) -> np.ndarray:
 
 
 def make_campaign(
-    load=(0.0, 0.0), is_noisy=True, friction=(0.0, 0.0)
+    load=(0.0, 0.0), is_noisy=True, friction=(0.0, 0.0), noise_N_m=NOISE_N_M
 ) -> Campaign:
     """An arm that another controller has moved, with a load on its hand and
     dry friction at its joints.
@@ -63,7 +63,7 @@ def make_campaign(
         for j, joint in enumerate(JOINTS):
             channels[f"{joint}_rad"] = q[j] + NOISE_RAD * noise[0, j]
             dry = friction[j] * np.tanh(v[j] / 0.01)
-            torque = tau[j] + dry + NOISE_N_M * noise[1, j]
+            torque = tau[j] + dry + noise_N_m * noise[1, j]
             channels[f"{joint}_torque_N_m"] = torque
         runs.append(Run(f"{i}.csv", True, f"{i}", None, split, channels))
     return Campaign(
@@ -130,7 +130,7 @@ class TestDiagnosis(unittest.TestCase):
 
     def test_dry_friction_at_two_joints_is_two_causes(self):
         friction = (0.6, 0.3)
-        campaign = make_campaign(friction=friction)
+        campaign = make_campaign(friction=friction, noise_N_m=0.06)
         names = ("coulomb_friction", "joint_spring", "sensor_offset")
         found = diagnose(
             campaign, jobs=1, diagram=MakeArm, choice=Choice(effects=names)
