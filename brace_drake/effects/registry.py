@@ -54,6 +54,18 @@ PLACES = {
         "signal",
         "command of a port",
     },
+    "axis behind a motor": {
+        "drive of its own",
+        "drive",
+        "sensing",
+        "length reading",
+        "one joint",
+        "joint position",
+        "angle",
+        "signal",
+        "reading of a port",
+        "two encoders",
+    },
     "axis": {
         "one drive",
         "drive of its own",

@@ -214,6 +214,8 @@ _AXIS = (
     Channel("position_rad", is_way=True, **_ANY),
     Channel("speed_m_s", **_ANY),
     Channel("speed_rad_s", **_ANY),
+    Channel("motor_position_m", **_ANY),
+    Channel("motor_position_rad", **_ANY),
     Channel("force_N", **_ANY),
     Channel("torque_N_m", **_ANY),
     Channel("force_command_N", **_ANY),

@@ -27,7 +27,8 @@ def axis_columns(kind: str, command: str = "motion") -> tuple[str, str]:
     Args:
         kind: linear or rotary.
         command: motion where that is imposed and a force was measured, force
-            where that was commanded, else speed or position.
+            where that was commanded, motor where the motor's own motion was
+            measured too, else speed or position.
     """
     is_rotary = kind == "rotary"
     unit = "rad" if is_rotary else "m"
@@ -36,6 +37,7 @@ def axis_columns(kind: str, command: str = "motion") -> tuple[str, str]:
         "force": "torque_command_N_m" if is_rotary else "force_command_N",
         "speed": f"speed_command_{unit}_s",
         "position": f"position_command_{unit}",
+        "motor": f"motor_position_{unit}",
     }
     return f"position_{unit}", moved_by[command]
 
@@ -62,12 +64,12 @@ class AxisWay:
         return speed_column(self.kind) if is_speed else position, moved_by
 
 
-# The first that all runs have is taken: a command of motion comes before a
-# force that was measured beside it.
+# The first that all runs have is taken: a command of motion comes before the
+# motor's motion, and this before a force that was measured beside it.
 AXIS_WAYS = (
     *(
         AxisWay(kind, command, "position")
-        for command in ("speed", "position", "motion", "force")
+        for command in ("speed", "position", "motor", "motion", "force")
         for kind in ("linear", "rotary")
     ),
     *(AxisWay(kind, "speed", "speed") for kind in ("linear", "rotary")),

@@ -79,11 +79,11 @@ def _cards(device: str | None) -> list[Effect]:
 def _places(device: str) -> Sequence[str]:
     """Where the effects of a device sit; some devices have several places."""
     from brace_drake.recording.columns import AXIS, DIAGRAM
-    from brace_drake.scenario.axis.cards import COMMANDED
+    from brace_drake.scenario.axis.cards import BEHIND_MOTOR, COMMANDED
     from brace_drake.scenario.diagram.cards import COMMAND, JOINT, READING
 
     several = {
-        AXIS: (AXIS, COMMANDED),
+        AXIS: (AXIS, COMMANDED, BEHIND_MOTOR),
         DIAGRAM: (JOINT, COMMAND, READING),
     }
     return several.get(device, (device,))

@@ -25,6 +25,8 @@ class Axis(Device):
         given, found = "motion", "force that it takes"
         if not is_imposed:
             given, found = "command", "motion"
+        if scenario.command == "motor":
+            given, found = "motion of the motor", "motion of the load"
         test = BlockTest("actuation", given, found, partial(_residual, twin))
         super().__init__(twin, campaign.rate_hz, [test])
         length = "rad" if twin.units.is_rotary else "m"

@@ -1,7 +1,9 @@
-"""An axis that follows a commanded speed or position, as fits see it.
+"""An axis that follows a commanded speed or position, or its own motor, as fits
+see it.
 
-Its recorded command is put in. Under a command of speed what it answers is
-compared as speed, since a position would drift with every error of the model.
+Its recorded command is put in, or the motion of its motor. Under a command of
+speed what it answers is compared as speed, since a position would drift with
+every error of the model.
 """
 
 from __future__ import annotations
@@ -32,6 +34,10 @@ _START, _FIRST = 20, 3
 _BEFORE_S = 0.5
 # Numbers may be so many times less or more than nominal.
 _SPREAD = 20.0
+# A load that swings as fast behind its motor is as good as rigidly joined.
+FASTEST_RAD_S = 2000.0
+# Limits of the numbers of a spring between motor and load.
+_OF_SPRING = {"frequency": (1.0, FASTEST_RAD_S), "damping_ratio": (0.0, 20.0)}
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,7 @@ class Commanded:
 
 @dataclass(frozen=True)
 class FollowerNumbers:
-    """Law of a follower (4,), see `laws.alone.axis_response`, and the noise of
+    """Law of a follower (5,), see `laws.alone.axis_response`, and the noise of
     a position reading.
     """
 
@@ -69,6 +75,7 @@ class AxisFollower(ReplayTwin):
 
     def __init__(self, scenario: AxisScenario, time_step: float | None = None):
         self.is_speed = scenario.command == "speed"
+        self.is_commanded = scenario.command != "motor"
         self.position, self._command = axis_columns(
             scenario.kind, scenario.command
         )
@@ -115,7 +122,7 @@ class AxisFollower(ReplayTwin):
             # Linear: any length will do.
             motion = Commanded(time, command, np.array(state))
             law = self.numbers.law
-            log = simulate_response(law, motion, 1.0, self.time_step)
+            log = self._respond(law, motion, 1.0)
             return log[:, int(self.has_speed)]
 
         none = np.zeros(len(time))
@@ -145,42 +152,64 @@ class AxisFollower(ReplayTwin):
         law[BIAS] /= length
         mine = self.scenario.of_reference(uses)
         sent = [(e, v) for e, v in mine if "signal" in e.laws]
-        if sent:
-            motion = replace(motion, command=self._arrived(motion, sent))
+        if sent and self.is_commanded:
+            command = self._arrived(motion, motion.command, sent)
+            motion = replace(motion, command=command)
         mine = [(e, v) for e, v in mine if "signal" not in e.laws]
-        log = simulate_response(law, motion, length, self.time_step, mine)
+        log = self._respond(law, motion, length, mine)
         position = length * log[:, int(self.has_speed)]
+        if sent and not self.is_commanded:
+            position = self._arrived(motion, position, sent)
         if generator is not None:
             noise = generator.standard_normal(len(position))
             position = position + numbers.noise * noise
         return self._answer(motion.time, position)[:, None]
 
-    def _arrived(self, motion: Commanded, sent: Sequence[Use]) -> np.ndarray:
-        """What arrives of the command, held from sample to sample (N,)."""
+    def _respond(self, law, motion: Commanded, length: float, uses=()):
+        step, is_held = self.time_step, self.scenario.is_held
+        return simulate_response(law, motion, length, step, uses, is_held)
+
+    def _arrived(self, motion, signal, sent: Sequence[Use]) -> np.ndarray:
+        """What arrives of a command, or of a reading, held from sample to
+        sample (N,).
+        """
         period = float(np.median(np.diff(motion.time)))
-        before = np.full(max(1, round(_BEFORE_S / period)), motion.before)
-        given = np.concatenate([before, motion.command])[:, None]
+        before = motion.before if self.is_commanded else signal[0]
+        before = np.full(max(1, round(_BEFORE_S / period)), before)
+        given = np.concatenate([before, signal])[:, None]
         sizes = [self.scenario.command_size]
         arrived = held_commands(given, period, 1, sizes, {0: sent})
         return arrived[len(before) :, 0]
 
     def estimate_noise(self, runs: Sequence[Run]) -> float:
-        """White noise of the position readings of recordings, m or rad."""
-        readings = [run.channels[self.position] for run in runs]
-        return max((white_noise(y) for y in readings), default=0.0)
+        """White noise of the position readings of recordings, m or rad; with
+        that of the motor's, which the load seems to follow.
+        """
+        read = [self.position, *[self._command] * (not self.is_commanded)]
+        found = [
+            np.hypot.reduce([white_noise(run.channels[n]) for n in read])
+            for run in runs
+        ]
+        return float(max(found, default=0.0))
 
 
 def simulate_response(
-    law: np.ndarray, motion: Commanded, length: float, time_step: float, uses=()
+    law: np.ndarray,
+    motion: Commanded,
+    length: float,
+    time_step: float,
+    uses=(),
+    is_held: bool = True,
 ) -> np.ndarray:
     """Simulates one run with the compiled rollout.
 
     Args:
-        law: See `laws.alone.axis_response` (4,).
+        law: See `laws.alone.axis_response` (5,).
         motion: The run.
         length: That lengths are counted in, m or rad.
         time_step: Longest plant step, s.
         uses: Effects with their parameters.
+        is_held: Whether the command is held between samples.
 
     Returns:
         Position and speed (N, 2), in that length.
@@ -193,6 +222,7 @@ def simulate_response(
     broke_at = rollout_response(
         steps_per_sample(motion.time, time_step),
         sum(effect.on_command for effect, _ in uses),
+        is_held,
         motion.time,
         motion.command / length,
         np.zeros((len(motion.time), 0)),
@@ -215,10 +245,14 @@ def simulate_response(
 def _pack(scenario: AxisScenario) -> FollowerNumbers:
     if scenario.command == "speed":
         rate = 1.0 / scenario.lag
-        law = [rate, rate, 0.0, scenario.bias]
+        law = [rate, rate, 0.0, scenario.bias, 0.0]
     else:
         w, z = scenario.frequency, scenario.damping_ratio
-        law = [w * w, 2.0 * z * w, w * w, scenario.bias]
+        square, damping = w * w, 2.0 * z * w
+        law = [square, damping, square, scenario.bias, 0.0]
+        if scenario.command == "motor":
+            law[1] += scenario.viscous
+            law[3:] = [square * scenario.offset, damping]
     return FollowerNumbers(np.array(law), scenario.position_noise)
 
 
@@ -226,6 +260,8 @@ def _fitted(scenario: AxisScenario) -> tuple[str, ...]:
     """Fields of the scenario that a machine is fitted by."""
     if scenario.command == "speed":
         return ("lag", "bias")
+    if scenario.command == "motor":
+        return tuple(scenario.fitted)
     return ("frequency", "damping_ratio", "bias")
 
 
@@ -237,18 +273,25 @@ def follower_subject(scenario: AxisScenario) -> tuple[SubjectParameter, ...]:
         "frequency": ("frequency_rad_s", "rad/s"),
         "damping_ratio": ("damping_ratio", "1"),
     }
+    speed, acceleration = scenario.speed_scale, scenario.acceleration_scale
+    shifts = {
+        "bias": (acceleration, "bias_m_s2", "m/s^2"),
+        "viscous": (acceleration / speed, "viscous_N_s_m", "N s/m"),
+        "offset": (scenario.length_scale, "offset_m", "m"),
+    }
     for field in _fitted(scenario):
         value = float(getattr(scenario, field))
-        if field == "bias":
-            size = scenario.acceleration_scale
-            unit = units.unit("m/s^2")
-            name = units.name("bias_m_s2", "m/s^2")
-            found.append(SubjectParameter(name, unit, value, -size, size, size))
+        if field in shifts:
+            size, name, unit = shifts[field]
+            name, unit = units.name(name, unit), units.unit(unit)
+            most = max(size, 2.0 * abs(value))
+            least = 0.0 if field == "viscous" else -most
+            most *= _SPREAD if field == "viscous" else 1.0
+            found.append(SubjectParameter(name, unit, value, least, most, size))
             continue
         name, unit = named[field]
-        found.append(
-            SubjectParameter(
-                name, unit, value, value / _SPREAD, value * _SPREAD
-            )
-        )
+        least, most = value / _SPREAD, value * _SPREAD
+        if scenario.command == "motor":
+            least, most = _OF_SPRING[field]
+        found.append(SubjectParameter(name, unit, value, least, most))
     return tuple(found)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import lsq_linear, minimize
+from scipy.optimize import lsq_linear
 
-from brace_drake.core.errors import BraceError, CampaignError
-from brace_drake.devices.axis.follower import AxisFollower
+from brace_drake.core.errors import CampaignError
+from brace_drake.devices.axis.follower_numbers import find_numbers
 from brace_drake.devices.axis.motion import MakeAxisMotion
 from brace_drake.recording.columns import AXIS, DEVICES
 from brace_drake.recording.recording import Campaign, Run
@@ -25,14 +25,6 @@ _TERMS = ("mass", "viscous", "stiffness", "offset")
 _SHOWN = 2.0
 # Steps of an effect between two samples.
 _STEP_PARTS = 4.0
-# Lags, s, and damping ratios that a follower's fit may begin with, and its
-# longest step, s.
-_LAGS_S = tuple(0.005 * 2.0**i for i in range(9))
-_RATIOS = (0.3, 0.7, 1.2)
-_COMMAND_STEP_S = 1e-3
-_ROUGH = {"maxfev": 60, "xatol": 1e-3, "fatol": 0.0}
-# Steps of a lag, as effects act on what a step begins with, and the shortest.
-_LAG_STEPS, _SHORTEST_STEP_S = 40.0, 2e-4
 
 
 def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
@@ -107,51 +99,20 @@ def _take_sizes(scenario: AxisScenario, path: np.ndarray) -> None:
 def _take_answers(
     scenario: AxisScenario, runs: Sequence[Run], position: str
 ) -> None:
-    """Numbers and sizes of an axis that follows a command: the best of a few,
-    as a fit goes on from there.
-    """
+    """Sizes and numbers of an axis that follows a command, or its motor."""
     sigma = scenario.position_noise
     paths = [MakeAxisMotion(r, position, (), sigma).path() for r in runs]
     if scenario.answer == "speed":
         times = [r.time_s for r in runs]
         paths = [_from_speed(*both) for both in zip(paths, times, strict=True)]
     _take_sizes(scenario, np.vstack(paths))
-    scenario.time_step = min(scenario.time_step, _COMMAND_STEP_S)
-    ratios = _RATIOS if scenario.command == "position" else (1.0,)
-    begins = [np.log([lag, z]) for lag in _LAGS_S for z in ratios]
-
-    def left(x):
-        scenario.lag, scenario.damping_ratio = map(float, np.exp(x))
-        scenario.frequency = 1.0 / scenario.lag
-        return _left(scenario, runs)
-
-    # From a rough grid to the nearest least; of a speed the ratio is no number.
-    best = minimize(
-        left, min(begins, key=left), method="Nelder-Mead", options=_ROUGH
-    )
-    left(best.x)
-    step = scenario.lag / _LAG_STEPS
-    scenario.time_step = min(scenario.time_step, max(step, _SHORTEST_STEP_S))
+    find_numbers(scenario, runs)
 
 
 def _from_speed(path: np.ndarray, time: np.ndarray) -> np.ndarray:
     """A path (N, 3) whose position is a speed as that of the position."""
     way = np.cumsum(path[:, 0] * np.gradient(time))
     return np.column_stack([way, path[:, 0], path[:, 1]])
-
-
-def _left(scenario: AxisScenario, runs: Sequence[Run]) -> float:
-    """Squares that a follower leaves of its runs."""
-    twin = AxisFollower(scenario)
-    subject = np.array([p.nominal for p in twin.subject])
-    try:
-        rest = [
-            twin.measured(r) - twin.simulate(twin.motion(r), subject)
-            for r in runs
-        ]
-    except BraceError:
-        return np.inf
-    return float(sum(np.sum(e**2) for e in rest))
 
 
 def _way_of(campaign: Campaign) -> AxisWay:

@@ -8,7 +8,7 @@ from brace_drake.laws.hooks import plug
 # Periods over the travel of the machine of reference, 20 mm: near enough to
 # each other that a fit from one of them reaches any between.
 _TRAVEL_M, _MOST = 0.02, 40
-_PITCHES = tuple(2.0 * _TRAVEL_M / n for n in range(2, 2 * _MOST + 1))
+PITCHES = tuple(2.0 * _TRAVEL_M / n for n in range(2, 2 * _MOST + 1))
 
 
 @plug("drive")
@@ -38,7 +38,7 @@ CARD = Effect(
             "m",
             2e-4,
             0.05,
-            _PITCHES,
+            PITCHES,
             "length L of a period",
             off=None,
         ),

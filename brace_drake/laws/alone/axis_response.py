@@ -18,8 +18,8 @@ from brace_drake.laws.hooks import (
 )
 
 # What the law's vector holds: gain of the command, damping, gain of position,
-# and a constant acceleration.
-COMMAND, DAMPING, POSITION, BIAS = range(4)
+# a constant acceleration, and gain of the command's rate.
+COMMAND, DAMPING, POSITION, BIAS, RATE = range(5)
 # Places that the rollout needs.
 WORK = 7
 
@@ -28,6 +28,7 @@ WORK = 7
     int64(
         int64,
         int64,
+        boolean,
         vector,
         vector,
         matrix,
@@ -48,6 +49,7 @@ WORK = 7
 def rollout_response(
     steps_per_sample,
     num_commands,
+    is_held,
     time,
     command,
     inputs,
@@ -64,19 +66,21 @@ def rollout_response(
 ):
     """Follows a command and writes position and speed.
 
-    y'' = c r - k y - d y' + a_0 + effects; of a speed r with a lag T
-    c = d = 1 / T, k = 0, of a position c = k = w^2, d = 2 z w, above 0. The
-    command is held between samples; half a step of the position, a whole one of
-    the speed, half a step of the position (Strang).
+    y'' = c r + e r' - k y - d y' + a_0 + effects; of a speed r with a lag T
+    c = d = 1 / T, k = 0, of a position c = k = w^2, d = 2 z w, above 0, and of
+    the position of a motor e = d as well. Half a step of the position, a whole
+    one of the speed, half a step of the position (Strang).
 
     Args:
         steps_per_sample: Plant steps between two samples.
         num_commands: Effects, the first ones, that act on c r + a_0, before the
             position is fed back.
+        is_held: Whether the command is held between samples; else it goes on a
+            straight line from each to the next.
         time: Sample times from 0 (N,), s.
         command: r (N,).
         inputs: Extra inputs (N, J).
-        law: c, d, k, a_0 (4,).
+        law: c, d, k, a_0, e (5,).
         drive, sensing: Laws of the effects; what is read is the position.
         parameters, drive_memory, sensing_memory: Their parameters and states.
         active: Whether an effect sits at drive and sensing (2, MAX_EFFECTS).
@@ -108,11 +112,13 @@ def rollout_response(
         if following == i:
             break
         dt = h / steps_per_sample
+        slope = 0.0 if is_held else (command[following] - command[i]) / h
         for j in range(more):
             known[1 + j] = inputs[i, j]
         for sub in range(steps_per_sample):
             y[0] += 0.5 * dt * v[0]
-            u[0] = law[COMMAND] * command[i] + law[BIAS]
+            r = command[i] + slope * (sub + 0.5) * dt
+            u[0] = law[COMMAND] * r + law[BIAS] + law[RATE] * slope
             f[0] = u[0] - law[DAMPING] * v[0]
             for e in range(MAX_EFFECTS):
                 if e == num_commands:
@@ -125,7 +131,7 @@ def rollout_response(
             if num_commands == MAX_EFFECTS:
                 f[0] -= law[POSITION] * y[0]
             # Of a constant command this is exact, whatever the lag.
-            damped = law[DAMPING] * dt
+            damped = max(law[DAMPING] * dt, 1e-12)
             v[0] += dt * f[0] * (-math.expm1(-damped) / damped)
             y[0] += 0.5 * dt * v[0]
         if not abs(v[0]) < 1e9:

@@ -20,8 +20,13 @@ from brace_drake.scenario.axis.units import (
 
 # Places that an axis has which follows a command.
 COMMANDED = "axis under command"
-# What a follower has by its own numbers: its bias, its limits.
-_OF_A_FOLLOWER = {"command_offset", "saturation", "rate_limit"}
+# Places of one whose motor was measured too.
+BEHIND_MOTOR = "axis behind a motor"
+# What a follower has by its own numbers: its bias or offset, its limits.
+_OF_A_FOLLOWER = {
+    *("command_offset", "saturation", "rate_limit"),
+    "sensor_offset",
+}
 # Unit of a parameter that is for each unit of an extra input.
 _OF_INPUT = "/input"
 
@@ -52,26 +57,27 @@ def own_cards(
     units: AxisUnits,
     inputs: tuple[str, ...],
     sizes: tuple[float, ...],
-    command: tuple[str, float] = ("", 1.0),
+    signal: tuple[str, float] = ("", 1.0),
 ) -> dict[str, OwnCard]:
     """Cards of an axis by key; those that take a load once for each input.
 
     Args:
-        device: AXIS or COMMANDED.
+        device: AXIS, COMMANDED or BEHIND_MOTOR.
         units: Of the axis.
         inputs: Columns of its extra inputs.
         sizes: What each of these is counted in.
-        command: Column of the command that it follows, and half of its range.
+        signal: Column of the command that it follows, or of the load's
+            reading behind a motor, and half of its range.
     """
     found: dict[str, OwnCard] = {}
     for effect in effects_for(device).values():
         if "signal" in effect.laws:
             # What the drive's own feedback sees comes before.
             if effect.name not in {*found, *_OF_A_FOLLOWER}:
-                found[effect.key] = OwnCard(*signal_card(effect, *command))
+                found[effect.key] = OwnCard(*signal_card(effect, *signal))
             continue
         card, unit = units.card(effect), scales(effect, units)
-        if device == COMMANDED:
+        if device in (COMMANDED, BEHIND_MOTOR) and "drive" in card.laws:
             card = with_few_starts(card)
         if "angle" in effect.places:
             if units.is_rotary:

@@ -9,7 +9,12 @@ from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.recording.columns import AXIS
 from brace_drake.recording.ways import axis_columns
-from brace_drake.scenario.axis.cards import COMMANDED, OwnCard, own_cards
+from brace_drake.scenario.axis.cards import (
+    BEHIND_MOTOR,
+    COMMANDED,
+    OwnCard,
+    own_cards,
+)
 from brace_drake.scenario.axis.units import FORCE_N, LENGTH_M, AxisUnits
 from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.fields import items, number, vector, word
@@ -22,14 +27,15 @@ class AxisScenario:
 
     A rotary axis has rad for m and N m for N in all numbers. Under a command of
     speed r it is y'' = (r - y') / lag + bias, of position
-    y'' = w^2 (r - y) - 2 z w y' + bias.
+    y'' = w^2 (r - y) - 2 z w y' + bias. Behind a motor whose position r was
+    measured it is y'' = w^2 (r + offset - y) + 2 z w (r' - y').
     """
 
     device: str = AXIS
     kind: str = word("linear", "rotary")
     # What it is given: a motion that is imposed, whatever force was measured or
-    # commanded, or a command that it follows.
-    command: str = word("motion", "force", "speed", "position")
+    # commanded, or a command that it follows, or the motion of its motor.
+    command: str = word("motion", "force", "speed", "position", "motor")
     # What of its motion was recorded; a speed alone under a command of speed.
     answer: str = word("position", "speed")
     # Longest step of the effects' states.
@@ -40,7 +46,10 @@ class AxisScenario:
     offset: float = number(0.0, "N")
     lag: float = number(0.05, "s", above=0.0)
     frequency: float = number(30.0, "rad/s", above=0.0)  # w
-    damping_ratio: float = number(1.0, above=0.0)  # z
+    damping_ratio: float = number(1.0, least=0.0)  # z
+    # Whether a command stays as it is until the next sample, or goes on a
+    # straight line to it, as the motion of a motor does.
+    is_held: bool = True
     bias: float = number(0.0, "m/s^2")
     # Force for each unit of an extra input, by its column.
     gains: dict[str, float] = field(default_factory=dict)
@@ -83,11 +92,13 @@ class AxisScenario:
     def own_cards(self) -> dict[str, OwnCard]:
         """Effects that it can have, in its own units, by key."""
         sizes = tuple(self.input_scales.get(n, 1.0) for n in self.gains)
-        device = AXIS if self.is_imposed else COMMANDED
-        column = axis_columns(self.kind, self.command)[1]
-        command = column, self.command_size
+        position, moved_by = axis_columns(self.kind, self.command)
+        device, column = AXIS if self.is_imposed else COMMANDED, moved_by
+        if self.command == "motor":
+            device, column = BEHIND_MOTOR, position
+        signal = column, self.command_size
         inputs = tuple(self.gains)
-        return own_cards(device, self.units, inputs, sizes, command)
+        return own_cards(device, self.units, inputs, sizes, signal)
 
     def of_reference(self, uses: Sequence[Use]) -> list[Use]:
         """Effects with the parameters of the machine of reference."""

@@ -45,6 +45,8 @@ _SHAKES = 2.0
 _LEAST = 40
 # Steps that others move by while a stuck one should have moved too.
 _MOVED = 8.0
+# Share of the steps from sample to sample that are no leap.
+_USUAL = 0.99
 
 
 def find_stuck(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -103,7 +105,10 @@ def _is_chanceless(run, known, name, place, total) -> bool:
     # A reading that never repeats may move from step to step, or shake.
     shakes = noise_deviation(outside) > _SHAKES * quantum_of(values)
     is_fine = alike < _FINE and shakes
-    return is_fine or _others_move(run, known, name, begin, end)
+    if is_fine:
+        return True
+    stood = _goes_on(values, begin, end)
+    return not stood and _others_move(run, known, name, begin, end)
 
 
 def _likeliest(alike: float) -> float:
@@ -115,6 +120,18 @@ def _is_limit(channel: Channel, value: float) -> bool:
     """Whether a value is told as saturation by the check of limits."""
     limit = {"command": 120.0, "reading": 49.9}.get(channel.saturates or "")
     return limit is not None and bool(abs(value) >= limit - 1e-3)
+
+
+def _goes_on(values: np.ndarray, begin: int, end: int) -> bool:
+    """Whether what follows goes on from where it stood, as after play or dry
+    friction; a sensor that comes back leaps to where the machine is by then.
+    """
+    if end == len(values):
+        return False
+    steps = np.abs(np.diff(values))
+    elsewhere = _outside(steps, begin, end)
+    usual = np.quantile(elsewhere, _USUAL) if len(elsewhere) else 0.0
+    return bool(steps[end - 1] <= usual)
 
 
 def _others_move(run, known, name, begin, end) -> bool:

@@ -1,0 +1,138 @@
+"""Numbers that an axis under a command, or behind its motor, is fitted from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import minimize
+
+from brace_drake.core.errors import BraceError
+from brace_drake.devices.axis.follower import FASTEST_RAD_S, AxisFollower
+from brace_drake.effects.stack import Use
+from brace_drake.recording.recording import Run
+from brace_drake.recording.ways import axis_columns
+from brace_drake.scenario.axis import AxisScenario
+
+# Lags, s, and damping ratios that the search may begin with, and the longest
+# step of a follower, s.
+_LAGS_S = tuple(0.005 * 2.0**i for i in range(9))
+_RATIOS = (0.3, 0.7, 1.2)
+_STEP_S = 1e-3
+_ROUGH = {"maxfev": 60, "xatol": 1e-3, "fatol": 0.0}
+# Steps of a lag, as effects act on what a step begins with, and the shortest.
+_LAG_STEPS, _SHORTEST_STEP_S = 40.0, 2e-4
+# What a load on a spring behind its motor is fitted by, and how much less than
+# a rigid one it leaves, in squares, to be taken for one.
+_ELASTIC = ("frequency", "damping_ratio", "viscous", "offset")
+_LESS = 0.8
+# Logarithms of lag and damping ratio of a rigid one.
+_RIGID = (-np.log(FASTEST_RAD_S), 0.0)
+
+
+def find_numbers(scenario: AxisScenario, runs: Sequence[Run]) -> None:
+    """Sets lag, frequency, damping ratio, offset and step of a follower: the
+    best of a few, as a fit goes on from there.
+    """
+    scenario.time_step = min(scenario.time_step, _STEP_S)
+    if scenario.command == "motor":
+        _find_spring(scenario, runs)
+    else:
+        _find_follower(scenario, runs)
+    step = scenario.lag / _LAG_STEPS
+    scenario.time_step = min(scenario.time_step, max(step, _SHORTEST_STEP_S))
+
+
+def _find_follower(scenario: AxisScenario, runs: Sequence[Run]) -> None:
+    """A lag or an oscillator, and whether its command is held."""
+    # Of a speed the ratio is no number.
+    is_speed = scenario.command == "speed"
+    ratios = (1.0,) if is_speed else _RATIOS
+    begins = [np.log([lag, z]) for lag in _LAGS_S for z in ratios]
+
+    def left(x):
+        _set(scenario, x)
+        return _left(scenario, runs)
+
+    held = _nearest_least(left, begins)
+    most = _LESS * left(held)
+    if not is_speed:
+        scenario.is_held = False
+        straight = _nearest_least(left, begins)
+        if left(straight) < most:
+            held = straight
+        else:
+            scenario.is_held = True
+    _set(scenario, held)
+
+
+def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
+    """The spring between motor and load, if there is one.
+
+    It is searched beside a dry friction of the load, which winds it up and
+    hides it, and compared with a rigid joint with play.
+    """
+    scenario.is_held = False
+    position, motor = axis_columns(scenario.kind, scenario.command)
+    more = [r.channels[position] - r.channels[motor] for r in runs]
+    scenario.offset = float(np.mean(np.concatenate(more)))
+    twist = float(np.std(np.concatenate(more)))
+    cards = {card.name: card for card in scenario.own_effects().values()}
+    friction, play = cards["coulomb_friction"], cards["backlash"]
+
+    def elastic(x):
+        _set(scenario, x)
+        wound = scenario.frequency**2 * twist * np.exp(x[2])
+        most = friction.parameters[0].upper
+        return _left(scenario, runs, [(friction, np.array([min(wound, most)]))])
+
+    def rigid(x):
+        _set(scenario, _RIGID)
+        width = 2.0 * twist * np.exp(x[0])
+        return _left(scenario, runs, [(play, np.array([width]))])
+
+    shares = np.log([0.01, 1.0])
+    begins = [
+        np.array([*np.log([lag, z]), share])
+        for lag in _LAGS_S
+        for z in _RATIOS
+        for share in shares
+    ]
+    loose = rigid(_nearest_least(rigid, list(shares[:, None])))
+    best = _nearest_least(elastic, begins)
+    if elastic(best) < _LESS * loose:
+        scenario.fitted = list(_ELASTIC)
+        _set(scenario, best)
+    else:
+        _set(scenario, _RIGID)
+
+
+def _nearest_least(left, begins) -> np.ndarray:
+    """From the best of a rough grid to the nearest least."""
+    begin = min(begins, key=left)
+    return minimize(left, begin, method="Nelder-Mead", options=_ROUGH).x
+
+
+def _set(scenario: AxisScenario, x: np.ndarray) -> None:
+    scenario.lag, scenario.damping_ratio = map(float, np.exp(x[:2]))
+    scenario.frequency = 1.0 / scenario.lag
+    if scenario.command == "motor":
+        scenario.frequency = min(scenario.frequency, FASTEST_RAD_S)
+        ratio = min(scenario.damping_ratio, max(_RATIOS))
+        scenario.damping_ratio = ratio
+
+
+def _left(
+    scenario: AxisScenario, runs: Sequence[Run], uses: Sequence[Use] = ()
+) -> float:
+    """Squares that a follower leaves of its runs."""
+    twin = AxisFollower(scenario)
+    subject = np.array([p.nominal for p in twin.subject])
+    try:
+        rest = [
+            twin.measured(r) - twin.simulate(twin.motion(r), subject, uses)
+            for r in runs
+        ]
+    except BraceError:
+        return np.inf
+    return float(sum(np.sum(e**2) for e in rest))
