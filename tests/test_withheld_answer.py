@@ -22,7 +22,13 @@ from brace_drake.withheld.seals import (
 )
 from tests.commands import run_command
 
-VERDICT = {"gap": False, "effects": [], "outside_library": False}
+VERDICT = {
+    "gap": False,
+    "effects": [],
+    "outside_library": False,
+    "blocks": [],
+    "probability": 0.9,
+}
 
 
 class TestMake(unittest.TestCase):

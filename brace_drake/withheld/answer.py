@@ -8,7 +8,6 @@ again.
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,8 +18,9 @@ from threading import Lock
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.output import HoldFolder, WriteText
-from brace_drake.core.reading import LoadJson, ReadBytes
+from brace_drake.core.reading import LoadJson, ReadBytes, in_file
 from brace_drake.withheld.judged import label
+from brace_drake.withheld.schemas import ANSWER, check_shape
 from brace_drake.withheld.seals import (
     SEALS,
     AnswerError,
@@ -140,17 +140,18 @@ def _wait(process: subprocess.Popen) -> float:
 
 def _answer(running: _Running, case: Path, out: Path) -> dict:
     """One case's verdict and closed share, of a diagnosis old or new."""
-    path = out / "diagnosis.json"
-    error = None if path.exists() else _diagnose(running, case, out)
+    path, error = out / "diagnosis.json", None
     try:
+        error = None if path.exists() else _diagnose(running, case, out)
         document = LoadJson(path, AnswerError)
         shrink = document.get("shrink") or {}
-        return {
+        answer = {
             "verdict": document["verdict"],
             "closed": shrink.get("closed"),
             "seconds": _seconds(out / SECONDS),
-            "error": None,
         }
+        check_shape(str(path), answer, ANSWER)
+        return {**answer, "error": None}
     except (AnswerError, AttributeError, KeyError, TypeError) as problem:
         error = error or str(problem)
         return {
@@ -176,7 +177,8 @@ def _diagnose(running: _Running, case: Path, out: Path) -> str | None:
         copy.mkdir()
         for pattern in _RECORDINGS:
             for file in case.glob(pattern):
-                shutil.copyfile(file, copy / file.name)
+                with in_file(file, AnswerError):
+                    (copy / file.name).write_bytes(ReadBytes(file))
         command = [sys.executable, "-m", "brace_drake.cli.main", "diagnose"]
         command += [str(copy), "--out", str(out.resolve()), "--jobs", "1"]
         status, errors, seconds = running.run(command, folder)

@@ -40,7 +40,9 @@ def read_plain(path: Path) -> tuple[str, dict[str, dict]]:
     cases = document.get("cases") if isinstance(document, dict) else None
     if not isinstance(cases, dict) or document.get("format") != PLAIN_FORMAT:
         raise AnswerError(f"{path}: not a {PLAIN_FORMAT} document")
-    method = str(document.get("method") or path.stem)
+    method = document.get("method") or path.stem
+    if not isinstance(method, str) or not method.isprintable():
+        raise AnswerError(f"{path}: method is {method!r}, not a word")
     return method, {
         str(name): _answer(f"{path}: {name}", row)
         for name, row in cases.items()
@@ -80,12 +82,14 @@ def _names(
     if not isinstance(value, list):
         raise AnswerError(f"{where}: {key} is {value!r}, not a list of names")
     _refuse_unknown(f"{where}: {key}: no", value, known)
+    if len({*value}) < len(value):
+        raise AnswerError(f"{where}: {key} names one twice")
     return value
 
 
 def _refuse_unknown(what: str, names: Iterable, known: Collection[str]) -> None:
     for name in names:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise AnswerError(f"{what} {name!r}{suggest(name, known)}")
 
 

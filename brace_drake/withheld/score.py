@@ -13,6 +13,7 @@ import scipy
 from brace_drake.withheld.faults import SEVERITIES
 from brace_drake.withheld.judged import Judged
 from brace_drake.withheld.plain_answers import read_plain
+from brace_drake.withheld.schemas import ANSWER, SEALED, check_shape
 from brace_drake.withheld.seals import (
     ANSWERS,
     ANSWERS_FORMAT,
@@ -57,6 +58,8 @@ def load_judged(folder: Path, vault: Path, answers: Path) -> list[Judged]:
             raise SealError(f"{what}: not the cases of {folder}")
     judged = []
     for name, sealed in seals.items():
+        check_shape(f"{vault}: {name}", truths[name], SEALED)
+        check_shape(f"{answers}: {name}", given[name], ANSWER)
         truth = truths[name]["truth"]
         check_seal(name, truth, truths[name]["salt"], sealed)
         answer = given[name]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import secrets
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,10 +23,10 @@ from brace_drake.core.reading import LoadJson, LoadYaml, ReadBytes, in_file
 
 SEALS, ANSWERS, COMMITMENT = "SEALS.yaml", "answers.json", "COMMITMENT"
 VAULT_FORMAT, ANSWERS_FORMAT = "brace-vault/1", "brace-answers/1"
-_CASE_KEYS = {
-    VAULT_FORMAT: {"truth", "salt"},
-    ANSWERS_FORMAT: {"verdict", "closed"},
-}
+
+
+# Names of cases, each of which is a folder.
+_CASE = re.compile(r"[A-Za-z0-9][\w.+-]{0,99}", re.ASCII)
 
 
 class SealError(BraceError, ValueError):
@@ -69,6 +70,13 @@ def read_seals(folder: Path) -> dict[str, str]:
     seals = LoadYaml(path, AnswerError).get("seals")
     if not isinstance(seals, dict):
         raise AnswerError(f"{path}: holds no seals")
+    for name in seals:
+        # Answers are written to a folder of this name.
+        if not _CASE.fullmatch(str(name)):
+            raise AnswerError(
+                f"{path}: seals: case {str(name)!r}; allowed: letters, digits,"
+                " _, -, . and +, beginning with a letter or digit"
+            )
     return {str(name): str(value) for name, value in seals.items()}
 
 
@@ -79,18 +87,10 @@ def read_cases(path: Path, wanted: str) -> dict:
         AnswerError: The file is missing or of another format.
     """
     document = LoadJson(path, AnswerError)
-    if not isinstance(document, dict) or not _are_cases(document, wanted):
+    cases = document.get("cases") if isinstance(document, dict) else None
+    if not isinstance(cases, dict) or document.get("format") != wanted:
         raise AnswerError(f"{path}: not a {wanted} document")
-    return document["cases"]
-
-
-def _are_cases(document: dict, wanted: str) -> bool:
-    cases, keys = document.get("cases"), _CASE_KEYS[wanted]
-    return (
-        document.get("format") == wanted
-        and isinstance(cases, dict)
-        and all(isinstance(c, dict) and keys <= {*c} for c in cases.values())
-    )
+    return cases
 
 
 def digest_of(path: Path) -> str:
@@ -126,6 +126,8 @@ def commit(folder: Path, answers: Path, cases: dict) -> None:
         if before.get("answers_sha256") == lines["answers_sha256"]:
             return
         earlier = before.pop("earlier", [])
+        if not isinstance(earlier, list):
+            raise AnswerError(f"{path}: earlier is {earlier!r}, not a list")
         lines["earlier"] = [*earlier, before]
     WriteText(path, yaml.safe_dump(lines, sort_keys=False))
 

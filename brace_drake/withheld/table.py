@@ -36,7 +36,7 @@ def format_table(scores: Mapping[str, dict]) -> str:
 
 
 def _row(cells: list[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    return f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
 
 
 def _share(share: dict) -> str:
