@@ -73,8 +73,12 @@ def simulate_noisy(
     logs = twin.simulate_each(
         [request._replace(seed=tuple(seed)) for seed in seeds]
     )
-    if any(log is None for log in logs):
-        raise BraceError("a simulated run with noise broke down")
+    for log, seed in zip(logs, seeds, strict=True):
+        if log is None:
+            # Alone it says why.
+            generator = np.random.default_rng(list(seed))
+            twin.simulate(*request[:3], generator)
+            raise BraceError("a simulated run with noise broke down")
     return np.array(logs)
 
 

@@ -76,6 +76,11 @@ RECORDED = Field(
     lambda v: _tells_when(v) or _is_flat(v),
     required=False,
 )
+SPLITS = ("fit", "validation")
+WHAT_FOR = Field(" or ".join(SPLITS), lambda v: v in SPLITS, required=False)
+SUBJECT = Field(
+    "text", lambda v: isinstance(v, str | int | float), required=False
+)
 SWITCH = Field("true or false", lambda v: isinstance(v, bool), required=False)
 
 

@@ -16,8 +16,10 @@ from brace_drake.recording.fields import (
     POSITIVE,
     RATE,
     RECORDED,
+    SUBJECT,
     SWITCH,
     TEXT,
+    WHAT_FOR,
     Fault,
     Field,
     take,
@@ -28,7 +30,6 @@ from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 
 MANIFEST = "campaign.yaml"
 FORMAT = "brace-campaign/1"
-SPLITS = ("fit", "validation")
 
 # Fields that every campaign has, and those of each run.
 _HEAD = {
@@ -46,16 +47,17 @@ _HEAD = {
         required=False,
     ),
     "recorded": RECORDED,
+    "subject": SUBJECT,
 }
 _RUN = {
     "file": TEXT,
     "contact": SWITCH,
     "motion": TEXT,
     "repeat_of": TEXT,
-    "split": Field(" or ".join(SPLITS), lambda v: v in SPLITS, required=False),
+    "split": WHAT_FOR,
 }
 _NEEDED = ("file", "contact", "motion", "split")
-_KEYS = (*_HEAD, "subject", "nominal", "control", "stages", "diagram")
+_KEYS = (*_HEAD, "nominal", "control", "stages", "diagram")
 # What a recorder notes of a run beside.
 NOTES = (
     *("complete", "begun", "stopped", "lost_messages", "bad_frames"),
@@ -270,6 +272,9 @@ def _check_runs(runs: list[Run], problems: list[Problem]) -> None:
             problems.append(error(MANIFEST, message))
         elif normpath(run.repeat_of) == normpath(run.file):
             problems.append(error(MANIFEST, f"{place} names the run itself"))
+        elif runs[first[normpath(run.repeat_of)] - 1].repeat_of is not None:
+            message = f"{place} names a run that is itself a repeat"
+            problems.append(error(MANIFEST, message))
     splits = {run.split for run in runs}
     if "fit" not in splits:
         message = "no run has split: fit, nothing to learn from"

@@ -202,8 +202,11 @@ def read(kind, value, source: str, path: str):
         }
     if kind is float:
         try:
-            if not isinstance(value, bool):
-                # YAML takes 1e-3 for a word.
+            # YAML takes 1e-3 for a word; 1_0 and digits of other scripts are
+            # none of ours.
+            is_word = isinstance(value, str)
+            is_plain = not is_word or (value.isascii() and "_" not in value)
+            if not isinstance(value, bool) and is_plain:
                 return float(value)
         except (TypeError, ValueError):
             pass

@@ -6,6 +6,7 @@ import importlib
 import inspect
 import sys
 from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
 from pathlib import Path
 
 from pydrake.systems.framework import Diagram
@@ -30,14 +31,15 @@ def find_factory(name: str) -> MakeDiagram:
             f"--diagram {name}: allowed: module:function, as in arm:MakeArm"
         )
     try:
-        module = _import(place)
+        with redirect_stdout(sys.stderr):
+            module = _import(place)
     except ModuleNotFoundError as error:
         if error.name != place.split(".")[0]:
             raise ScenarioError(f"--diagram {name}: {error}") from error
         raise ScenarioError(
             f"--diagram {name}: no module {place} here or installed"
         ) from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         kind = type(error).__name__
         raise ScenarioError(f"--diagram {name}: {kind}: {error}") from error
     found = getattr(module, function, None)
@@ -77,8 +79,10 @@ def call_factory(make: MakeDiagram, numbers: Mapping[str, float]) -> Diagram:
     name = getattr(make, "__name__", "the function")
     try:
         takes = inspect.signature(make).parameters
-        diagram = make(dict(numbers)) if takes else make()
-    except Exception as error:
+        # What the caller's code prints is no result of ours.
+        with redirect_stdout(sys.stderr):
+            diagram = make(dict(numbers)) if takes else make()
+    except (Exception, SystemExit) as error:
         kind = type(error).__name__
         raise ScenarioError(f"{name}: {kind}: {error}") from error
     if not isinstance(diagram, Diagram):

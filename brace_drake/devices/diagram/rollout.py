@@ -148,6 +148,7 @@ def _run(
                 vector = value.GetMutableData().get_mutable_value()
                 vector.SetFromVector(held[step, part])
 
+    i = 0
     try:
         model.initialize()
         for i in range(samples):

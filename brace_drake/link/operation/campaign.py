@@ -17,13 +17,12 @@ from brace_drake.core.reading import LoadYaml
 from brace_drake.devices.motions.library import MOTIONS, MakeMotion
 from brace_drake.link.operation.console import ReadKeys
 from brace_drake.link.operation.recorder import Recorder
-from brace_drake.recording.fields import SWITCH, TEXT, Field, take
+from brace_drake.recording.fields import SWITCH, TEXT, WHAT_FOR, take
 
 FORMAT = "brace-plan/1"
-_SPLITS = ("fit", "validation")
 _RUN = {
     "motion": TEXT._replace(required=True),
-    "split": Field(" or ".join(_SPLITS), lambda v: v in _SPLITS, False),
+    "split": WHAT_FOR,
     "repeat": SWITCH,
 }
 

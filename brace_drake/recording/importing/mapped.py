@@ -14,8 +14,10 @@ from brace_drake.recording.fields import (
     DURATION,
     RATE,
     RECORDED,
+    SUBJECT,
     SWITCH,
     TEXT,
+    WHAT_FOR,
     Field,
 )
 from brace_drake.recording.importing.derived import derivable, derive
@@ -64,14 +66,13 @@ _HEAD = {
     ),
     "scenario": TEXT,
     "recorded": RECORDED,
-    "subject": Field(
-        "text", lambda v: isinstance(v, str | int | float), required=False
-    ),
+    "subject": SUBJECT,
 }
 _RUN = {
     "file": TEXT._replace(required=True),
     "contact": SWITCH,
-    **dict.fromkeys(("motion", "repeat_of", "split", "name"), TEXT),
+    **dict.fromkeys(("motion", "repeat_of", "name"), TEXT),
+    "split": WHAT_FOR,
 }
 
 

@@ -56,6 +56,11 @@ class Ratio:
     error: float
     scatter: float
 
+    @property
+    def relative_error(self) -> float:
+        """Of the value."""
+        return self.error / max(abs(self.value), 1e-12)
+
     def is_one(self, least: float = _CLOCK) -> bool:
         """Whether nothing but rounding, or less than `least`, is off."""
         return abs(self.value - 1.0) <= max(least, 5.0 * self.error)
@@ -170,10 +175,11 @@ def _of_ratios(run, names, first, second, h) -> list[Finding]:
         return [_unlike(run, names, detail)]
     r, s = first.value, second.value if second else first.value
     seen = f"{names[0]} moves {r:.5g} times as fast as {names[1]} says"
-    near = 5.0 * max(_CLOCK, first.error, second.error if second else 0.0)
+    errors = [x.relative_error for x in (first, second) if x]
+    near = min(5.0 * max(_CLOCK, *errors), _GROSS)
     # Steps of h are in truth h r long where y seems r times as fast. Corners
     # of y'' blur what y' says of it: then a small factor is the clock's.
-    blurred = abs(r - 1.0) < _GROSS and near > abs(r - 1.0)
+    blurred = not first.is_one() and abs(r - 1.0) < min(_GROSS, near)
     if r > 0.0 and (abs(s / r - 1.0) < near or blurred):
         values = {"rate_ratio": r, "true_rate_hz": 1.0 / (h * r)}
         return [_finding(wrong_clock.CARD, run, (), values, seen, 0.98)]
@@ -181,6 +187,8 @@ def _of_ratios(run, names, first, second, h) -> list[Finding]:
     if abs(s - 1.0) < near:
         return [_scaled(run, names[0], r, seen)]
     if abs(s * r - 1.0) < near * max(1.0, abs(r * s)):
+        if abs(r + 1.0) < near:
+            seen += ", or all rows are in the opposite order"
         return [_scaled(run, names[1], 1.0 / r, seen)]
     if abs(r - 1.0) < near:
         seen = f"{names[1]} changes {s:.5g} times as fast as {names[2]} says"

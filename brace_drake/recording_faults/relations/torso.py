@@ -103,9 +103,10 @@ def answer_of(
     noise = float(np.std(np.diff(y))) / np.sqrt(2.0)
     slow, push = smoothed(y, rate), smoothed(F, rate)
     least = _CLEAR * noise / np.sqrt(0.1 * rate)
-    if np.std(push) < law.upper * least:
+    if np.std(push) < law.upper * least or not np.std(push):
         return None
-    if np.std(slow) < least:
+    # A marker that stands still has no noise either.
+    if np.std(slow) <= least:
         return Answer(np.inf, 0.0)
     speed = np.gradient(slow) * rate
     terms = np.column_stack(
