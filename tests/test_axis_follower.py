@@ -73,6 +73,29 @@ def make_campaign(
     return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
 
 
+def make_servo(band, gain=22.0, lag=0.035) -> Campaign:
+    """A campaign of a servo with a gain inside and a dead band, rad."""
+    time, runs = np.arange(900) / RATE, []
+    for i, split in enumerate(("fit", "fit", "fit", "validation")):
+        generator = np.random.default_rng(40 + i)
+        asked = np.repeat(generator.uniform(-0.6, 0.6, 9), 100)
+        asked[:100] = y = v = 0.0
+        reading = []
+        for r in asked:
+            reading.append(y + NOISE * generator.standard_normal())
+            for _ in range(FINE):
+                error = r - y if abs(r - y) >= band else 0.0
+                v += (gain * error - v) / lag / RATE / FINE
+                y += v / RATE / FINE
+        columns = {
+            "time_s": time,
+            "position_command_rad": asked,
+            "position_rad": np.array(reading),
+        }
+        runs.append(Run(f"run{i}.csv", False, f"{i}", None, split, columns))
+    return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
+
+
 class TestLaws(unittest.TestCase):
     def test_a_speed_command_is_followed_with_its_lag(self):
         time, lag, speed = np.arange(200) / RATE, 0.1, 0.7
@@ -161,6 +184,11 @@ class TestAnswers(unittest.TestCase):
         self.check(
             campaign, "acceleration_limit", "acceleration_rad_s2", 6.0, 0.2
         )
+
+    def test_a_servo_that_stops_short_within_its_band_is_told_how_wide(self):
+        # 0.02 rad ask for 22 times as much speed.
+        campaign = make_servo(band=0.02)
+        self.check(campaign, "command_deadzone", "deadzone_rad_s", 0.44, 0.02)
 
     def test_a_limit_of_speed_is_named(self):
         campaign = make_campaign(

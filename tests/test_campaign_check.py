@@ -226,6 +226,10 @@ class TestManifest(CheckTest):
         self.edit_run(1, repeat_of="pull.csv")
         self.assert_manifest_problem("repeat_of", "pull.csv")
 
+    def test_a_repeat_of_a_repeat_is_an_error(self):
+        self.edit_run(2, repeat_of="push_repeat.csv")
+        self.assert_manifest_problem("repeat_of", "itself a repeat")
+
     def test_a_repeat_of_itself_is_an_error(self):
         self.edit_run(1, repeat_of="push_repeat.csv")
         self.assert_manifest_problem("repeat_of", "itself")

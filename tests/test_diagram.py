@@ -250,6 +250,12 @@ class TestBadInput(unittest.TestCase):
         with self.assertRaisesRegex(ScenarioError, "returns a int"):
             call_factory(lambda: 3, {})
 
+        def leaves(numbers):
+            raise SystemExit(0)
+
+        with self.assertRaisesRegex(ScenarioError, "SystemExit: 0"):
+            call_factory(leaves, {})
+
     def test_functions_are_found_by_module_and_by_file(self):
         path = HERE / "foreign" / "diagrams.py"
         found = find_factory(f"{path}:MakeCartPole")

@@ -73,6 +73,7 @@ class TestCards(unittest.TestCase):
             "body of a plant",
             "command of a port",
             "reading of a port",
+            "two encoders",
         }
         every = [
             e for e in all_effects().values() if not of_diagram & set(e.needs)

@@ -86,6 +86,17 @@ class TestDraft(unittest.TestCase):
         found = {g.column: g.channel for g in guess_channels(table)[1]}
         self.assertEqual(found, names)
 
+    def test_a_current_is_no_angle_and_a_goal_is_a_command(self):
+        names = {
+            "sec": "time_s",
+            "i_q_A": None,
+            "goal_deg": "position_command_rad",
+            "present_deg": "position_rad",
+        }
+        table = {name: np.arange(3.0) for name in names}
+        found = {g.column: g.channel for g in guess_channels(table)[1]}
+        self.assertEqual(found, names)
+
     def test_where_words_say_nothing_units_do_after_all_words(self):
         names = {
             "time": "time_s",

@@ -78,6 +78,37 @@ class TestSamples(unittest.TestCase):
         (found,) = self.assert_named(campaign_of(run), "stuck_channel")
         self.assertAlmostEqual(found.parameters["start_s"], 3.0, delta=0.05)
 
+    def test_a_marker_that_rests_and_goes_on_from_there_is_not_stuck(self):
+        # As behind play: it stands while the reference turns.
+        y = np.round(self.push.channels["ring2_y_desired_m"], 5)
+        low = y.min() + 0.001
+        held = np.round(np.maximum(y, low), 4)
+        run = changed(self.push, torso_y_m=held)
+        found = [f.fault.name for f in check_recording(campaign_of(run))]
+        self.assertNotIn("stuck_channel", found)
+        # A sensor that comes back leaps to where the machine is by then.
+        late = held.copy()
+        late[300:500] = late[300]
+        run = changed(self.push, torso_y_m=late)
+        found = [f.fault.name for f in check_recording(campaign_of(run))]
+        self.assertIn("stuck_channel", found)
+
+    def test_a_slope_in_another_unit_is_no_clock(self):
+        for scale, said in (
+            (1.0 / RATE, "wrong_scale"),
+            (-1.0, "reversed_sign"),
+        ):
+            a = scale * self.push.channels["ring2_ay_desired_m_s2"]
+            run = changed(self.push, ring2_ay_desired_m_s2=a)
+            (found,) = self.assert_named(campaign_of(run), said)
+            self.assertEqual(found.channels, ("ring2_ay_desired_m_s2",))
+
+    def test_a_run_that_ends_at_its_beginning_is_offered_beside_a_sign(self):
+        turned = {n: x[::-1] for n, x in self.push.channels.items()}
+        turned["time_s"] = self.push.channels["time_s"]
+        found = check_recording(campaign_of(changed(self.push, **turned)))
+        self.assertIn("opposite order", found[0].sentence())
+
     def test_a_force_that_is_cut_off_is_named_with_its_level(self):
         x = np.maximum(self.push.channels["ring2_force_y_N"], -4.0)
         run = changed(self.push, ring2_force_y_N=x)

@@ -175,6 +175,16 @@ class TestSimulate(unittest.TestCase):
         force = recorded.channels["ring2_force_y_N"]
         np.testing.assert_array_equal(force, 0.0)
 
+    def test_a_page_may_not_replace_the_campaign(self):
+        out = self.folder / "paged"
+        status, _, errors = run_command(
+            *("simulate", self.file, "--motion", "push", "--out", out),
+            *("--html", out / "campaign.yaml"),
+        )
+        self.assertEqual(status, 2)
+        self.assertIn("within the campaign", errors)
+        self.assertFalse(out.exists())
+
     def test_problems_are_told_in_one_line(self):
         folder = self.folder
         time, samples = smooth_push(0.5)

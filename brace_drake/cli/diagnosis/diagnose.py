@@ -88,8 +88,10 @@ def Run(args: argparse.Namespace) -> int:
     print(verdict["sentence"])
     print(f"certainty: {verdict['probability']:.0%}")
     _PrintRemedies(verdict["effects"])
-    for warning in document["warnings"]:
-        print(f"warning: {warning}")
+    for text in document["warnings"]:
+        # What `check` tells says itself how severe it is.
+        is_told = text.startswith(("warning: ", "error: "))
+        print(text if is_told else f"warning: {text}")
     print(scenario_note(campaign, document["provenance"]["scenario"]))
     print(f"report: {out / 'report.html'}")
     print(f"diagnosis: {out / 'diagnosis.json'}")

@@ -116,8 +116,8 @@ _COMMON = dict(
         "coulomb_friction": "a force step, no lost motion in the marker",
         "leg_compliance": "lost motion in proportion to the force",
     },
-    remedy="measure the lost motion of each leg at rest with a dial gauge;"
-    " tighten or preload its joints and screw",
+    remedy="measure the lost motion at rest with a dial gauge, of each drive;"
+    " tighten or preload joints and screw",
     experiment="slow reversals in contact; the marker shows the lost motion",
 )
 

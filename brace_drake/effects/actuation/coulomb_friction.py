@@ -130,7 +130,7 @@ CARD = Effect(
         "viscous_leg": "grows with speed; compare slow and fast runs",
         "command_delay": "no step at reversals; grows with acceleration",
     },
-    remedy="move each leg by hand with the drives off; clean and grease"
+    remedy="move each drive by hand with the power off; clean and grease"
     " guides and screws, or compensate the friction",
     experiment="slow reversals without contact",
 )

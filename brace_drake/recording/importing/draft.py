@@ -44,7 +44,11 @@ _UNITS = {
 }  # fmt: skip
 _COMMAND = (
     r"\b(c|cmd|command|commanded|ref|reference|set|setpoint|target|desired"
-    r"|soll\w*)\b"
+    r"|goal|demand|demanded|wanted|consigne|soll\w*)\b"
+)
+# Units at the end of a name that no channel of an axis has.
+_OTHER = re.compile(
+    r"[\s_(\[](m?A|[mk]?V|k?W|bar|[kM]?Pa|°?C|K|Hz|%)[)\]]?\s*$"
 )
 # Words of a name, and the channels of an axis that it may be, by their units.
 _WORDS = (
@@ -201,6 +205,8 @@ def _by_column(table: Columns) -> dict[str, str]:
 
 def _channels(column: str, unit: str, by_unit: bool) -> Iterator[str]:
     """Channels that a column may be, by a word of its name or by its unit."""
+    if _OTHER.search(column):
+        return
     words = words_of(column)
     is_command = bool(re.search(_COMMAND, words))
     for pattern, (measured, *command) in _WORDS:

@@ -61,9 +61,10 @@ def find_stuck(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     for name in names:
         if name in flat:
             continue
-        place = _longest(run.channels[name])
-        if place is not None and _is_chanceless(run, known, name, place, total):
-            found.append(_finding(run, name, *place))
+        for place in _holds(run.channels[name]):
+            if _is_chanceless(run, known, name, place, total):
+                found.append(_finding(run, name, *place))
+                break
     return found
 
 
@@ -83,13 +84,13 @@ def _finding(run: Run, name: str, begin: int, end: int) -> Finding:
     )
 
 
-def _longest(values: np.ndarray) -> tuple[int, int] | None:
-    """The longest stretch of one value that is not the run's own rest."""
-    found = stretches(np.diff(values) == 0.0)
-    if not found:
-        return None
-    begin, end = max(found, key=lambda s: s[1] - s[0])
-    return begin, end + 1
+def _holds(values: np.ndarray) -> list[tuple[int, int]]:
+    """Stretches of one value that no hold of lost samples makes, the longest
+    first.
+    """
+    found = [(a, b + 1) for a, b in stretches(np.diff(values) == 0.0)]
+    held = [s for s in found if s[1] - s[0] >= _LEAST]
+    return sorted(held, key=lambda s: s[0] - s[1])
 
 
 def _is_chanceless(run, known, name, place, total) -> bool:
@@ -100,7 +101,7 @@ def _is_chanceless(run, known, name, place, total) -> bool:
     alike = float(np.mean(np.diff(outside) == 0.0)) if len(outside) > 50 else 1
     if (end - begin) * np.log(_likeliest(alike)) > np.log(FALSE_ALARM / total):
         return False
-    if end - begin < _LEAST or _is_limit(known[name], values[begin]):
+    if _is_limit(known[name], values[begin]):
         return False
     # A reading that never repeats may move from step to step, or shake.
     shakes = noise_deviation(outside) > _SHAKES * quantum_of(values)
