@@ -40,6 +40,7 @@ PLACES = {
         "length reading",
         "command",
         "one joint",
+        "joint position",
     },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
     "axis under command": {
