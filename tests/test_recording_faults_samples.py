@@ -93,6 +93,30 @@ class TestSamples(unittest.TestCase):
         found = [f.fault.name for f in check_recording(campaign_of(run))]
         self.assertIn("stuck_channel", found)
 
+    def test_a_zero_that_is_set_in_mid_run_is_named_and_undone(self):
+        x = self.push.channels["torso_y_m"]
+        moved = x + 0.003 * (np.arange(SAMPLES) >= 700)
+        run = changed(self.push, torso_y_m=moved)
+        (found,) = self.assert_named(campaign_of(run), "zero_step")
+        self.assertAlmostEqual(found.parameters["offset"], 0.003, delta=3e-4)
+        self.assertEqual(found.parameters["start_s"], 3.5)
+        undone = found.fault.undo(
+            run.channels, found.channels, found.parameters
+        )
+        np.testing.assert_allclose(undone["torso_y_m"], x, atol=3e-4)
+
+    def test_a_machine_that_leaps_as_a_whole_has_its_zero(self):
+        # As of lost samples: all positions leap.
+        step = 0.003 * (np.arange(SAMPLES) >= 700)
+        moved = {
+            name: x + step
+            for name, x in self.push.channels.items()
+            if name.endswith("_m")
+        }
+        run = changed(self.push, **moved)
+        found = check_recording(campaign_of(run))
+        self.assertNotIn("zero_step", [f.fault.name for f in found])
+
     def test_a_slope_in_another_unit_is_no_clock(self):
         for scale, said in (
             (1.0 / RATE, "wrong_scale"),

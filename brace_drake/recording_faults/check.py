@@ -18,6 +18,9 @@ from brace_drake.recording_faults.library.channels.outliers import find_outliers
 from brace_drake.recording_faults.library.channels.stuck_channel import (
     find_stuck,
 )
+from brace_drake.recording_faults.library.channels.zero_step import (
+    find_zero_steps,
+)
 from brace_drake.recording_faults.library.runs.copied_run import find_copies
 from brace_drake.recording_faults.library.runs.false_repeat import (
     find_false_repeats,
@@ -139,7 +142,9 @@ def _of_samples(campaign: Campaign, runs: Sequence[Run]) -> list[Finding]:
         clipped = find_clipped(run, known)
         whole = _without(known, clipped)
         stuck = find_stuck(run, whole)
-        whole, broken = _without(whole, stuck), clipped + stuck
+        moved = find_zero_steps(run, _without(whole, stuck))
+        broken = clipped + stuck + moved
+        whole = _without(whole, stuck + moved)
         found += broken
         found += find_outliers(run, whole, number)
         found += find_held(run, whole)
