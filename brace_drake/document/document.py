@@ -33,6 +33,8 @@ from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import cost_of
 
 FORMAT = "brace-diagnosis/2"
+# Readings with less of their noise than this have gone through a filter.
+_FILTERED = 0.1
 
 
 def MakeDocument(d: Diagnosis, origin: Origin | None = None) -> dict:
@@ -139,9 +141,12 @@ def _warnings(d: Diagnosis) -> list[str]:
     tests = d.device.block_tests
     found += describe_unchecked(d.evaluator, tests, d.block_tests)
     for channel, ratio in d.floor_ratios.items():
+        is_quiet = ratio < _FILTERED
         found.append(
-            f"{channel}: the noise between repeats has {ratio:.2f} times the"
+            f"{channel}: the noise between repeats has {ratio:.2g} times the"
             " variance of the twin's noise; the repeats' was taken"
+            + is_quiet
+            * "; filters shift and smear: record raw readings"
         )
     if not any(r.repeat_of for r in d.campaign.runs):
         found.append(
