@@ -79,6 +79,7 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Fits and writes; prints what was measured and where it is."""
     # Drake is slow to import.
+    from brace_drake.core.errors import TorsoError
     from brace_drake.torso.fitted import PAD_RESOLUTION, RESOLUTION
     from brace_drake.torso.personalize import (
         LoadSurfaceOf,
@@ -93,7 +94,10 @@ def Run(args: argparse.Namespace) -> int:
     resolution = RESOLUTION if args.resolution is None else args.resolution
     under_pads = args.pad_resolution
     under_pads = PAD_RESOLUTION if under_pads is None else under_pads
-    personal = personalize(loft, scenarios, resolution, under_pads)
+    try:
+        personal = personalize(loft, scenarios, resolution, under_pads)
+    except TorsoError as error:
+        raise TorsoError(f"{args.source}: {error}") from error
     WritePersonal(HoldFolder(Path(args.out)), personal)
     for line in describe(personal):
         print(line)

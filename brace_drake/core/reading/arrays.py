@@ -79,7 +79,11 @@ def _parse(data: bytes, name: str) -> np.ndarray:
     }[version]
     shape, by_columns, dtype = read(stream)
     size = math.prod(shape) * dtype.itemsize
-    if dtype.kind not in _KINDS or size != len(data) - stream.tell():
-        raise ReadError(f"array {quoted(name)} is not as it says")
+    if dtype.kind not in _KINDS:
+        raise ReadError(
+            f"array {quoted(name)} is of {dtype}; allowed: numbers or words"
+        )
+    if size != len(data) - stream.tell():
+        raise ReadError(f"array {quoted(name)} is not as long as it says")
     flat = np.frombuffer(data, dtype, offset=stream.tell())
     return flat.reshape(shape, order="F" if by_columns else "C").copy()
