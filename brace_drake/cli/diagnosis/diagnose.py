@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from brace_drake.cli.choice import AddChoice, choice_options
 from brace_drake.cli.options import (
@@ -86,7 +87,7 @@ def Run(args: argparse.Namespace) -> int:
         return 0
     verdict = document["verdict"]
     print(verdict["sentence"])
-    print(f"certainty: {verdict['probability']:.0%}")
+    print(f"certainty: {_certainty(verdict)}")
     _PrintRemedies(verdict["effects"])
     for text in document["warnings"]:
         # What `check` tells says itself how severe it is.
@@ -101,6 +102,16 @@ def Run(args: argparse.Namespace) -> int:
     for path in more:
         print(f"file: {path}")
     return 0
+
+
+def _certainty(verdict: Mapping[str, Any]) -> str:
+    """Of each effect, as one may be sure while others are open; of all."""
+    whole = f"{verdict['probability']:.0%}"
+    each = [
+        f"{row['effect']} {row['probability']:.0%}"
+        for row in verdict["supported"]
+    ]
+    return ", ".join([*each, f"{whole} for all of it"]) if each else whole
 
 
 def _PrintRemedies(effects: Sequence[str]) -> None:
