@@ -26,7 +26,7 @@ from brace_drake.cli.options import (
     load_motion,
     not_negative,
 )
-from brace_drake.core.errors import OutputError, ScenarioError
+from brace_drake.core.errors import ScenarioError
 
 _EPILOG = """\
 example:
@@ -120,10 +120,6 @@ def Run(args: argparse.Namespace) -> int:
 
     out = Path(args.out)
     check_new_folder(out)
-    if args.html and Path(args.html).resolve().is_relative_to(out.resolve()):
-        raise OutputError(
-            f"--html {args.html}: within the campaign {out}; give another place"
-        )
     drawn = _draw(scenario, args)
     if args.motion is not None:
         asked = [(load_motion(args.motion, rings=(1, 2, 3)), args.noise_seed)]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from brace_drake.core.errors import CampaignError
+from brace_drake.core.errors import CampaignError, OutputError
 
 if TYPE_CHECKING:
     from brace_drake.recording.recording import Run
@@ -29,7 +30,15 @@ def AddPlan(parser: argparse._ActionsContainer) -> None:
 
 
 def refuse_playback(args: argparse.Namespace) -> None:
-    """Raises CampaignError where several runs would have to be shown."""
+    """Raises CampaignError where several runs would have to be shown, and
+    OutputError where the page would be within the campaign.
+    """
+    out = Path(args.out).resolve()
+    if args.html and Path(args.html).resolve().is_relative_to(out):
+        raise OutputError(
+            f"--html {args.html}: within the campaign {args.out}; give another"
+            " place"
+        )
     if args.plan is not None and (args.html or args.meshcat):
         raise CampaignError(
             "--plan records several runs; --html and --meshcat show one:"

@@ -48,6 +48,9 @@ _LARGER, _CLEAR = 5.0, 20.0
 # Samples before and after it that it shifts, and by how much of it.
 _BESIDE, _STAYS = 10, 0.7
 _LEAST = 50
+# Another position knows of it from so many times its usual steps on: those of
+# this share of the samples.
+_UNUSUAL, _USUAL = 2.0, 0.99
 
 
 def find_zero_steps(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -55,18 +58,21 @@ def find_zero_steps(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
     if len(run.time_s) < _LEAST:
         return []
     read = _positions(noisy_channels(run, known))
+    given = _positions(references(run, known))
     leaps = {n: at for n in read if (at := _leap(run.channels[n])) is not None}
     found = []
     for name, at in leaps.items():
-        others = [
-            n
-            for n in {*read, *_positions(references(run, known))} - {name}
-            if np.ptp(run.channels[n]) > 0.0 and not _leaps_at(run, n, at)
-        ]
-        # Of lost samples more leap than do not.
-        if len(others) >= list(leaps.values()).count(at):
+        others = [n for n in {*read, *given} - {name} if _moves(run, n)]
+        knowing = [n for n in others if _leaps_at(run, n, at)]
+        # Of lost samples the reference knows, and most of what is read.
+        is_lost = not {*given}.isdisjoint(knowing)
+        if not is_lost and len(others) > 2 * len(knowing):
             found.append(_finding(run, name, at))
     return found
+
+
+def _moves(run: Run, name: str) -> bool:
+    return float(np.ptp(run.channels[name])) > 0.0
 
 
 def _positions(names) -> list[str]:
@@ -88,9 +94,9 @@ def _leap(values: np.ndarray) -> int | None:
 
 
 def _leaps_at(run: Run, name: str, at: int) -> bool:
-    """Whether a channel's own largest steps are there too."""
+    """Whether a channel does not go on there as it does elsewhere."""
     steps = np.abs(np.diff(run.channels[name]))
-    return bool(steps[at] > np.max(np.delete(steps, at), initial=0.0))
+    return bool(steps[at] > _UNUSUAL * np.quantile(steps, _USUAL))
 
 
 def _finding(run: Run, name: str, at: int) -> Finding:
