@@ -1,14 +1,22 @@
 """A load behind its motor, both read: closed forms, and what was put in."""
 
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from brace_drake.devices.axis.follower import Commanded, simulate_response
+from brace_drake.core.errors import ScenarioError
+from brace_drake.devices.axis.follower import (
+    AxisFollower,
+    Commanded,
+    simulate_response,
+)
 from brace_drake.diagnosis import diagnose
 from brace_drake.effects.registry import find_effect
 from brace_drake.recording.recording import Campaign, Run
+from brace_drake.recording_faults import check_recording
+from brace_drake.scenario.axis import AxisScenario
 
 RATE, NOISE, QUANTUM = 500.0, 2e-5, 2 * np.pi / 65536
 # Amplitude, rad, frequency, Hz, and what each run is for.
@@ -91,6 +99,34 @@ class TestLaw(unittest.TestCase):
         self.assertAlmostEqual(motor[-1] - y[-1], lag, delta=1e-3 * lag)
 
 
+class TestStart(unittest.TestCase):
+    def test_where_a_run_starts_does_not_depend_on_the_encoders_zeros(self):
+        starts = []
+        for offset in (0.0, 3.0):
+            scenario = AxisScenario(
+                kind="rotary",
+                command="motor",
+                frequency=40.0,
+                offset=offset,
+                fitted=["frequency", "damping_ratio", "offset"],
+            )
+            time, motor = motor_motion(0.4, 0.3)
+            # In the middle of the motion.
+            columns = {
+                "time_s": time[500:],
+                "motor_position_rad": motor[500:],
+                "position_rad": motor[500:] + offset,
+            }
+            run = Run("run.csv", False, "a", None, "fit", columns)
+            starts.append(AxisFollower(scenario).motion(run).state)
+        np.testing.assert_allclose(starts[1] - starts[0], [3.0, 0.0], atol=1e-6)
+
+    def test_a_number_that_a_load_has_not_is_refused_by_name(self):
+        scenario = AxisScenario(command="motor", fitted=["mass"])
+        with self.assertRaisesRegex(ScenarioError, "fitted has mass"):
+            AxisFollower(scenario)
+
+
 class TestDiagnosis(unittest.TestCase):
     def test_a_rigid_joint_has_no_gap_and_its_offset_is_found(self):
         found = diagnose(make_campaign(lambda motor: motor), jobs=1)
@@ -119,6 +155,43 @@ class TestDiagnosis(unittest.TestCase):
         (effect, values) = found.verdict.winner.uses[0]
         got = dict(zip(effect.parameter_names, values, strict=True))
         self.assertAlmostEqual(got[parameter], value, delta=within * value)
+
+
+class TestRecording(unittest.TestCase):
+    def test_a_load_that_is_never_read_is_stuck(self):
+        campaign = make_campaign(behind_play)
+        runs = list(campaign.runs)
+        flat = np.full(4000, 0.3)
+        columns = {**runs[1].channels, "position_rad": flat}
+        runs[1] = replace(runs[1], channels=columns)
+        found = check_recording(replace(campaign, runs=tuple(runs)))
+        self.assertEqual([f.fault.name for f in found], ["stuck_channel"])
+
+    def test_play_behind_a_coarse_encoder_is_not_stuck(self):
+        time = np.arange(0.0, 10.0, 1e-3)
+        motor = 0.02 * np.sin(2.0 * np.pi * 0.2 * time)
+        load = 1e-3 * np.round(behind_play(motor, 0.02) / 1e-3)
+        columns = {
+            "time_s": time,
+            "motor_position_rad": motor,
+            "position_rad": load,
+        }
+        run = Run("run.csv", False, "a", None, "fit", columns)
+        campaign = Campaign(Path("coarse"), "axis", 1000.0, "", (run,))
+        self.assertEqual(check_recording(campaign), [])
+
+    def test_an_answer_to_a_step_is_no_moved_zero(self):
+        time = np.arange(0.0, 10.0, 0.1)
+        command = 0.5 * (time >= 3.0)
+        noise = 1e-4 * np.random.default_rng(1).standard_normal(100)
+        columns = {
+            "time_s": time,
+            "position_command_rad": command,
+            "position_rad": np.append(0.0, command[:-1]) + noise,
+        }
+        run = Run("run.csv", False, "a", None, "fit", columns)
+        campaign = Campaign(Path("step"), "axis", 10.0, "", (run,))
+        self.assertEqual(check_recording(campaign), [])
 
 
 class TestLibrary(unittest.TestCase):

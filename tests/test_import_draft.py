@@ -97,6 +97,23 @@ class TestDraft(unittest.TestCase):
         found = {g.column: g.channel for g in guess_channels(table)[1]}
         self.assertEqual(found, names)
 
+    def test_motor_and_load_are_told_apart(self):
+        for names in (
+            {
+                "time_s": "time_s",
+                "motor_position_rad": "motor_position_rad",
+                "position_rad": "position_rad",
+            },
+            {
+                "t": "time_s",
+                "motor pos (mm)": "motor_position_m",
+                "joint pos (mm)": "position_m",
+            },
+        ):
+            table = {name: np.arange(3.0) for name in names}
+            found = {g.column: g.channel for g in guess_channels(table)[1]}
+            self.assertEqual(found, names)
+
     def test_where_words_say_nothing_units_do_after_all_words(self):
         names = {
             "time": "time_s",

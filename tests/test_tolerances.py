@@ -112,7 +112,7 @@ class TestStated(unittest.TestCase):
             "tolerances:": ("tolerances is None", "exact or a map"),
             "tolerances: 3": ("tolerances is 3", "exact or a map"),
             "tolerances: {anchr: 1}": ("tolerances.anchr", "mean anchor"),
-            "tolerances: {anchor: -1}": ("tolerances.anchor is -1", "0 or"),
+            "tolerances: {anchor: -1}": ("tolerances.anchor is -1", "0 to"),
             "tolerances: {is_stated: true}": ("is_stated", "no such key"),
             "leg: {stroke: {value: 0.05, tolerance: 2}}": (
                 "leg.stroke",

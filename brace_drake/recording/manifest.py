@@ -273,7 +273,10 @@ def _check_runs(runs: list[Run], problems: list[Problem]) -> None:
         elif normpath(run.repeat_of) == normpath(run.file):
             problems.append(error(MANIFEST, f"{place} names the run itself"))
         elif runs[first[normpath(run.repeat_of)] - 1].repeat_of is not None:
-            message = f"{place} names a run that is itself a repeat"
+            message = (
+                f"{place} is {quoted(run.repeat_of)}, itself a repeat; allowed:"
+                " a run that repeats no other"
+            )
             problems.append(error(MANIFEST, message))
     splits = {run.split for run in runs}
     if "fit" not in splits:

@@ -11,6 +11,8 @@ from jsonschema.exceptions import best_match
 from brace_drake.withheld.faults import SEVERITIES
 from brace_drake.withheld.seals import AnswerError
 
+# Of a message: it shows the value, however long.
+_LONGEST = 160
 _NAMES = {"type": "array", "items": {"type": "string"}, "uniqueItems": True}
 _SHARE = {"type": ["number", "null"], "minimum": 0, "maximum": 1}
 _MEASURED = {"type": ["number", "null"]}
@@ -33,6 +35,7 @@ ANSWER = {
     "required": ["verdict", "closed"],
     "properties": {
         "verdict": VERDICT,
+        # A repair may leave less than the noise that was expected.
         "closed": _MEASURED | {"maximum": 2},
         "seconds": _MEASURED | {"minimum": 0},
     },
@@ -88,4 +91,7 @@ def check_shape(where: str, document: object, schema: Mapping[str, Any]):
     if found is not None:
         at = ".".join(str(part) for part in found.absolute_path)
         place = f"{where}: {at}" if at else where
-        raise AnswerError(f"{place}: {found.message}")
+        text = found.message
+        if len(text) > _LONGEST:
+            text = f"{text[:_LONGEST]}..."
+        raise AnswerError(f"{place}: {text}")

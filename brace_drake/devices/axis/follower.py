@@ -15,8 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from brace_drake.core.errors import BraceError
+from brace_drake.devices.axis.follower_subject import (
+    fitted_fields,
+    follower_subject,
+)
 from brace_drake.devices.pad_bench.twin import steps_per_sample
-from brace_drake.devices.subject import SubjectParameter
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.series import held_commands
 from brace_drake.effects.stack import Use, stack_effects
@@ -32,12 +35,6 @@ from brace_drake.scenario.pad_noise import white_noise
 _START, _FIRST = 20, 3
 # That long the command was the same before, s.
 _BEFORE_S = 0.5
-# Numbers may be so many times less or more than nominal.
-_SPREAD = 20.0
-# A load that swings as fast behind its motor is as good as rigidly joined.
-FASTEST_RAD_S = 2000.0
-# Limits of the numbers of a spring between motor and load.
-_OF_SPRING = {"frequency": (1.0, FASTEST_RAD_S), "damping_ratio": (0.0, 20.0)}
 
 
 @dataclass(frozen=True)
@@ -95,7 +92,7 @@ class AxisFollower(ReplayTwin):
     def scenario_of(self, subject: np.ndarray) -> AxisScenario:
         """The scenario with a machine's fitted numbers, a copy."""
         out = copy.deepcopy(self.scenario)
-        for p, value in zip(_fitted(self.scenario), subject, strict=True):
+        for p, value in zip(fitted_fields(self.scenario), subject, strict=True):
             setattr(out, p, float(value))
         return out
 
@@ -118,10 +115,11 @@ class AxisFollower(ReplayTwin):
         the first samples (2,).
         """
 
-        def positions(command, *state):
+        def positions(command, *state, bias=0.0):
             # Linear: any length will do.
             motion = Commanded(time, command, np.array(state))
-            law = self.numbers.law
+            law = self.numbers.law.copy()
+            law[BIAS] *= bias
             log = self._respond(law, motion, 1.0)
             return log[:, int(self.has_speed)]
 
@@ -129,7 +127,7 @@ class AxisFollower(ReplayTwin):
         free = np.column_stack(
             [positions(none, 1.0, 0.0), positions(none, 0.0, 1.0)]
         )
-        rest = y - positions(command, 0.0, 0.0)
+        rest = y - positions(command, 0.0, 0.0, bias=1.0)
         size = np.maximum(np.linalg.norm(free, axis=0), 1e-30)
         return np.linalg.lstsq(free / size, rest, rcond=None)[0] / size
 
@@ -166,7 +164,8 @@ class AxisFollower(ReplayTwin):
         return self._answer(motion.time, position)[:, None]
 
     def _respond(self, law, motion: Commanded, length: float, uses=()):
-        step, is_held = self.time_step, self.scenario.is_held
+        step = self.time_step
+        is_held = self.scenario.is_held and self.is_commanded
         return simulate_response(law, motion, length, step, uses, is_held)
 
     def _arrived(self, motion, signal, sent: Sequence[Use]) -> np.ndarray:
@@ -254,44 +253,3 @@ def _pack(scenario: AxisScenario) -> FollowerNumbers:
             law[1] += scenario.viscous
             law[3:] = [square * scenario.offset, damping]
     return FollowerNumbers(np.array(law), scenario.position_noise)
-
-
-def _fitted(scenario: AxisScenario) -> tuple[str, ...]:
-    """Fields of the scenario that a machine is fitted by."""
-    if scenario.command == "speed":
-        return ("lag", "bias")
-    if scenario.command == "motor":
-        return tuple(scenario.fitted)
-    return ("frequency", "damping_ratio", "bias")
-
-
-def follower_subject(scenario: AxisScenario) -> tuple[SubjectParameter, ...]:
-    """Numbers of a follower that are fitted, with nominal values and limits."""
-    units, found = scenario.units, []
-    named = {
-        "lag": ("lag_s", "s"),
-        "frequency": ("frequency_rad_s", "rad/s"),
-        "damping_ratio": ("damping_ratio", "1"),
-    }
-    speed, acceleration = scenario.speed_scale, scenario.acceleration_scale
-    shifts = {
-        "bias": (acceleration, "bias_m_s2", "m/s^2"),
-        "viscous": (acceleration / speed, "viscous_N_s_m", "N s/m"),
-        "offset": (scenario.length_scale, "offset_m", "m"),
-    }
-    for field in _fitted(scenario):
-        value = float(getattr(scenario, field))
-        if field in shifts:
-            size, name, unit = shifts[field]
-            name, unit = units.name(name, unit), units.unit(unit)
-            most = max(size, 2.0 * abs(value))
-            least = 0.0 if field == "viscous" else -most
-            most *= _SPREAD if field == "viscous" else 1.0
-            found.append(SubjectParameter(name, unit, value, least, most, size))
-            continue
-        name, unit = named[field]
-        least, most = value / _SPREAD, value * _SPREAD
-        if scenario.command == "motor":
-            least, most = _OF_SPRING[field]
-        found.append(SubjectParameter(name, unit, value, least, most))
-    return tuple(found)

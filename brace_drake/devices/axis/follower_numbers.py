@@ -8,7 +8,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from brace_drake.core.errors import BraceError
-from brace_drake.devices.axis.follower import FASTEST_RAD_S, AxisFollower
+from brace_drake.devices.axis.follower import AxisFollower
+from brace_drake.devices.axis.follower_subject import ELASTIC, FASTEST_RAD_S
 from brace_drake.effects.stack import Use
 from brace_drake.recording.recording import Run
 from brace_drake.recording.ways import axis_columns
@@ -22,9 +23,7 @@ _STEP_S = 1e-3
 _ROUGH = {"maxfev": 60, "xatol": 1e-3, "fatol": 0.0}
 # Steps of a lag, as effects act on what a step begins with, and the shortest.
 _LAG_STEPS, _SHORTEST_STEP_S = 40.0, 2e-4
-# What a load on a spring behind its motor is fitted by, and how much less than
-# a rigid one it leaves, in squares, to be taken for one.
-_ELASTIC = ("frequency", "damping_ratio", "viscous", "offset")
+# How much less than another a kind of follower leaves, in squares, to be taken.
 _LESS = 0.8
 # Logarithms of lag and damping ratio of a rigid one.
 _RIGID = (-np.log(FASTEST_RAD_S), 0.0)
@@ -72,7 +71,6 @@ def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
     It is searched beside a dry friction of the load, which winds it up and
     hides it, and compared with a rigid joint with play.
     """
-    scenario.is_held = False
     position, motor = axis_columns(scenario.kind, scenario.command)
     more = [r.channels[position] - r.channels[motor] for r in runs]
     scenario.offset = float(np.mean(np.concatenate(more)))
@@ -101,7 +99,7 @@ def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
     loose = rigid(_nearest_least(rigid, list(shares[:, None])))
     best = _nearest_least(elastic, begins)
     if elastic(best) < _LESS * loose:
-        scenario.fitted = list(_ELASTIC)
+        scenario.fitted = list(ELASTIC)
         _set(scenario, best)
     else:
         _set(scenario, _RIGID)

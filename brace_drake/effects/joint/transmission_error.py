@@ -18,7 +18,7 @@ CARD = Effect(
     name="transmission_error",
     block="actuation",
     title="a transmission error that is periodic in position",
-    equation="y = y_motor + a cos(2 pi y / L) + b sin(2 pi y / L)",
+    equation="y_read = y + a cos(2 pi y / L) + b sin(2 pi y / L), y the load's",
     source="Tuttle, Seering, A nonlinear model of a harmonic drive gear"
     " transmission, IEEE Trans. Robotics and Automation 12, 1996 (kinematic"
     " error); runout of gears, encoders and screws",

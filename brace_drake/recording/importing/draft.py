@@ -48,8 +48,12 @@ _COMMAND = (
 )
 # Units at the end of a name that no channel of an axis has.
 _OTHER = re.compile(
-    r"[\s_(\[](m?A|[mk]?V|k?W|bar|[kM]?Pa|°?C|K|Hz|%)[)\]]?\s*$"
+    r"([_(\[](m?A|[mk]?V|k?W|bar|[kM]?Pa|°?C|K|Hz|%)"
+    r"|\s(mA|[mk]V|kW|bar|[kM]?Pa|°C|Hz))[)\]]?\s*$"
 )
+# Of the first of two encoders.
+_POSITIONS = ("position_m", "position_rad")
+_MOTOR = r"\b(motor|input shaft|drive side)\b"
 # Words of a name, and the channels of an axis that it may be, by their units.
 _WORDS = (
     (r"\b(t|time|timestamp|zeit|clock|temps)\b", ("time_s",)),
@@ -78,6 +82,7 @@ _CHANNELS = (
     *("speed_rad_s", "force_N", "torque_N_m"),
 )
 _ROTARY = {
+    "motor_position_m": "motor_position_rad",
     "position_m": "position_rad",
     "position_command_m": "position_command_rad",
     "speed_m_s": "speed_rad_s",
@@ -200,6 +205,9 @@ def _by_column(table: Columns) -> dict[str, str]:
                 free = [c for c in every if c not in found.values()]
                 if free:
                     found[column] = free[0]
+    if not {*_POSITIONS} & {*found.values()}:
+        # The only encoder may be the motor's.
+        found = {c: n.removeprefix("motor_") for c, n in found.items()}
     return found
 
 
@@ -207,12 +215,16 @@ def _channels(column: str, unit: str, by_unit: bool) -> Iterator[str]:
     """Channels that a column may be, by a word of its name or by its unit."""
     if _OTHER.search(column):
         return
+    if column in DEVICES[AXIS].channels:
+        yield column
     words = words_of(column)
     is_command = bool(re.search(_COMMAND, words))
     for pattern, (measured, *command) in _WORDS:
         if not (unit if by_unit else re.search(pattern, words)):
             continue
         channel = command[0] if is_command and command else measured
+        if channel in _POSITIONS and re.search(_MOTOR, words):
+            channel = "motor_position_m"
         for name in (channel, _ROTARY.get(channel)):
             if name is not None and (not unit or is_unit(unit, name)):
                 yield name

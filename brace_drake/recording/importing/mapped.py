@@ -253,6 +253,14 @@ def _name_runs(path: Path, items: list[dict]) -> None:
                 f" allowed: another run{suggest(repeated, files)}"
             )
         item["repeat_of"] = files[repeated]
+    repeats = {f"{i['name']}.csv" for i in items if i.get("repeat_of")}
+    for number, item in enumerate(items, 1):
+        if item.get("repeat_of") in repeats:
+            raise CampaignError(
+                f"{path}: run {number}: repeat_of is"
+                f" {quoted(item['repeat_of'])}, itself a repeat; allowed: a run"
+                " that repeats no other"
+            )
 
 
 def _make_run(item: dict, channels: Columns, settled_s: float) -> Run:

@@ -179,7 +179,7 @@ def _of_ratios(run, names, first, second, h) -> list[Finding]:
     near = min(5.0 * max(_CLOCK, *errors), _GROSS)
     # Steps of h are in truth h r long where y seems r times as fast. Corners
     # of y'' blur what y' says of it: then a small factor is the clock's.
-    blurred = not first.is_one() and abs(r - 1.0) < min(_GROSS, near)
+    blurred = not first.is_one() and abs(r - 1.0) < near
     if r > 0.0 and (abs(s / r - 1.0) < near or blurred):
         values = {"rate_ratio": r, "true_rate_hz": 1.0 / (h * r)}
         return [_finding(wrong_clock.CARD, run, (), values, seen, 0.98)]

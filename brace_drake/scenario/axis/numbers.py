@@ -28,7 +28,8 @@ class AxisScenario:
     A rotary axis has rad for m and N m for N in all numbers. Under a command of
     speed r it is y'' = (r - y') / lag + bias, of position
     y'' = w^2 (r - y) - 2 z w y' + bias. Behind a motor whose position r was
-    measured it is y'' = w^2 (r + offset - y) + 2 z w (r' - y').
+    measured it is y'' = w^2 (r + offset - y) + 2 z w (r' - y') - b y'; its
+    offset is a length, and b for 1 kg.
     """
 
     device: str = AXIS

@@ -1,4 +1,4 @@
-"""A position whose zero is set anew, or wraps, while it is recorded."""
+"""A position whose zero is set anew while it is recorded."""
 
 from __future__ import annotations
 
@@ -94,9 +94,12 @@ def _leap(values: np.ndarray) -> int | None:
 
 
 def _leaps_at(run: Run, name: str, at: int) -> bool:
-    """Whether a channel does not go on there as it does elsewhere."""
+    """Whether a channel does not go on there as it does elsewhere; a little
+    before or after will do, as of a step and its answer.
+    """
     steps = np.abs(np.diff(run.channels[name]))
-    return bool(steps[at] > _UNUSUAL * np.quantile(steps, _USUAL))
+    near = steps[max(0, at - _BESIDE) : at + _BESIDE + 1]
+    return bool(np.max(near) > _UNUSUAL * np.quantile(steps, _USUAL))
 
 
 def _finding(run: Run, name: str, at: int) -> Finding:
