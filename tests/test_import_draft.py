@@ -33,6 +33,12 @@ def german(folder: str) -> Path:
 
 
 class TestDraft(unittest.TestCase):
+    def assert_guessed(self, names):
+        """Columns, and the channels that they are to be taken for."""
+        table = {name: np.arange(3.0) for name in names}
+        found = {g.column: g.channel for g in guess_channels(table)[1]}
+        self.assertEqual(found, names)
+
     def test_units_are_those_of_brackets_and_endings(self):
         for column, unit in (
             ("Time (ms)", "ms"),
@@ -82,9 +88,7 @@ class TestDraft(unittest.TestCase):
             "tau [N mm]": "torque_N_m",
             "pressure_bar": None,
         }
-        table = {name: np.arange(3.0) for name in names}
-        found = {g.column: g.channel for g in guess_channels(table)[1]}
-        self.assertEqual(found, names)
+        self.assert_guessed(names)
 
     def test_a_current_is_no_angle_and_a_goal_is_a_command(self):
         names = {
@@ -93,9 +97,7 @@ class TestDraft(unittest.TestCase):
             "goal_deg": "position_command_rad",
             "present_deg": "position_rad",
         }
-        table = {name: np.arange(3.0) for name in names}
-        found = {g.column: g.channel for g in guess_channels(table)[1]}
-        self.assertEqual(found, names)
+        self.assert_guessed(names)
 
     def test_motor_and_load_are_told_apart(self):
         for names in (
@@ -110,9 +112,7 @@ class TestDraft(unittest.TestCase):
                 "joint pos (mm)": "position_m",
             },
         ):
-            table = {name: np.arange(3.0) for name in names}
-            found = {g.column: g.channel for g in guess_channels(table)[1]}
-            self.assertEqual(found, names)
+            self.assert_guessed(names)
 
     def test_where_words_say_nothing_units_do_after_all_words(self):
         names = {
@@ -122,9 +122,7 @@ class TestDraft(unittest.TestCase):
             "position_mm": "position_m",
             "pot_N": "force_N",
         }
-        table = {name: np.arange(3.0) for name in names}
-        found = {g.column: g.channel for g in guess_channels(table)[1]}
-        self.assertEqual(found, names)
+        self.assert_guessed(names)
 
     def test_a_channel_is_given_once(self):
         table = {n: np.arange(3.0) for n in ("force_N", "load_N", "time_s")}

@@ -77,7 +77,9 @@ def simulate_noisy(
         if log is None:
             # Alone it says why.
             generator = np.random.default_rng(list(seed))
-            twin.simulate(*request[:3], generator)
+            twin.simulate(
+                request.motion, request.subject, request.uses, generator
+            )
             raise BraceError("a simulated run with noise broke down")
     return np.array(logs)
 

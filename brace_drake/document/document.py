@@ -141,13 +141,13 @@ def _warnings(d: Diagnosis) -> list[str]:
     tests = d.device.block_tests
     found += describe_unchecked(d.evaluator, tests, d.block_tests)
     for channel, ratio in d.floor_ratios.items():
-        is_quiet = ratio < _FILTERED
-        found.append(
+        text = (
             f"{channel}: the noise between repeats has {ratio:.2g} times the"
             " variance of the twin's noise; the repeats' was taken"
-            + is_quiet
-            * "; filters shift and smear: record raw readings"
         )
+        if ratio < _FILTERED:
+            text += "; filters shift and smear: record raw readings"
+        found.append(text)
     if not any(r.repeat_of for r in d.campaign.runs):
         found.append(
             "no run was repeated: the noise floor rests on the twin alone"

@@ -250,6 +250,14 @@ def leaves_folder(file: str) -> bool:
     return isabs(path) or path.split("/")[0] in ("..", ".")
 
 
+def chained_text(repeated: str) -> str:
+    """What is wrong with a repeat of a repeat, after "repeat_of is"."""
+    return (
+        f"{quoted(repeated)}, itself a repeat; allowed: a run that repeats no"
+        " other"
+    )
+
+
 def _check_runs(runs: list[Run], problems: list[Problem]) -> None:
     """What runs say of each other."""
     first: dict[str, int] = {}
@@ -273,10 +281,7 @@ def _check_runs(runs: list[Run], problems: list[Problem]) -> None:
         elif normpath(run.repeat_of) == normpath(run.file):
             problems.append(error(MANIFEST, f"{place} names the run itself"))
         elif runs[first[normpath(run.repeat_of)] - 1].repeat_of is not None:
-            message = (
-                f"{place} is {quoted(run.repeat_of)}, itself a repeat; allowed:"
-                " a run that repeats no other"
-            )
+            message = f"{place} is {chained_text(run.repeat_of)}"
             problems.append(error(MANIFEST, message))
     splits = {run.split for run in runs}
     if "fit" not in splits:

@@ -17,10 +17,19 @@ _FLOOR_ERROR = 1.5
 _SIGNAL = 2.0
 # Blocks of its length that chance may make.
 _BY_CHANCE = 0.01
+# Share of the steps from sample to sample that are no leap.
+_USUAL = 0.99
 # Of a normal sample: its deviation over the median of its absolute values.
 _MAD = 1.4826
 # Variance of `local_error` over that of white noise: 1 + 2 (4^2 + 1) / 6^2.
 LOCAL_VARIANCE = 35.0 / 18.0
+
+
+def usual_step(steps: np.ndarray) -> float:
+    """What all but one in a hundred of the steps from sample to sample do not
+    exceed; 0 without any.
+    """
+    return float(np.quantile(steps, _USUAL)) if len(steps) else 0.0
 
 
 def largest_normal(number: int) -> float:

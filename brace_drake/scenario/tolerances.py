@@ -40,17 +40,15 @@ class Tolerances(_Origin):
     """
 
     ring_mass: float = number(0.015, "kg", least=0.0, most=1.0)
-    leg_viscous: float = number(1.5, "N s/m", least=0.0, most=100.0)  # all legs
+    # Of all legs.
+    leg_viscous: float = number(1.5, "N s/m", least=0.0, most=100.0)
     # Of all legs, beside none; a half normal, as every real leg has some.
     leg_dry_friction: float = number(0.03, "N", least=0.0, most=10.0)
     # Of each coordinate of each anchor.
     anchor: float = number(5.0e-5, "m", least=0.0, most=0.01)
-    force_scale: float = number(
-        0.006, least=0.0, most=0.5
-    )  # of the force reading
-    force_bias: float = number(
-        0.02, "N", least=0.0, most=10.0
-    )  # of the force along y
+    # Of the force reading, and of the force along y.
+    force_scale: float = number(0.006, least=0.0, most=0.5)
+    force_bias: float = number(0.02, "N", least=0.0, most=10.0)
     # Of all drives: so late or not at all.
     command_delay: float = number(0.001, "s", least=0.0, most=0.05)
 

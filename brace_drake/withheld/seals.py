@@ -23,8 +23,6 @@ from brace_drake.core.reading import LoadJson, LoadYaml, ReadBytes, in_file
 
 SEALS, ANSWERS, COMMITMENT = "SEALS.yaml", "answers.json", "COMMITMENT"
 VAULT_FORMAT, ANSWERS_FORMAT = "brace-vault/1", "brace-answers/1"
-
-
 # Names of cases, each of which is a folder.
 _CASE = re.compile(r"[A-Za-z0-9][\w.+-]{0,99}", re.ASCII)
 

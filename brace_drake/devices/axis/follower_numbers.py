@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import OptimizeResult, minimize
 
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.axis.follower import AxisFollower
@@ -53,16 +53,15 @@ def _find_follower(scenario: AxisScenario, runs: Sequence[Run]) -> None:
         _set(scenario, x)
         return _left(scenario, runs)
 
-    held = _nearest_least(left, begins)
-    most = _LESS * left(held)
+    best = _nearest_least(left, begins)
     if not is_speed:
         scenario.is_held = False
         straight = _nearest_least(left, begins)
-        if left(straight) < most:
-            held = straight
+        if straight.fun < _LESS * best.fun:
+            best = straight
         else:
             scenario.is_held = True
-    _set(scenario, held)
+    _set(scenario, best.x)
 
 
 def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
@@ -96,19 +95,19 @@ def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
         for z in _RATIOS
         for share in shares
     ]
-    loose = rigid(_nearest_least(rigid, list(shares[:, None])))
+    loose = _nearest_least(rigid, list(shares[:, None]))
     best = _nearest_least(elastic, begins)
-    if elastic(best) < _LESS * loose:
+    if best.fun < _LESS * loose.fun:
         scenario.fitted = list(ELASTIC)
-        _set(scenario, best)
+        _set(scenario, best.x)
     else:
         _set(scenario, _RIGID)
 
 
-def _nearest_least(left, begins) -> np.ndarray:
+def _nearest_least(left, begins) -> OptimizeResult:
     """From the best of a rough grid to the nearest least."""
     begin = min(begins, key=left)
-    return minimize(left, begin, method="Nelder-Mead", options=_ROUGH).x
+    return minimize(left, begin, method="Nelder-Mead", options=_ROUGH)
 
 
 def _set(scenario: AxisScenario, x: np.ndarray) -> None:

@@ -1,17 +1,14 @@
 """A position behind a transmission that is periodic in position."""
 
-import math
-
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.effects.joint.cogging import PITCHES
+from brace_drake.effects.joint.cogging import PITCH, periodic
 from brace_drake.laws.hooks import plug
 
 
 @plug("sensing")
 def _law(t, h, u, l, F, p, x):  # noqa: E741 (l: position)
     for k in range(l.shape[0]):
-        angle = 2.0 * math.pi * l[k] / p[2]
-        l[k] += p[0] * math.cos(angle) + p[1] * math.sin(angle)
+        l[k] += periodic(p[0], p[1], p[2], l[k])
 
 
 CARD = Effect(
@@ -25,15 +22,7 @@ CARD = Effect(
     parameters=(
         EffectParameter("cosine_m", "m", -0.002, 0.002, (5e-5,), "part a"),
         EffectParameter("sine_m", "m", -0.002, 0.002, (5e-5,), "part b"),
-        EffectParameter(
-            "pitch_m",
-            "m",
-            2e-4,
-            0.05,
-            PITCHES,
-            "length L of a period",
-            off=None,
-        ),
+        PITCH,
     ),
     laws={"sensing": _law},
     needs=("two encoders",),

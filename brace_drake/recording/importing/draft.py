@@ -51,8 +51,8 @@ _OTHER = re.compile(
     r"([_(\[](m?A|[mk]?V|k?W|bar|[kM]?Pa|°?C|K|Hz|%)"
     r"|\s(mA|[mk]V|kW|bar|[kM]?Pa|°C|Hz))[)\]]?\s*$"
 )
-# Of the first of two encoders.
 _POSITIONS = ("position_m", "position_rad")
+# Of the first of two encoders.
 _MOTOR = r"\b(motor|input shaft|drive side)\b"
 # Words of a name, and the channels of an axis that it may be, by their units.
 _WORDS = (

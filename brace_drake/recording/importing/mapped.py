@@ -34,7 +34,11 @@ from brace_drake.recording.importing.rules import (
     take_map,
 )
 from brace_drake.recording.importing.tables import OPTIONS, LoadTable
-from brace_drake.recording.manifest import leaves_folder, take_numbers
+from brace_drake.recording.manifest import (
+    chained_text,
+    leaves_folder,
+    take_numbers,
+)
 from brace_drake.recording.ports import Ports, parse_ports
 from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 from brace_drake.recording.table import Columns
@@ -258,8 +262,7 @@ def _name_runs(path: Path, items: list[dict]) -> None:
         if item.get("repeat_of") in repeats:
             raise CampaignError(
                 f"{path}: run {number}: repeat_of is"
-                f" {quoted(item['repeat_of'])}, itself a repeat; allowed: a run"
-                " that repeats no other"
+                f" {chained_text(item['repeat_of'])}"
             )
 
 

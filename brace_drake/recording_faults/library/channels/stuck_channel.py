@@ -20,6 +20,7 @@ from brace_drake.recording_faults.statistics import (
     FALSE_ALARM,
     noise_deviation,
     stretches,
+    usual_step,
 )
 
 CARD = RecordingFault(
@@ -45,8 +46,6 @@ _SHAKES = 2.0
 _LEAST = 40
 # Steps that others move by while a stuck one should have moved too.
 _MOVED = 8.0
-# Share of the steps from sample to sample that are no leap.
-_USUAL = 0.99
 
 
 def find_stuck(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -134,9 +133,10 @@ def _goes_on(values: np.ndarray, begin: int, end: int) -> bool:
         return any(_goes_on(values, *s) for s in like)
     steps = np.abs(np.diff(values))
     elsewhere = _outside(steps, begin, end)
-    usual = np.quantile(elsewhere, _USUAL) if len(elsewhere) else 0.0
     # A coarse reading goes on by one digit.
-    return bool(steps[end - 1] <= max(usual, 1.01 * quantum_of(values)))
+    return bool(
+        steps[end - 1] <= max(usual_step(elsewhere), 1.01 * quantum_of(values))
+    )
 
 
 def _others_move(run, known, name, begin, end) -> bool:

@@ -15,7 +15,7 @@ from brace_drake.recording_faults.card import (
 )
 from brace_drake.recording_faults.channels import noisy_channels, references
 from brace_drake.recording_faults.finding import Finding
-from brace_drake.recording_faults.statistics import noise_deviation
+from brace_drake.recording_faults.statistics import noise_deviation, usual_step
 
 
 def _undo(columns, channels, values):
@@ -48,9 +48,8 @@ _LARGER, _CLEAR = 5.0, 20.0
 # Samples before and after it that it shifts, and by how much of it.
 _BESIDE, _STAYS = 10, 0.7
 _LEAST = 50
-# Another position knows of it from so many times its usual steps on: those of
-# this share of the samples.
-_UNUSUAL, _USUAL = 2.0, 0.99
+# Another position knows of it from so many times its usual steps on.
+_UNUSUAL = 2.0
 
 
 def find_zero_steps(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
@@ -99,7 +98,7 @@ def _leaps_at(run: Run, name: str, at: int) -> bool:
     """
     steps = np.abs(np.diff(run.channels[name]))
     near = steps[max(0, at - _BESIDE) : at + _BESIDE + 1]
-    return bool(np.max(near) > _UNUSUAL * np.quantile(steps, _USUAL))
+    return bool(np.max(near) > _UNUSUAL * usual_step(steps))
 
 
 def _finding(run: Run, name: str, at: int) -> Finding:
