@@ -138,6 +138,16 @@ class TestBadInput(unittest.TestCase):
         self.assertEqual(status, 2)
         self.assertIn("no.yaml", errors)
 
+    def test_a_scenario_with_nothing_in_it(self):
+        place = self.folder / "blank.yaml"
+        place.write_text("# written to a disk that was full\n")
+        status, _, errors = run_command(
+            "diagnose", self.campaign, "--out", self.out, "--scenario", place
+        )
+        self.assertEqual(status, 2)
+        self.assertIn("blank.yaml", errors)
+        self.assertIn("found nothing", errors)
+
 
 class TestManyCampaigns(unittest.TestCase):
     """The diagnosis itself is left out: files and status are looked at."""
@@ -265,6 +275,7 @@ class TestBadArguments(unittest.TestCase):
             (("emulate", "--duration", -1), ("--duration", "above 0")),
             (("twin", "--port", "p", "--memory", "nan"), ("--memory", "nan")),
             (("record", *at, "--countdown", -1), ("--countdown", "'-1'")),
+            (("fit", "c", "--out", ""), ("--out", "nothing is given")),
             (("fit",), ("CAMPAIGN", "brace-drake fit --help")),
             (("fitt",), ("'fitt'", "did you mean fit?")),
             (("withheld", "mak"), ("'mak'", "did you mean make?")),

@@ -92,6 +92,7 @@ class TestLoad(unittest.TestCase):
             "impedance: {stiffness: 6000}": ("impedance.stiffness", "a list"),
             "impedance: {coordinates: [rx]}": ("coordinates", "'rx'", "x, y"),
             "impedance: {coordinates: [y2]}": ("'y2'", "1 to 1"),
+            "impedance: {coordinates: [y, y]}": ("coordinates", "each once"),
             "impedance: {stiffness: [1, 2e6, 1]}": (
                 "impedance.stiffness", "less than 1.373e+06 N/m",
             ),

@@ -8,6 +8,7 @@ import fcntl
 import json
 import os
 import uuid
+from collections.abc import Mapping
 from pathlib import Path
 
 from brace_drake.core.errors import OutputError
@@ -92,7 +93,7 @@ def WriteText(path: Path, text: str) -> None:
     Raises:
         OutputError: It cannot be written.
     """
-    WriteBytes(path, text.encode("utf-8", "backslashreplace"))
+    WriteFiles({Path(path): text})
 
 
 def WriteBytes(path: Path, data: bytes) -> None:
@@ -103,23 +104,43 @@ def WriteBytes(path: Path, data: bytes) -> None:
     Raises:
         OutputError: It cannot be written, or it is a device or a pipe.
     """
-    path = _file_of(Path(path))
-    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    WriteFiles({Path(path): data})
+
+
+def WriteFiles(files: Mapping[Path, str | bytes]) -> None:
+    """Writes files that belong together; a full disk leaves none of them.
+
+    Raises:
+        OutputError: See `WriteBytes`.
+    """
+    drafts: list[tuple[Path, Path]] = []
     try:
-        with draft.open("wb") as file:
-            file.write(data)
-            file.flush()
-            # Else a machine that loses power may keep the name alone.
-            os.fsync(file.fileno())
-        os.replace(draft, path)
+        for path, content in files.items():
+            path = _file_of(path)
+            draft = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+            drafts.append((draft, path))
+            _write(draft, content)
+        for draft, path in drafts:
+            os.replace(draft, path)
     except OSError as error:
         raise OutputError(
             f"{path}: cannot be written: {error.strerror}"
         ) from error
     finally:
         # Gone where all went well; on a read-only disk it never was.
-        with contextlib.suppress(OSError):
-            draft.unlink(missing_ok=True)
+        for draft, _ in drafts:
+            with contextlib.suppress(OSError):
+                draft.unlink(missing_ok=True)
+
+
+def _write(path: Path, content: str | bytes) -> None:
+    if isinstance(content, str):
+        content = content.encode("utf-8", "backslashreplace")
+    with path.open("wb") as file:
+        file.write(content)
+        file.flush()
+        # Else a machine that loses power may keep the name alone.
+        os.fsync(file.fileno())
 
 
 def _file_of(path: Path) -> Path:
@@ -139,4 +160,9 @@ def _file_of(path: Path) -> Path:
 
 def WriteJson(path: Path, document: dict) -> None:
     """Writes a document as JSON."""
-    WriteText(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+    WriteText(path, format_json(document))
+
+
+def format_json(document: dict) -> str:
+    """A document as JSON."""
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"

@@ -88,7 +88,7 @@ def load_given(given: Any) -> NominalScenario:
 
 def _parse(data: bytes, path: str, file: str, by: str) -> NominalScenario:
     with in_file(path, ScenarioError):
-        content = parse_yaml(data, may_be_empty=True)
+        content = parse_yaml(data)
     choice = Choice()
     if ESTIMATION in content:
         choice = parse_choice(content[ESTIMATION], path)

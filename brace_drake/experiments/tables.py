@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import math
 from collections.abc import Iterable, Sequence
@@ -11,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+
+from brace_drake.core.csv_text import csv_text
 
 _DRAWS = 2000
 
@@ -122,11 +123,7 @@ def format_csv(rows: Sequence[dict], digits: int = 6) -> str:
     """Rows as CSV; an interval takes three columns, no number none."""
     flat = [_flatten(row, digits) for row in rows]
     columns = list(dict.fromkeys(k for row in flat for k in row))
-    memory = io.StringIO()
-    writer = csv.DictWriter(memory, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(flat)
-    return memory.getvalue()
+    return csv_text(columns, flat)
 
 
 def _flatten(row: dict, digits: int) -> dict:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-from brace_drake.core.output import WriteText
+from brace_drake.core.csv_text import csv_text
+from brace_drake.core.output import WriteFiles
 from brace_drake.report.certain import BADGES, kind_of
 from brace_drake.report.page import render_template
 from brace_drake.report.words import percent_interval
@@ -74,12 +73,12 @@ def WriteSummary(folder: Path, rows: Sequence[dict]) -> None:
     Raises:
         OutputError: The place cannot be written.
     """
-    table = io.StringIO()
-    writer = csv.DictWriter(table, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    WriteText(folder / "summary.csv", table.getvalue())
-    WriteText(folder / "summary.html", render_summary(rows))
+    WriteFiles(
+        {
+            folder / "summary.csv": csv_text(COLUMNS, rows),
+            folder / "summary.html": render_summary(rows),
+        }
+    )
 
 
 def render_summary(rows: Sequence[dict]) -> str:

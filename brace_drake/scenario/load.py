@@ -61,7 +61,8 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
     """Reads a scenario file, then YAML text over it, and checks the result.
 
     Args:
-        path: A `.scenario.yaml` file; what it leaves out has the default.
+        path: A `.scenario.yaml` file; what it leaves out has the default, but
+            a file without anything was hardly meant.
         overrides: YAML text, for instance "torso: {mass: 30.0}"; maps are
             merged into those of the file, lists and arrays replace.
 
@@ -71,7 +72,7 @@ def LoadScenario(path: str | Path, overrides: str | None = None) -> Scenario:
     Raises:
         ScenarioError: One line: file, key path, value, what is allowed.
     """
-    data = LoadYaml(path, ScenarioError, may_be_empty=True)
+    data = LoadYaml(path, ScenarioError)
     return make_scenario(data, str(path), overrides)
 
 

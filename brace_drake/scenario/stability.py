@@ -70,7 +70,7 @@ class _Check:
         fail(self.source, self.prefix + path, value, allowed)
 
     def names(self) -> None:
-        """Refuses coordinates that are not there."""
+        """Refuses coordinates that are not there, or there twice."""
         c, n = self.control, self.rings.num_rings
         for path, names in (
             ("inner.force_feedforward", c.inner.force_feedforward),
@@ -82,6 +82,8 @@ class _Check:
             except ValueError as error:
                 allowed = f"x, y, z, with a ring, 1 to {n}, behind it or none"
                 self.fail(path, error.args[0], allowed)
+            if len(set(names)) < len(names):
+                self.fail(path, names, "each once")
 
     def pairs(self) -> None:
         """Checks what only makes sense together."""

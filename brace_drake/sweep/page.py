@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from pathlib import Path
 
 import numpy as np
 
-from brace_drake.core.output import WriteBytes, WriteJson, WriteText
+from brace_drake.core.csv_text import csv_text
+from brace_drake.core.output import WriteFiles, format_json
 from brace_drake.recording.columns import split_unit
 from brace_drake.report.canvas import (
     AFTER,
@@ -32,13 +32,14 @@ def WriteSweep(folder: Path, document: dict) -> None:
     Raises:
         OutputError: The place cannot be written.
     """
-    # All are made before any is written.
-    table, picture = format_csv(document), draw_png(document)
-    page = render_sweep(document)
-    WriteJson(folder / "sweep.json", document)
-    WriteText(folder / "sweep.csv", table)
-    WriteBytes(folder / "sweep.png", picture)
-    WriteText(folder / "sweep.html", page)
+    WriteFiles(
+        {
+            folder / "sweep.json": format_json(document),
+            folder / "sweep.csv": format_csv(document),
+            folder / "sweep.png": draw_png(document),
+            folder / "sweep.html": render_sweep(document),
+        }
+    )
 
 
 def format_csv(document: dict) -> str:
@@ -50,18 +51,16 @@ def format_csv(document: dict) -> str:
     if len(document["seeds"]) > 1:
         parts += [("standard_deviation", "_sd")]
         parts += [("lower95", "_lower95"), ("upper95", "_upper95")]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     heads = [_head(name, end) for name in names for _, end in parts]
-    writer.writerow([document["number"]["path"], *heads, "error"])
+    rows = []
     for row in document["rows"]:
         cells = [
             row["outcomes"].get(name, {}).get(key, "")
             for name in names
             for key, _ in parts
         ]
-        writer.writerow([row["value"], *cells, row["error"] or ""])
-    return text.getvalue()
+        rows.append([row["value"], *cells, row["error"]])
+    return csv_text([document["number"]["path"], *heads, "error"], rows)
 
 
 def _head(name: str, end: str) -> str:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from brace_drake.core.output import WriteText
+from brace_drake.core.output import WriteFiles, format_json
 from brace_drake.report.page import render_template
 from brace_drake.report.words import (
     NOTHING,
@@ -27,7 +26,7 @@ def trend_files(document: dict, has_page: bool = True) -> dict[str, str]:
         has_page: Whether there is a trend.html.
     """
     found = {
-        "trend.json": json.dumps(document, indent=1, allow_nan=False) + "\n",
+        "trend.json": format_json(document),
         "trend.csv": format_csv(document),
     }
     return found | ({"trend.html": render_trend(document)} if has_page else {})
@@ -39,8 +38,7 @@ def WriteTrend(folder: Path, files: Mapping[str, str]) -> None:
     Raises:
         OutputError: The place cannot be written.
     """
-    for name, text in files.items():
-        WriteText(folder / name, text)
+    WriteFiles({folder / name: text for name, text in files.items()})
 
 
 def render_trend(document: dict) -> str:

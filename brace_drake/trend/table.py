@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-
+from brace_drake.core.csv_text import csv_text
 from brace_drake.report.words import (
     decimals_for,
     fixed,
@@ -32,10 +30,7 @@ COLUMNS = (
 
 def format_csv(document: dict) -> str:
     """One row for each number of each session; COLUMNS as head."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    sessions = document["sessions"]
+    rows, sessions = [], document["sessions"]
     for row in [*document["parameters"], document["gap"]]:
         for point in row["points"]:
             session = sessions[point["session"]]
@@ -48,14 +43,14 @@ def format_csv(document: dict) -> str:
                 "name": row["name"],
                 "unit": row["unit"],
             }
-            writer.writerow(cells)
+            rows.append(cells)
     for i, session in enumerate(sessions):
         ends = session["closed_interval"] or (None, None)
         shown = {"name": "closed", "of": "twin", "value": session["closed"]}
         shown |= {"lower95": ends[0], "upper95": ends[1]}
         shown |= {"session": i + 1, "folder": session["folder"]}
-        writer.writerow(shown | {"date": session["date"]})
-    return text.getvalue()
+        rows.append(shown | {"date": session["date"]})
+    return csv_text(COLUMNS, rows)
 
 
 def format_text(document: dict) -> str:

@@ -12,7 +12,7 @@ from brace_drake.cli.options import (
     finite,
 )
 from brace_drake.core.errors import BraceError
-from brace_drake.core.output import HoldFolder, WriteJson, WriteText
+from brace_drake.core.output import HoldFolder, WriteFiles, format_json
 from brace_drake.core.progress import open_bar
 
 _EPILOG = """\
@@ -270,9 +270,13 @@ def RunScore(args: argparse.Namespace) -> int:
     print(text, end="")
     if args.out:
         out = HoldFolder(Path(args.out))
-        WriteJson(out / "score.json", found)
-        WriteText(out / "score.txt", text)
-        WriteText(out / "reliability.svg", draw_reliability(found))
+        WriteFiles(
+            {
+                out / "score.json": format_json(found),
+                out / "score.txt": text,
+                out / "reliability.svg": draw_reliability(found),
+            }
+        )
         print(f"score: {out / 'score.json'}")
     return 0
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import numpy as np
 import torch
 from pydrake.common.yaml import yaml_dump_typed
 
+from brace_drake.core.csv_text import csv_text
 from brace_drake.core.errors import BraceError, PolicyError
 from brace_drake.core.output import HoldFolder, WriteBytes, WriteJson, WriteText
 from brace_drake.core.reading import (
@@ -176,11 +176,7 @@ def LoadCheckpoint(folder: Path) -> dict:
 
 def WriteCurve(folder: Path, rows: list[dict[str, float]]) -> None:
     """Writes the training curve as CSV."""
-    memory = io.StringIO()
-    writer = csv.DictWriter(memory, list(rows[0]))
-    writer.writeheader()
-    writer.writerows(rows)
-    WriteText(folder / "curve.csv", memory.getvalue())
+    WriteText(folder / "curve.csv", csv_text(list(rows[0]), rows))
 
 
 def DrawCurve(folder: Path, rows: list[dict[str, float]]) -> None:

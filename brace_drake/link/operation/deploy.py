@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from brace_drake.core.csv_text import csv_text
 from brace_drake.core.errors import StoppedError
 from brace_drake.core.output import WriteJson, WriteText
 from brace_drake.link.host.link import Link
@@ -110,10 +109,7 @@ def check_dry_run(tally: Tally) -> None:
 
 def format_log(rows: Sequence[Row], rings: Rings) -> str:
     """Ticks as CSV text: tick, commands, readings, reference, timing."""
-    out, columns = io.StringIO(), log_columns(rings)
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(columns)
-    for row in rows:
-        values = name_values(row, rings)
-        writer.writerow([f"{values[name]:.8g}" for name in columns])
-    return out.getvalue()
+    columns = log_columns(rings)
+    named = (name_values(row, rings) for row in rows)
+    cells = ([f"{v[name]:.8g}" for name in columns] for v in named)
+    return csv_text(columns, cells)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from pathlib import Path
 
-from brace_drake.core.output import MakeFolder, WriteText
+from brace_drake.core.csv_text import csv_text
+from brace_drake.core.output import MakeFolder, WriteFiles
 from brace_drake.report.words import to_text
 
 FORMATS = ("csv", "latex")
@@ -42,14 +41,16 @@ def WriteTables(diagnosis: dict, folder: Path, form: str) -> list[Path]:
     Raises:
         OutputError: The place cannot be written.
     """
-    place, written = MakeFolder(folder / FOLDER), []
-    make = csv_text if form == "csv" else latex_text
-    for name, table in make_tables(diagnosis).items():
-        if table[1]:
-            path = place / f"{name}.{_ENDINGS[form]}"
-            WriteText(path, make(table))
-            written.append(path)
-    return written
+    place = MakeFolder(folder / FOLDER)
+    files = {
+        place / f"{name}.{_ENDINGS[form]}": csv_text(*table)
+        if form == "csv"
+        else latex_text(table)
+        for name, table in make_tables(diagnosis).items()
+        if table[1]
+    }
+    WriteFiles(files)
+    return [*files]
 
 
 def make_tables(diagnosis: dict) -> dict[str, Table]:
@@ -132,15 +133,6 @@ def _estimates(first: str, groups: Sequence[tuple[str, list]]) -> Table:
         for name, parameters in groups
         for p in parameters
     ]
-
-
-def csv_text(table: Table) -> str:
-    """Numbers as they are."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(table[0])
-    writer.writerows(table[1])
-    return buffer.getvalue()
 
 
 def latex_text(table: Table) -> str:
