@@ -1,9 +1,9 @@
-"""Readings that no controller sees and that all runs have late.
+"""Readings that no controller sees and that all runs have off in time.
 
 Little of a marker's delay shows: the subject's damping takes most of it. But a
 twin that is right leaves noise alone in every reading. Where
-a delay would take more than chance of that, by straight lines, the subject is
-fitted anew with delays of that sign undone.
+a delay, or a clock of its own, would take more than chance of that, by straight
+lines, the subject is fitted anew with faults of that sign undone.
 """
 
 from __future__ import annotations
@@ -22,17 +22,22 @@ from brace_drake.recording_faults.against_twin.readings import (
     unread_channels,
 )
 from brace_drake.recording_faults.against_twin.refitter import Refitter
-from brace_drake.recording_faults.against_twin.undone import late
+from brace_drake.recording_faults.against_twin.undone import (
+    OTHER,
+    Suspect,
+    time_faults,
+)
 from brace_drake.recording_faults.finding import MOST_PROBABLE, Finding
-from brace_drake.recording_faults.library.time import skewed_channel
+from brace_drake.recording_faults.relations.time_faults import (
+    TimeFault,
+    size_text,
+)
 from brace_drake.recording_faults.statistics import largest_normal
 
 # Mean square, in floors, from which on a reading is looked at.
 _STANDS_OUT = 1.2
 # Part of what a reading leaves beyond noise that a delay may leave of it.
 _TOLD = 0.25
-# Delays that are tried first, samples; the best is refined by single ones.
-_DELAYS = (1, 2, 4, 8, 16, 32)
 
 
 def find_late_readings(
@@ -42,7 +47,7 @@ def find_late_readings(
     uses: Sequence[Use],
     jobs,
 ) -> list[Finding]:
-    """A delay of the unread readings of one instrument, in all runs.
+    """A delay, or a clock, of the unread readings of one instrument.
 
     Args:
         device: With a control law.
@@ -62,45 +67,55 @@ def find_late_readings(
         return []
 
     def off(fit: SubjectFit, runs: Sequence[PreparedRun]) -> list[float]:
-        readings = read_runs(device, fit.evaluator, runs, fit.subject, uses)
+        with_torso = [p for p in runs if p.run.contact]
+        evaluator = fit.evaluator
+        readings = read_runs(device, evaluator, with_torso, fit.subject, uses)
         return sorted(_beside_noise(readings, n) for n in group)
 
-    *others, before = off(fit, contact)
+    *others, before = off(fit, runs)
     if before < _STANDS_OUT:
         return []
-    slope = _slope(fit, group, uses)
-    if abs(slope) < largest_normal(len(_DELAYS)):
-        return []
-    refitter = Refitter(device, (), runs, fit.subject, uses, jobs)
-    h = float(np.median(np.diff(contact[0].run.time_s)))
-    place = _best_delay(refitter, group, h, 1 if slope > 0.0 else -1)
-    if place == 0:
-        return []
-    suspect = late(group, place, h)
-    undone = refitter.undone(suspect)
-    again = refitter.fit(undone)
-    if again is None:
-        return []
-    *_, after = off(again, [p for p in undone if p.run.contact])
     # A reading in which least moves shows what noise there is.
     quiet = max([1.0, *others[:1]])
-    if after - quiet > _TOLD * (before - quiet):
-        return []
-    return [
-        Finding(
-            skewed_channel.CARD,
-            tuple(p.run.file for p in runs),
-            group,
-            dict(suspect.hypothesis.parameters),
-            MOST_PROBABLE,
-            f"{1e3 * place * h:.3g} ms late; {np.sqrt(before):.3g} noise floors"
-            f" off the twin that fits best, {np.sqrt(after):.3g} with it"
-            " undone",
-            of_all=len(runs) > 1,
-            before=before,
-            after=after,
-        )
-    ]
+    refitter = Refitter(device, (), runs, fit.subject, uses, jobs)
+    faults = time_faults(contact[0].run)
+    slopes = _slopes(fit, group, uses)
+    least = largest_normal(sum(len(f.sizes) for f in faults))
+    for slope, fault in sorted(
+        zip(slopes, faults, strict=True), key=lambda s: -abs(s[0])
+    ):
+        if abs(slope) < least:
+            break
+        suspect = _best_of(refitter, fault, group, np.sign(slope))
+        undone = refitter.undone(suspect)
+        again = refitter.fit(undone) if undone else None
+        if again is None:
+            continue
+        *_, after = off(again, undone)
+        if after - quiet <= _TOLD * (before - quiet):
+            return [_finding(suspect, runs, before, after)]
+    return []
+
+
+def _finding(
+    suspect: Suspect,
+    runs: Sequence[PreparedRun],
+    before: float,
+    after: float,
+) -> Finding:
+    h = suspect.hypothesis
+    return Finding(
+        h.fault,
+        tuple(p.run.file for p in runs),
+        h.channels,
+        dict(h.parameters),
+        MOST_PROBABLE,
+        f"{size_text(h.parameters)}{np.sqrt(before):.3g} noise floors off the"
+        f" twin that fits best, {np.sqrt(after):.3g} with it undone",
+        of_all=len(runs) > 1,
+        before=before,
+        after=after,
+    )
 
 
 def _beside_noise(readings: Sequence[Reading], name: str) -> float:
@@ -115,52 +130,48 @@ def _beside_noise(readings: Sequence[Reading], name: str) -> float:
     return float(np.mean(squares)) if squares else 0.0
 
 
-def _slope(
+def _slopes(
     fit: SubjectFit, group: tuple[str, ...], uses: Sequence[Use]
-) -> float:
-    """How far late readings would leave less, beside what the subject and
-    numbers within their tolerances take: in deviations of what a right twin
-    leaves; positive where they are late, negative where they are early.
+) -> tuple[float, float]:
+    """How far readings with a delay, or with a clock of their own, would leave
+    less, beside what the subject and numbers within their tolerances take.
+
+    Each in deviations of what a right twin leaves; positive where they are
+    late, or run ahead; negative where early, or behind.
     """
     evaluator = fit.evaluator
     mine = np.isin(evaluator.twin.channels, group)
-    steps = [
-        np.gradient(evaluator.simulate(p, fit.subject, uses), axis=0)
-        for p in evaluator.prepared
-    ]
-    way = np.concatenate(
-        [
-            p.weigh(mine * step * p.run.contact)
-            for p, step in zip(evaluator.prepared, steps, strict=True)
-        ]
-    )
-    if evaluator.tolerances is not None:
-        way = evaluator.tolerances.whiten(way)
-    rows = len(way)
-    jacobian, rest = fit.solution.jacobian[:rows], fit.solution.residual[:rows]
-    way = way - jacobian @ np.linalg.lstsq(jacobian, way, rcond=None)[0]
-    size = float(np.linalg.norm(way)) * np.sqrt(1.0 + max(0.0, fit.misfit))
-    return -float(way @ rest) / size if size > 0.0 else 0.0
+    times, steps = [], []
+    for p in evaluator.prepared:
+        moved = evaluator.simulate(p, fit.subject, uses)
+        steps.append(-mine * np.gradient(moved, axis=0) * p.run.contact)
+        times.append((p.run.time_s - p.run.time_s[0])[:, None])
+
+    def deviations(columns: Sequence[np.ndarray]) -> float:
+        pairs = zip(evaluator.prepared, columns, strict=True)
+        way = np.concatenate([p.weigh(c) for p, c in pairs])
+        if evaluator.tolerances is not None:
+            way = evaluator.tolerances.whiten(way)
+        jacobian = fit.solution.jacobian[: len(way)]
+        way = way - jacobian @ np.linalg.lstsq(jacobian, way, rcond=None)[0]
+        size = float(np.linalg.norm(way)) * np.sqrt(1.0 + max(0.0, fit.misfit))
+        gain = float(way @ fit.solution.residual[: len(way)])
+        return gain / size if size > 0.0 else 0.0
+
+    ahead = [-t * s for t, s in zip(times, steps, strict=True)]
+    return deviations(steps), deviations(ahead)
 
 
-def _best_delay(
-    refitter: Refitter, group: tuple[str, ...], period: float, sign: int
-) -> int:
-    """The delay in samples that leaves least, of a sign first; 0: none."""
+def _best_of(
+    refitter: Refitter, fault: TimeFault, group: tuple[str, ...], sign: float
+) -> Suspect:
+    """The size of a fault that leaves least, of a sign."""
 
-    def left(place: int) -> float:
-        if place not in found:
-            found[place] = refitter.misfit(late(group, place, period))
-        return found[place]
+    def look(size: float) -> tuple[float, Suspect]:
+        suspect = Suspect(fault.of(group, size), OTHER)
+        return refitter.misfit(suspect), suspect
 
-    found = {0: refitter.misfit()}
-    for place in _DELAYS:
-        left(sign * place)
-    step = max(1, abs(min(found, key=found.__getitem__)) // 2)
-    while step:
-        best = min(found, key=found.__getitem__)
-        left(best - step)
-        left(best + step)
-        if min(found, key=found.__getitem__) == best:
-            step //= 2
-    return min(found, key=found.__getitem__)
+    tried = {sign * s: look(sign * s) for s in fault.sizes}
+    size = min(tried, key=lambda s: tried[s][0])
+    _, (_, best) = fault.refined(size, tried[size], look, lambda t: t[0])
+    return best

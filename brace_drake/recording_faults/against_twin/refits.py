@@ -24,9 +24,9 @@ from brace_drake.recording_faults.against_twin.subjects import NEAR, TIMES
 from brace_drake.recording_faults.against_twin.undone import (
     OTHER,
     Suspect,
-    late,
     of_channels,
     of_time,
+    time_faults,
 )
 from brace_drake.recording_faults.card import RecordingFault
 from brace_drake.recording_faults.finding import MOST_PROBABLE, Finding
@@ -37,7 +37,7 @@ from brace_drake.recording_faults.library.runs import (
     contradiction,
     other_subject,
 )
-from brace_drake.recording_faults.library.time import skewed_channel
+from brace_drake.recording_faults.relations.time_faults import size_text
 
 # Squares for which a misfit counts: residuals of a twin are not independent.
 _SQUARES = 20.0
@@ -128,9 +128,9 @@ class _Tried(NamedTuple):
 
 
 def _tried(refitter: Refitter, new: Sequence[PreparedRun] = ()) -> list[_Tried]:
-    """All faults that the accused runs could have, undone, the best delay to a
-    sample; another subject's where other runs, `new` ones among them, move
-    alike and are not accused: else it may be the motion that is another.
+    """All faults that the accused runs could have, undone, the best
+    of time refined; another subject's where other runs, `new` ones among them,
+    move alike and are not accused: else it may be the motion that is another.
     """
     runs = [p.run for p in refitter.accused]
     suspects = list(of_time(runs, refitter.names))
@@ -170,11 +170,9 @@ def _size_of(tried: _Tried) -> str:
         scale = values["scale"]
         unit = unit_of_scale(split_unit(tried.channels[0])[1], scale)
         return f"{'as in ' + unit if unit else f'{scale:.3g} times as large'}; "
-    if "delay_s" in values:
-        return f"{1e3 * values['delay_s']:.3g} ms late; "
     if "jumps" in values:
         return f"first {values['lost_s']:.2g} s at {values['start_s']:.4g} s; "
-    return ""
+    return size_text(values)
 
 
 def _log_scale(suspect: Suspect, names: Sequence[str]) -> float:
@@ -223,22 +221,21 @@ def _explained(refitter: Refitter, tried: Sequence[_Tried]) -> list[Finding]:
 def _finer(
     refitter: Refitter, misfit: float, suspect: Suspect, runs
 ) -> list[tuple[float, Suspect]]:
-    """The best delay to a sample, where the best suspect is one."""
+    """The best delay to a sample, and the best clock, where the best suspect
+    is one.
+    """
     h = suspect.hypothesis
-    if h.fault is not skewed_channel.CARD:
+    faults = {f.fault.name: f for f in time_faults(runs[0])}
+    if h.fault.name not in faults:
         return [(misfit, suspect)]
-    period = float(np.median(np.diff(runs[0].time_s)))
-    place = round(h.parameters["delay_s"] / period)
-    best, step = (misfit, suspect), max(1, abs(place) // 4)
-    while step:
-        near = [late(h.channels, place + s, period) for s in (-step, step)]
-        found = [best, *((refitter.misfit(s), s) for s in near)]
-        better = min(found, key=lambda t: t[0])
-        if better is best:
-            step //= 2
-            continue
-        best = better
-        place = round(best[1].hypothesis.parameters["delay_s"] / period)
+    fault = faults[h.fault.name]
+
+    def look(size: float) -> tuple[float, Suspect]:
+        near = Suspect(fault.of(h.channels, size), suspect.weight)
+        return refitter.misfit(near), near
+
+    size, found = h.parameters[fault.parameter], (misfit, suspect)
+    _, best = fault.refined(size, found, look, lambda t: t[0])
     return [best]
 
 

@@ -26,6 +26,7 @@ from brace_drake.recording_faults.against_twin.readings import (
     read_runs,
     unread_channels,
 )
+from brace_drake.recording_faults.against_twin.undone import time_faults
 from brace_drake.recording_faults.finding import MOST_PROBABLE, Finding
 from brace_drake.recording_faults.library.channels import (
     exchanged_channels,
@@ -33,7 +34,6 @@ from brace_drake.recording_faults.library.channels import (
     reversed_sign,
     wrong_scale,
 )
-from brace_drake.recording_faults.library.time import skewed_channel
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 from brace_drake.recording_faults.statistics import is_noise_scaled
 
@@ -44,7 +44,6 @@ NEAR = 0.5
 _GROSS, _RESTORED, _LEFT = 10.0, 3.0, 0.02
 # Gains nearer to 1 may be the machine's.
 _GAIN = 0.2
-_DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
 # How the probability falls with the mean square that is left.
 _SHARP = 4.0
 
@@ -132,6 +131,7 @@ def named(
     if not tried:
         return
     tried.sort(key=lambda t: t[0])
+    tried[0] = _finer(*tried[0], bad, accused)
     after, best = tried[0]
     before = float(np.mean([v for _, f in bad for v in f.values()]))
     if after > max(bars.restored, bars.left * before):
@@ -153,6 +153,23 @@ def named(
         before=before,
         after=after,
     )
+
+
+def _finer(left: float, h: Hypothesis, bad, accused):
+    """What the best leaves, and itself; its number refined where it is of
+    time.
+    """
+    faults = {f.fault.name: f for f in time_faults(bad[0][0].prepared.run)}
+    fault = faults.get(h.fault.name)
+    if fault is None:
+        return left, h
+
+    def look(size: float):
+        near = fault.of(h.channels, size)
+        return _left(near, bad, accused), near
+
+    start = h.parameters[fault.parameter]
+    return fault.refined(start, (left, h), look, lambda t: t[0])[1]
 
 
 def _left(h: Hypothesis, bad, accused) -> float | None:
@@ -177,7 +194,6 @@ def _hypotheses(
     for pair in itertools.combinations(names, 2):
         if kinds[pair[0]] == kinds[pair[1]]:
             yield Hypothesis(exchanged_channels.CARD, pair, {})
-    h = float(np.median(np.diff(readings[0].prepared.run.time_s)))
     groups = [(n,) for n in names]
     for kind in sorted(set(kinds.values())):
         group = tuple(n for n in names if kinds[n] == kind)
@@ -185,10 +201,8 @@ def _hypotheses(
             groups.append(group)
     for group in groups:
         yield from _scaled(readings, group)
-        for d in _DELAYS:
-            for sign in (1.0, -1.0):
-                values = {"delay_s": sign * d * h}
-                yield Hypothesis(skewed_channel.CARD, group, values)
+        for fault in time_faults(readings[0].prepared.run):
+            yield from (fault.of(group, size) for size in fault.signed())
 
 
 def _scaled(

@@ -25,11 +25,15 @@ from brace_drake.recording_faults.library.channels import (
 from brace_drake.recording_faults.library.time import (
     lost_samples,
     reversed_run,
-    skewed_channel,
 )
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
+from brace_drake.recording_faults.relations.time_faults import (
+    CLOCKS,
+    TimeFault,
+    delays,
+)
 
-# Delays that are tried, samples; the best is refined by single ones.
+# Delays that are tried, samples.
 _DELAYS = (1, 2, 3, 5, 8, 13, 21, 34)
 _OF_WAYS = ("m", "rad")
 # Beforehand a named unit is so much more likely than a number.
@@ -50,10 +54,9 @@ def of_time(runs: Sequence[Run], names: Sequence[str]) -> Iterator[Suspect]:
         runs: Accused, all of them.
         names: Channels that the twin is compared in; all but these are given.
     """
-    h = float(np.median(np.diff(runs[0].time_s)))
-    for name in names:
-        for d, sign in itertools.product(_DELAYS, (1, -1)):
-            yield late((name,), sign * d, h)
+    for name, fault in itertools.product(names, time_faults(runs[0])):
+        for size in fault.signed():
+            yield Suspect(fault.of((name,), size), OTHER)
     yield Suspect(Hypothesis(reversed_run.CARD, (), {}), OTHER)
     lost = _lost(runs)
     if lost is not None:
@@ -96,10 +99,10 @@ def of_channels(
                 yield _scaled(name, size, OTHER * less)
 
 
-def late(channels: tuple[str, ...], samples: int, period: float) -> Suspect:
-    """Channels that are written late by some samples."""
-    values = {"delay_s": samples * period}
-    return Suspect(Hypothesis(skewed_channel.CARD, channels, values), OTHER)
+def time_faults(run: Run) -> tuple[TimeFault, TimeFault]:
+    """How channels of a run may be off in time."""
+    period = float(np.median(np.diff(run.time_s)))
+    return delays(period, _DELAYS), CLOCKS
 
 
 def _scaled(name: str, scale: float, weight: float) -> Suspect:

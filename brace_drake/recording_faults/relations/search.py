@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from brace_drake.recording_faults.library.channels import (
     reversed_sign,
     wrong_scale,
 )
-from brace_drake.recording_faults.library.time import skewed_channel
 from brace_drake.recording_faults.relations.hypotheses import (
     Hypothesis,
     exchanges,
@@ -29,6 +29,11 @@ from brace_drake.recording_faults.relations.mismatch import (
     LawChecker,
     Mismatch,
 )
+from brace_drake.recording_faults.relations.time_faults import (
+    CLOCKS,
+    TimeFault,
+    delays,
+)
 from brace_drake.recording_faults.statistics import (
     has_signal,
     likeliest_lag,
@@ -36,7 +41,9 @@ from brace_drake.recording_faults.statistics import (
 
 # Delays that are tried, samples, before the best is refined.
 _DELAYS = (1.0, 3.0, 8.0, 20.0, 50.0)
-_HALVINGS, _LATEST = 8, 200
+_LATEST = 200
+# Replaying a law tells parts of a sample.
+_FINER = 100.0
 # Gauss-Newton steps over gain and zero, and the nudges of its differences.
 _STEPS, _NUDGE = 4, 1e-4
 _UNMOVED = np.array([1.0, 0.0])
@@ -97,7 +104,13 @@ class FaultSearch:
             for t in [self.try_one(h)]
             if t is not None
         ]
-        searches = (self._affine, singles), (self._late, late_groups)
+        period = float(np.median(np.diff(self._run.time_s)))
+        late = delays(period, sorted({*_DELAYS, *self._lag()}))
+        searches = (
+            (self._affine, singles),
+            (partial(self._in_time, late), late_groups),
+            (partial(self._in_time, CLOCKS), late_groups),
+        )
         for look, groups in searches:
             if any(t.mismatch.is_sound for t in tried):
                 break
@@ -239,26 +252,36 @@ class FaultSearch:
             now = then
         return now
 
-    def _late(self, groups: Sequence[tuple[str, ...]]) -> list[Tried]:
-        """Delays of channels: a grid, then a search around the best of all."""
-        grid = [s * d for d in {*_DELAYS, *self._lag()} for s in (1.0, -1.0)]
+    def _in_time(
+        self, fault: TimeFault, groups: Sequence[tuple[str, ...]]
+    ) -> list[Tried]:
+        """A fault of time in each group: a grid, then a search around the best
+        of all.
+        """
         tried = [
-            (d, t)
+            (size, t)
             for channels in groups
-            for d in grid
-            for t in [self._delayed(channels, d)]
+            for size in fault.signed()
+            for t in [self.try_one(fault.of(channels, size))]
             if t is not None
         ]
         tried.sort(key=lambda p: p[1].mismatch.total)
-        refined, seen = [], set()
-        for d, t in tried:
+        near, seen = [], set()
+        for size, t in tried:
             channels = t.hypothesis.channels
             gone = t.mismatch.total < 0.8 * self._before.total
             if channels in seen or len(seen) == _MOST or not gone:
                 continue
             seen.add(channels)
-            refined.append(self._refined_delay(channels, d, t))
-        return refined + [t for _, t in tried]
+            _, best = fault.refined(
+                size,
+                t,
+                lambda s, names=channels: self.try_one(fault.of(names, s)),
+                lambda t: t.mismatch.total,
+                _FINER,
+            )
+            near.append(best)
+        return near + [t for _, t in tried]
 
     def _lag(self) -> list[float]:
         """Samples by which recomputed outputs resemble the recorded best.
@@ -270,27 +293,3 @@ class FaultSearch:
         recomputed = recorded - self._checker.residual(self._run)
         lag = abs(likeliest_lag(recorded, recomputed))
         return [float(lag)] if 0 < lag <= _LATEST else []
-
-    def _delayed(self, channels: tuple[str, ...], samples: float):
-        h = float(np.median(np.diff(self._run.time_s)))
-        values = {"delay_s": samples * h}
-        return self.try_one(Hypothesis(skewed_channel.CARD, channels, values))
-
-    def _refined_delay(self, channels, best: float, found: Tried) -> Tried:
-        """Steps to both sides, halved where neither is better."""
-        width = 0.5 * abs(best)
-        for _ in range(_HALVINGS):
-            near = [
-                (d, t)
-                for d in (best - width, best + width)
-                for t in [self._delayed(channels, d)]
-                if t is not None
-            ]
-            d, t = min(
-                near, key=lambda p: p[1].mismatch.total, default=(best, found)
-            )
-            if t.mismatch.total < found.mismatch.total:
-                best, found = d, t
-            else:
-                width *= 0.5
-        return found

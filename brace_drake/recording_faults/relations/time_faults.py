@@ -1,0 +1,97 @@
+"""Channels that are off in time by one number: a delay, or a clock's rate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from brace_drake.recording_faults.card import RecordingFault
+from brace_drake.recording_faults.library.time import (
+    own_clock,
+    skewed_channel,
+)
+from brace_drake.recording_faults.relations.hypotheses import Hypothesis
+
+# Rates of a clock that are tried, and to what they are refined: a crystal is
+# better, a clock of the operating system at times worse.
+_RATES, _FINEST_RATE = (0.001, 0.003, 0.01, 0.03), 1e-4
+# How far beyond the largest that was tried a refined size may go.
+_BEYOND = 2.0
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class TimeFault:
+    """A fault of one number that moves channels in time.
+
+    Attributes:
+        fault: Its card.
+        parameter: Name of the number.
+        sizes: To try, of either sign.
+        finest: Step to which it is refined.
+    """
+
+    fault: RecordingFault
+    parameter: str
+    sizes: tuple[float, ...]
+    finest: float
+
+    def of(self, channels: tuple[str, ...], size: float) -> Hypothesis:
+        """The fault in channels."""
+        return Hypothesis(self.fault, channels, {self.parameter: size})
+
+    def signed(self) -> Iterator[float]:
+        """Sizes of both signs."""
+        for size in self.sizes:
+            yield size
+            yield -size
+
+    def refined(
+        self,
+        size: float,
+        found: T,
+        look: Callable[[float], T | None],
+        left: Callable[[T], float],
+        parts: float = 1.0,
+    ) -> tuple[float, T]:
+        """A size near one that leaves less: steps to both sides, halved where
+        neither is better.
+
+        Args:
+            size, found: Where it begins, and what was found there.
+            look: What is found with a size; None where nothing is.
+            left: Of it, to be least.
+            parts: Of the finest step to which it is refined.
+        """
+        step, most = 0.5 * abs(size), _BEYOND * max(self.sizes)
+        while step > 0.5 * self.finest / parts:
+            near = [s for s in (size - step, size + step) if abs(s) <= most]
+            able = [(s, t) for s in near for t in [look(s)] if t is not None]
+            best = min(able, key=lambda p: left(p[1]), default=None)
+            if best is not None and left(best[1]) < left(found):
+                size, found = best
+            else:
+                step *= 0.5
+        return size, found
+
+
+def delays(period: float, samples: Sequence[float]) -> TimeFault:
+    """Delays by so many samples."""
+    sizes = tuple(period * n for n in samples)
+    return TimeFault(skewed_channel.CARD, "delay_s", sizes, period)
+
+
+CLOCKS = TimeFault(own_clock.CARD, "rate", _RATES, _FINEST_RATE)
+
+
+def size_text(parameters: Mapping[str, float]) -> str:
+    """How far channels are off in time, with what parts it from the next words;
+    empty for other faults.
+    """
+    if "delay_s" in parameters:
+        return f"{1e3 * parameters['delay_s']:.3g} ms late; "
+    if "rate" in parameters:
+        return f"{100.0 * parameters['rate']:.2g} % ahead of the others; "
+    return ""
