@@ -37,6 +37,7 @@ from brace_drake.recording.samples import (
     check_channel,
     check_time,
     since_first_row,
+    without_rounding,
 )
 from brace_drake.recording.table import Columns, parse_table
 from brace_drake.recording.ways import check_ways
@@ -227,7 +228,8 @@ def _read_run(
             columns, channels[name], run.contact, limits, file
         )
     if "time_s" in columns:
-        columns["time_s"] = since_first_row(columns["time_s"])
+        time = without_rounding(columns["time_s"])
+        columns["time_s"] = since_first_row(time)
     if there and not missing:
         there = {name: columns[name] for name in there}
         problems += check_forces(campaign.device, there, run.contact, file)

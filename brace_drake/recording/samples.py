@@ -17,6 +17,9 @@ _GAP_PERIODS = 1.5
 TELLING_ROWS = 50
 LEAST_STEP_S = 1e-7
 _FLAT_SAMPLES = 5
+# Digits of a time that may be rounded, how exactly such times are multiples of
+# the last one, and how far off a line through them is, in that digit.
+_MOST_DIGITS, _DIGIT_ERROR, _LINE_ERROR = 7, 1e-4, 0.05
 # A run lasts minutes: what seems to last more than a day is in another unit.
 LONGEST_S = 1e5
 
@@ -95,6 +98,29 @@ def since_first_row(time: np.ndarray) -> np.ndarray:
     those of no clock as they are.
     """
     return time - time[0] if abs(time[0]) <= LATEST_S else time
+
+
+def without_rounding(time: np.ndarray) -> np.ndarray:
+    """Even sample times (N,) where nothing but rounding sets them apart.
+
+    At 128 Hz times in whole milliseconds are up to 0.5 ms off, and slopes of
+    what moves by up to a tenth. The even times are those of the straight line
+    through them. Others stay as they are: no clock ticks evenly to the digit.
+    """
+    if len(time) < TELLING_ROWS or not np.all(np.isfinite(time)):
+        return time
+    since = time - time[0]
+    for digits in range(_MOST_DIGITS):
+        scaled = since * 10.0**digits
+        if np.all(np.abs(scaled - np.round(scaled)) < _DIGIT_ERROR):
+            break
+    else:
+        return time
+    rows = np.arange(len(time))
+    even = np.polyval(np.polyfit(rows, since, 1), rows)
+    off, digit = float(np.abs(even - since).max()), 10.0**-digits
+    is_rounding = _DIGIT_ERROR * digit < off <= (0.5 + _LINE_ERROR) * digit
+    return time[0] + even if is_rounding else time
 
 
 def check_channel(

@@ -34,7 +34,7 @@ class AxisMotion:
             noise: Added to the recorded position (N,).
         """
         path = self.way.path(noise)
-        acceleration = np.gradient(path[:, 1], self.time)
+        acceleration = np.gradient(path[:, 1], self.time, edge_order=2)
         return np.column_stack([path, acceleration])
 
 

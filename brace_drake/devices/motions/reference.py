@@ -24,7 +24,7 @@ from brace_drake.recording.columns import (
     device_channels,
 )
 from brace_drake.recording.manifest import MANIFEST
-from brace_drake.recording.samples import check_range
+from brace_drake.recording.samples import check_range, without_rounding
 from brace_drake.recording.table import Columns, parse_table
 from brace_drake.recording.write import format_table
 
@@ -167,6 +167,7 @@ def LoadReference(
         hint = suggest(missing[0], columns)
         raise CampaignError(f"{path}: no column {missing[0]}{hint}")
     channels = {name: np.asarray(columns[name], float) for name in needed}
+    channels["time_s"] = without_rounding(channels["time_s"])
     check_times(path, channels["time_s"])
     for ring in moved:
         _check_motion(path, channels, reference_columns(ring))

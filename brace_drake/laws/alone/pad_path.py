@@ -10,6 +10,8 @@ _ABOVE_NOISE = 4.0
 # Values of the spectrum that are averaged before that comparison.
 _AVERAGED = 9
 _ORDER = 8
+# Samples from which the slope of an end is first taken, and at least.
+_FIRST_END, _LEAST_END = 9, 5
 # Changes of slope below this many standard deviations are noise.
 _SIGNIFICANT = 4.0
 # Rounding of a slope, relative to the largest.
@@ -20,11 +22,33 @@ def filter_cosines(signal: np.ndarray, gain: np.ndarray) -> np.ndarray:
     """Filters (N,) without phase: `gain` (N,) on its cosine transform.
 
     The transform takes the signal as mirrored at both ends, so that a record
-    that ends elsewhere than it began is no step.
+    that ends elsewhere than it began is no step. A parabola with the slopes of
+    the ends is taken off before, so that one that is cut off in the middle of
+    a motion has no corner there.
     """
     if np.all(gain == 1.0):
         return signal.copy()
-    return idct(gain * dct(signal, norm="ortho"), norm="ortho")
+    cutoff = np.count_nonzero(gain > 0.5)
+    ends = _sloped_as_ends(signal, len(signal) // max(1, cutoff))
+    return ends + idct(gain * dct(signal - ends, norm="ortho"), norm="ortho")
+
+
+def _sloped_as_ends(signal: np.ndarray, samples: int) -> np.ndarray:
+    """The parabola with the slopes that a signal (N,) has at its ends (N,).
+
+    Args:
+        signal: N >= 2.
+        samples: At each end, through which a parabola gives the slope.
+    """
+    count = len(signal)
+    if count < _LEAST_END:
+        return np.zeros(count)
+    samples = min(count, max(_LEAST_END, samples))
+    n = np.arange(samples)
+    first = np.polyfit(n, signal[:samples], 2)[1]
+    last = -np.polyfit(n, signal[::-1][:samples], 2)[1]
+    s = np.arange(count, dtype=float)
+    return first * s + 0.5 * (last - first) * s**2 / (count - 1)
 
 
 def noise_gain(displacement: np.ndarray, sigma: float) -> np.ndarray:
@@ -40,15 +64,25 @@ def noise_gain(displacement: np.ndarray, sigma: float) -> np.ndarray:
         sigma: Standard deviation of the noise of a reading, m.
     """
     samples = len(displacement)
-    power = dct(displacement - displacement.mean(), norm="ortho") ** 2
+    near = _cutoff(displacement, sigma, _FIRST_END)
+    cutoff = _cutoff(displacement, sigma, samples // near)
+    if cutoff + _AVERAGED >= samples:
+        return np.ones(samples)
+    return 1.0 / (1.0 + (np.arange(samples) / cutoff) ** _ORDER)
+
+
+def _cutoff(displacement: np.ndarray, sigma: float, ends: int) -> int:
+    """Values of the spectrum up to the last that stands above noise, 1 at
+    least; `ends` as of `_sloped_as_ends`.
+    """
+    samples = len(displacement)
+    flat = displacement - _sloped_as_ends(displacement, ends)
+    power = dct(flat - flat.mean(), norm="ortho") ** 2
     box = np.ones(min(_AVERAGED, samples))
     counts = np.convolve(np.ones(samples), box, mode="same")
     power = np.convolve(power, box, mode="same") / counts
     above = np.flatnonzero(power > _ABOVE_NOISE * sigma**2)
-    cutoff = above[-1] + 1 if len(above) else 1
-    if cutoff + _AVERAGED >= samples:
-        return np.ones(samples)
-    return 1.0 / (1.0 + (np.arange(samples) / cutoff) ** _ORDER)
+    return int(above[-1]) + 1 if len(above) else 1
 
 
 def path_slopes(

@@ -13,6 +13,7 @@ from brace_drake.recording.findings import counted
 from brace_drake.recording.importing.formats.cells import ALLOWED, Table
 from brace_drake.recording.importing.units import scale_of
 from brace_drake.recording.read import LEAST_ROWS
+from brace_drake.recording.samples import since_first_row, without_rounding
 from brace_drake.recording.table import Columns
 
 _LEAST_RATE_DEVIATION = 0.02
@@ -164,7 +165,7 @@ def read_channels(
     _refuse_rows(
         source, "time_s", channels["time_s"], falls, "more than before"
     )
-    channels["time_s"] = time
+    channels["time_s"] = since_first_row(without_rounding(time))
     return channels
 
 

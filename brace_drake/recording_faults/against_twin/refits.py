@@ -134,13 +134,9 @@ def _tried(refitter: Refitter, new: Sequence[PreparedRun] = ()) -> list[_Tried]:
     """
     runs = [p.run for p in refitter.accused]
     suspects = list(of_time(runs, refitter.names))
-    expected = refitter.gain_and_zero() if refitter.sound else None
-    if expected is not None:
-        gain, off = expected
-        zeros = dict(zip(refitter.channels, map(float, off), strict=True))
-        names = refitter.names
-        zeros = {n: zeros[n] for n in names}
-        suspects += of_channels(runs, names, gain, zeros)
+    readings = refitter.readings() if refitter.sound else None
+    if readings is not None:
+        suspects += of_channels(runs, refitter.names, *readings)
     tried = [(refitter.misfit(s), s) for s in suspects]
     tried.sort(key=lambda t: t[0])
     tried[:1] = _finer(refitter, *tried[0], runs)

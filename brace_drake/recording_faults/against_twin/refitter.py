@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,18 @@ from brace_drake.recording_faults.against_twin.undone import (
 
 # No misfit is told from less, in noise variances.
 LEAST = 0.05
+
+
+class Readings(NamedTuple):
+    """What accused runs read beside what the twin of other runs expects.
+
+    Attributes:
+        gain: Recorded over expected, in all that is compared.
+        off: Recorded less expected by channel, of each run (N,).
+    """
+
+    gain: float
+    off: Mapping[str, tuple[np.ndarray, ...]]
 
 
 class Refitter:
@@ -145,10 +158,9 @@ class Refitter:
         found = misfit_of(one, fit.subject, self._uses)
         return np.inf if found is None else found
 
-    def gain_and_zero(self) -> tuple[float, np.ndarray] | None:
-        """Recorded over expected in the accused runs, as the others have it,
-        and recorded less expected in the mean (C,); None where the twin breaks
-        down.
+    def readings(self) -> Readings | None:
+        """Those of the accused runs beside the twin of the others; None where
+        that breaks down.
         """
         fit = self._of_sound
         if fit is None:
@@ -158,7 +170,8 @@ class Refitter:
             x = fit.evaluator.simulate(p, fit.subject, self._uses)
             recorded.append(p.weigh(p.measured))
             expected.append(p.weigh(x))
-            off.append(np.mean(p.measured - x, axis=0))
+            off.append(p.measured - x)
         x, y = np.concatenate(expected), np.concatenate(recorded)
         gain = float(x @ y / (x @ x)) if x @ x > 0.0 else 1.0
-        return gain, np.mean(off, axis=0)
+        columns = zip(*(o.T for o in off), strict=True)
+        return Readings(gain, dict(zip(self.channels, columns, strict=True)))

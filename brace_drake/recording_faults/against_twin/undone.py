@@ -21,6 +21,7 @@ from brace_drake.recording_faults.library.channels import (
     moved_zero,
     reversed_sign,
     wrong_scale,
+    zero_step,
 )
 from brace_drake.recording_faults.library.time import (
     lost_samples,
@@ -67,22 +68,27 @@ def of_channels(
     runs: Sequence[Run],
     names: Sequence[str],
     gain: float,
-    zeros: Mapping[str, float],
+    off: Mapping[str, Sequence[np.ndarray]],
 ) -> Iterator[Suspect]:
     """What can have befallen channels of a few among other runs: sign, unit,
-    scale, zero, exchange.
+    scale, zero, a zero that is set in mid-run, exchange.
 
     Args:
         runs, names: As of `of_time`.
-        gain, zeros: Recorded over expected in the compared channels, as the
-            other runs have it, and recorded less expected by channel.
+        gain, off: As of `Readings`.
     """
     every = [n for n in runs[0].channels if n != "time_s"]
     for pair in itertools.combinations(every, 2):
         yield Suspect(Hypothesis(exchanged_channels.CARD, pair, {}), OTHER)
-    for name, zero in zeros.items():
-        values = {"offset": zero}
+    for name in names:
+        values = {"offset": float(np.mean([o.mean() for o in off[name]]))}
         yield Suspect(Hypothesis(moved_zero.CARD, (name,), values), OTHER)
+        # At another time in each run.
+        if len(runs) == 1:
+            time = runs[0].time_s - runs[0].time_s[0]
+            at, offset = zero_step.likeliest_step(off[name][0])
+            values = {"offset": offset, "start_s": float(time[at])}
+            yield Suspect(Hypothesis(zero_step.CARD, (name,), values), OTHER)
     for name in every:
         yield Suspect(
             Hypothesis(reversed_sign.CARD, (name,), {"zero": 0.0}), OTHER

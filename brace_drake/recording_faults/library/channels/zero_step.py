@@ -1,4 +1,4 @@
-"""A position whose zero is set anew while it is recorded."""
+"""A reading whose zero is set anew while it is recorded."""
 
 from __future__ import annotations
 
@@ -50,6 +50,19 @@ _BESIDE, _STAYS = 10, 0.7
 _LEAST = 50
 # Another position knows of it from so many times its usual steps on.
 _UNUSUAL = 2.0
+
+
+def likeliest_step(values: np.ndarray) -> tuple[int, float]:
+    """Sample (of N) from which on values have another mean, and by how much, as
+    least squares have it.
+    """
+    count = len(values)
+    after = np.arange(1, count)
+    sums = np.cumsum(values - values.mean())[:-1]
+    # Before it n values of the mean a, behind it N - n of b.
+    gained = sums**2 * count / (after * (count - after))
+    at = int(np.argmax(gained)) + 1
+    return at, float(np.mean(values[at:]) - np.mean(values[:at]))
 
 
 def find_zero_steps(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
