@@ -221,6 +221,13 @@ class Criterion:
         least = np.log(self.findable) + cost_of(number)
         return bool(self.score(fit) > least)
 
+    def pays_below(self, best: CandidateFit, number: int) -> float:
+        """What a set of so many effects leaves at most, as a sum of squares,
+        that has a better score than a fit.
+        """
+        left = math.exp(self.score(best) - cost_of(number))
+        return self.count * (left - self.trust + self.least)
+
     def is_material(self, fit: CandidateFit) -> bool:
         """Whether what it leaves is beyond the level and no small part of the
         gap: then something is there that the library has not.

@@ -41,6 +41,9 @@ _UNITS = {
     "sec": "s", "seconds": "s", "msec": "ms", "millimeter": "mm",
     "degree": "deg", "degrees": "deg", "nm": "N m", "n·m": "N m", "nmm": "N mm",
     "°": "deg", "n": "N", "kn": "kN", "µm": "um", "m/s²": "m/s^2",
+    "n.m": "N m", "n*m": "N m", "n-m": "N m", "mnm": "mN m", "mn·m": "mN m",
+    "ncm": "N cm", "n·cm": "N cm", "knm": "kN m", "kn·m": "kN m",
+    "°/s": "deg/s", "1/min": "rpm", "µs": "us", "usec": "us", "nsec": "ns",
 }  # fmt: skip
 _COMMAND = (
     r"\b(c|cmd|command|commanded|ref|reference|set|setpoint|target|desired"
@@ -56,7 +59,11 @@ _POSITIONS = ("position_m", "position_rad")
 _MOTOR = r"\b(motor|input shaft|drive side)\b"
 # Words of a name, and the channels of an axis that it may be, by their units.
 _WORDS = (
-    (r"\b(t|time|timestamp|zeit|clock|temps)\b", ("time_s",)),
+    (
+        r"\b(t|time|timestamp|stamp|epoch|elapsed|zeit|zeitstempel|clock|temps"
+        r"|tiempo|tempo)\b",
+        ("time_s",),
+    ),
     (
         r"\b(torque|moment|drehmoment|tau|m)\b",
         ("torque_N_m", "torque_command_N_m"),
@@ -170,7 +177,9 @@ def _unit_by_range(device: str, channel: str, values: np.ndarray) -> str:
     if channel == "time_s":
         steps = np.diff(values)
         step = float(np.median(steps)) if len(steps) else 0.0
-        return "" if step < _SLOWEST_S else "ms" if step < 1e3 else "us"
+        if step < _SLOWEST_S:
+            return ""
+        return "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
     known = DEVICES[device].channels[channel]
     largest = np.abs(values).max(initial=0.0)
     limit = max(abs(known.low), abs(known.high))

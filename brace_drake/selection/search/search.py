@@ -82,11 +82,14 @@ def search_causes(
     few = [e for e in effects if not e.is_flexible]
     known: list[CandidateFit] = []
     beam, ranked = [criterion.nominal], [criterion.nominal]
+    most = math.inf
     for number in range(1, thresholds.MOST_EFFECTS + 1):
         part = part_of(say, *_SHARES[number - 1])
         earlier = refined(known)
         for base in beam:
-            known += _beside(evaluator, criterion, base, few, known, part)
+            known += _beside(
+                evaluator, criterion, base, few, known, part, most
+            )
         if number > 1:
             known += without_each(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
@@ -101,15 +104,18 @@ def search_causes(
         )
         after = criterion.weighed(least)
         worth = thresholds.WORTH_A_SET * criterion.weighed(before)
+        if after > worth:
+            break
+        beam = beam_of(criterion, known, number)
+        beam = [f for f in beam if len(f.effects) < evaluator.room]
         # Even if one more took as much as the first has to.
         next_score = math.log(after) + cost_of(number + 1) - cost_of(1)
         is_hopeless = number > 1 and next_score > criterion.score(best)
         # What numbers are stretched to may be another effect.
         is_whole = criterion.stretch(least) <= thresholds.WITHIN
-        if after > worth or (is_hopeless and is_whole):
-            break
-        beam = beam_of(criterion, known, number)
-        beam = [f for f in beam if len(f.effects) < evaluator.room]
+        if is_hopeless and is_whole:
+            # No more than screening then, unless it tells of one that pays.
+            beam, most = beam[:1], criterion.pays_below(best, number + 1)
     known += exchanged(evaluator, criterion, ranked[0], known)
     ranked = best_of_kinds(criterion, [criterion.nominal, *known])
     if _is_end(evaluator, criterion, ranked[0]):
@@ -144,8 +150,11 @@ def _beside(
     effects: Sequence[Effect],
     known: Sequence[CandidateFit],
     say: Say,
+    most: float = math.inf,
 ) -> list[CandidateFit]:
-    """Sets with one more effect, beside tolerances as they act there."""
+    """Sets with one more effect, beside tolerances as they act there; `most` as
+    of `_forward`.
+    """
     set_out(evaluator, base)
     found: list[CandidateFit] = []
     try:
@@ -174,7 +183,6 @@ def _beside(
         if len(base.effects) == evaluator.room:
             return found
         found += fit_beyond(evaluator, base, criterion)
-        most = math.inf
         for start in starts_beside(evaluator, base):
             lines, done = Linearisation(evaluator, start), [*known, *found]
             larger, told = _forward(lines, criterion, effects, done, say, most)
@@ -183,7 +191,7 @@ def _beside(
                 break
             ended = ended_beside(base, [*known, *found])
             left = (left_by(f, evaluator.count) for f in ended)
-            most = min(left, default=math.inf)
+            most = min([most, *left])
     except BraceError:
         # The twin breaks down where the search would set out.
         pass
