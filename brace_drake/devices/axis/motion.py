@@ -5,9 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from brace_drake.devices.pad_bench.motion import MakePadMotion, PadMotion
 from brace_drake.recording.recording import Run
+
+# Samples at each end whose acceleration is known from one side alone.
+_ENDS = 2
+# Samples of positions that an acceleration is made of.
+_OF_SAMPLES = 7
+# Bends of an acceleration that are no more than its bulk, in medians.
+_USUAL = 4.0
 
 
 @dataclass(frozen=True)
@@ -36,6 +44,29 @@ class AxisMotion:
         path = self.way.path(noise)
         acceleration = np.gradient(path[:, 1], self.time, edge_order=2)
         return np.column_stack([path, acceleration])
+
+    def trust(self, mass: float, noise: float) -> np.ndarray:
+        """Weight of each sample, 0 to 1 (N,): forces are only known where the
+        motion is.
+
+        Smoothing knows little of the ends of a record. At a corner of the path
+        the acceleration may be anything: where it bends by more than elsewhere
+        it is in doubt by as much, and the force by the mass times that.
+
+        Args:
+            mass: Of the machine, kg or kg m^2.
+            noise: Standard deviation of a force reading, N or N m, above 0.
+        """
+        acceleration = self.path()[:, 2]
+        bends = np.zeros(len(acceleration))
+        bends[1:-1] = np.abs(np.diff(acceleration, 2))
+        doubt = np.maximum(0.0, bends - _USUAL * np.median(bends))
+        doubt = maximum_filter1d(doubt, _OF_SAMPLES)
+        known = 1.0 / (1.0 + (mass * doubt / noise) ** 2)
+        place = np.arange(len(bends))
+        from_end = np.minimum(place, place[::-1]) / max(_ENDS, self.way.reach)
+        ends = np.sin(0.5 * np.pi * np.clip(from_end, 0.0, 1.0))
+        return known * ends * (self.way.jumps == 0.0)
 
 
 def MakeAxisMotion(

@@ -23,6 +23,7 @@ from brace_drake.scenario.pad_noise import (
 _TERMS = ("mass", "viscous", "stiffness", "offset")
 # A number counts where it is this many times what scatter alone makes of it.
 _SHOWN = 2.0
+_PASSES = 3
 # Steps of an effect between two samples.
 _STEP_PARTS = 4.0
 
@@ -86,7 +87,11 @@ def _take_forces(
         n: float(10.0 ** np.floor(np.log10(_size(v))))
         for n, v in zip(inputs, beside.T, strict=True)
     }
-    _estimate(scenario, campaign.nominal, path, beside, measured)
+    # The mass tells how far corners of the motion spoil the force.
+    for _ in range(_PASSES):
+        mass, noise = scenario.mass, scenario.force_doubt
+        trust = np.concatenate([m.trust(mass, noise) for m in paths])
+        _estimate(scenario, campaign.nominal, path, beside, measured, trust)
 
 
 def _take_sizes(scenario: AxisScenario, path: np.ndarray) -> None:
@@ -133,14 +138,15 @@ def _size(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2))) or 1.0
 
 
-def _estimate(scenario, stated, path, beside, measured) -> None:
-    """Numbers of the machine by least squares; those that are not seen stay
-    out of what is fitted.
+def _estimate(scenario, stated, path, beside, measured, trust) -> None:
+    """Numbers of the machine by least squares, samples weighed by how far their
+    motion is known; those that are not seen stay out of what is fitted.
     """
     names = [*_TERMS, *scenario.gains]
     terms = np.column_stack(
         [path[:, 2], path[:, 1], path[:, 0], np.ones(len(path)), beside]
     )
+    terms, measured = trust[:, None] * terms, trust * measured
     known = {
         "mass": stated.get("mass_kg"),
         "viscous": stated.get("viscous_N_s_m"),

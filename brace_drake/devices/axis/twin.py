@@ -79,6 +79,15 @@ class AxisTwin(ReplayTwin):
         sigma = self.numbers.position_noise[0]
         return MakeAxisMotion(run, self.position, self.inputs, sigma)
 
+    def measured(self, run: Run) -> np.ndarray:
+        """Recorded forces, as far as the motion is known (N, 1)."""
+        return self._trust(self.motion(run)) * super().measured(run)
+
+    def _trust(self, motion: AxisMotion) -> np.ndarray:
+        """See `AxisMotion.trust` (N, 1)."""
+        noise = self.scenario.force_doubt
+        return motion.trust(self.scenario.mass, noise)[:, None]
+
     def _replay(self, numbers, motion, subject, uses, generator):
         """The noise of position goes through the motion's smoothing."""
         noise, force_noise = None, 0.0
@@ -98,7 +107,7 @@ class AxisTwin(ReplayTwin):
             self.time_step,
             self.scenario.of_reference(uses),
         )
-        return (force * readings + force_noise)[:, None]
+        return self._trust(motion) * (force * readings + force_noise)[:, None]
 
     def _law_of_reference(self, law: np.ndarray) -> np.ndarray:
         """The law of the machine of reference, see `units`."""

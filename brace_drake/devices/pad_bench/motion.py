@@ -49,6 +49,19 @@ class PadMotion:
             smooth, rate, jumps = self._smoothed(self.displacement + noise)
         return np.column_stack([smooth, rate + share * jumps])
 
+    @property
+    def jumps(self) -> np.ndarray:
+        """Of the rate at corners on samples, 0 elsewhere (N,), m/s."""
+        return self._recorded[2]
+
+    @property
+    def reach(self) -> float:
+        """Samples over which the smoothing takes a mean; 0 without any."""
+        if np.all(self.pass_band == 1.0):
+            return 0.0
+        passed = np.count_nonzero(self.pass_band > 0.5)
+        return 0.5 * len(self.time) / max(1, passed)
+
     @cached_property
     def _recorded(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         return self._smoothed(self.displacement)

@@ -59,11 +59,7 @@ _POSITIONS = ("position_m", "position_rad")
 _MOTOR = r"\b(motor|input shaft|drive side)\b"
 # Words of a name, and the channels of an axis that it may be, by their units.
 _WORDS = (
-    (
-        r"\b(t|time|timestamp|stamp|epoch|elapsed|zeit|zeitstempel|clock|temps"
-        r"|tiempo|tempo)\b",
-        ("time_s",),
-    ),
+    (r"\b(t|(time)?stamp|time|epoch|elapsed|zeit|clock|temps)\b", ("time_s",)),
     (
         r"\b(torque|moment|drehmoment|tau|m)\b",
         ("torque_N_m", "torque_command_N_m"),

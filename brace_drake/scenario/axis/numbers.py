@@ -20,6 +20,9 @@ from brace_drake.scenario.brace import EffectUse
 from brace_drake.scenario.fields import items, number, vector, word
 from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ
 
+# Of the range of the force: what any twin is exact to.
+_EXACT = 1e-3
+
 
 @dataclass(slots=True)
 class AxisScenario:
@@ -83,6 +86,13 @@ class AxisScenario:
         if not self.is_imposed:
             return AxisUnits(length, length, is_rotary, per_mass=True)
         return AxisUnits(length, self.force_scale / FORCE_N, is_rotary)
+
+    @property
+    def force_doubt(self) -> float:
+        """Deviation of a force reading; of readings without noise, of what any
+        twin is exact to.
+        """
+        return max(float(np.max(self.force_noise)), _EXACT * self.force_scale)
 
     @property
     def command_size(self) -> float:

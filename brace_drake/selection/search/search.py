@@ -87,9 +87,7 @@ def search_causes(
         part = part_of(say, *_SHARES[number - 1])
         earlier = refined(known)
         for base in beam:
-            known += _beside(
-                evaluator, criterion, base, few, known, part, most
-            )
+            known += _beside(evaluator, criterion, base, few, known, part, most)
         if number > 1:
             known += without_each(evaluator, criterion, known, number)
         ranked = best_of_kinds(criterion, [criterion.nominal, *known])
