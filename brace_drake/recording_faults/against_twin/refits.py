@@ -73,7 +73,13 @@ def find_undone(
         return _explained(every, tried)
     # A machine may do in one run what it does in no other.
     found = _explained(odd, [*tried, *_tried(odd, new)])
-    return found or _contradiction(odd, _UNKNOWN)
+    if found:
+        return found
+    # What the effects take there is the machine's.
+    left = every.left_in({p.run.file for p in odd.accused})
+    if odd.misfit() > TIMES * max(LEAST, left):
+        return []
+    return _contradiction(odd, _UNKNOWN)
 
 
 def explain_runs(

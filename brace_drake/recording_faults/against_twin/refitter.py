@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
@@ -157,6 +157,16 @@ class Refitter:
         )
         found = misfit_of(one, fit.subject, self._uses)
         return np.inf if found is None else found
+
+    def left_in(self, files: Container[str]) -> float:
+        """Misfit of those of the accused runs in some files, in the mean, with
+        one subject in all runs; inf where the twin breaks down.
+        """
+        fit = self.fit((*self.sound, *self.accused))
+        if fit is None:
+            return np.inf
+        few = [p for p in self.accused if p.run.file in files]
+        return float(np.mean([self._left_by(fit, p) for p in few]))
 
     def readings(self) -> Readings | None:
         """Those of the accused runs beside the twin of the others; None where

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -10,7 +10,8 @@ import numpy as np
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.registry import effects_for
-from brace_drake.scenario.axis.signal_card import signal_card
+from brace_drake.recording.columns import split_unit
+from brace_drake.scenario.axis.signal_card import ramp_card, signal_card
 from brace_drake.scenario.axis.units import (
     AxisUnits,
     input_unit,
@@ -23,9 +24,13 @@ COMMANDED = "axis under command"
 # Places of one whose motor was measured too.
 BEHIND_MOTOR = "axis behind a motor"
 # What a follower has by its own numbers: its bias or offset, its limits.
-_OF_A_FOLLOWER = {
-    *("command_offset", "saturation", "rate_limit"),
-    "sensor_offset",
+_OF_A_FOLLOWER = {"command_offset", "saturation", "sensor_offset"}
+# What a limit of the rate of a command limits of the motion, by its unit.
+_RAMPS = {
+    "m_s": "acceleration_limit",
+    "rad_s": "acceleration_limit",
+    "m": "speed_limit",
+    "rad": "speed_limit",
 }
 # Unit of a parameter that is for each unit of an extra input.
 _OF_INPUT = "/input"
@@ -74,7 +79,10 @@ def own_cards(
         if "signal" in effect.laws:
             # What the drive's own feedback sees comes before.
             if effect.name not in {*found, *_OF_A_FOLLOWER}:
-                found[effect.key] = OwnCard(*signal_card(effect, *signal))
+                card, unit = signal_card(effect, *signal)
+                limit = _limited_by(card, signal[0], found)
+                card = card if limit is None else ramp_card(limit, card)
+                found[card.key] = OwnCard(card, unit)
             continue
         card, unit = units.card(effect), scales(effect, units)
         if device in (COMMANDED, BEHIND_MOTOR) and "drive" in card.laws:
@@ -89,6 +97,16 @@ def own_cards(
         for own in _of_inputs(card, unit, inputs, sizes):
             found[own.card.key] = own
     return found
+
+
+def _limited_by(
+    card: Effect, column: str, found: Mapping[str, OwnCard]
+) -> Effect | None:
+    """Of what a card is the ramp, where it is one."""
+    if card.name != "rate_limit":
+        return None
+    known = found.get(_RAMPS[split_unit(column)[1]])
+    return None if known is None else known.card
 
 
 def _of_inputs(card, unit, inputs, sizes) -> Iterator[OwnCard]:

@@ -30,6 +30,29 @@ def signal_card(
     return replace(effect, parameters=own), np.array(sizes)
 
 
+def ramp_card(limit: Effect, card: Effect) -> Effect:
+    """A limit of a command's rate as a form of what it limits of the motion.
+
+    A drive that makes a ramp of its command, and follows that, limits the
+    acceleration before its loop, and not in it.
+
+    Args:
+        limit: The limit of acceleration, or of speed, in the axis' units.
+        card: The limit of the command's rate, in the command's unit.
+    """
+    (known,), (own,) = limit.parameters, card.parameters
+    return replace(
+        card,
+        name=limit.name,
+        title=f"{limit.title} of a ramp that the drive makes of its command",
+        parameters=(replace(own, name=known.name, unit=known.unit),),
+        signature=limit.signature,
+        impostors=limit.impostors,
+        experiment=limit.experiment,
+        remedy=limit.remedy,
+    )
+
+
 def _scaled(
     parameter: EffectParameter, size: float, unit: str
 ) -> EffectParameter:

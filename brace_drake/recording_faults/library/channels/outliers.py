@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from brace_drake.identification.noise_floor import quantum_of
 from brace_drake.recording.columns import Channel
@@ -26,6 +27,8 @@ from brace_drake.recording_faults.statistics import (
 _TAILS = 1.5
 # Of a spike its neighbours know nothing: they differ by less than this part.
 _ALONE = 0.5
+# Samples in which other readings feel the same event.
+_BY = 3
 # A reading that shakes is rough around a sample: so many beside it tell how
 # much, those next to it aside.
 _BESIDE, _NEXT = 15, 2
@@ -66,11 +69,10 @@ def outliers_of(values: np.ndarray, number: int = 500_000) -> np.ndarray:
         values: Of one channel (N,).
         number: Samples of the campaign, for the rate of false alarms.
     """
-    error = local_error(values)
-    noise = max(robust_deviation(error), 0.5 * quantum_of(values))
+    error, far = _far_off(values, number)
     clear = _TAILS * largest_normal(number)
     marks = np.zeros(len(values), dtype=bool)
-    for i in np.flatnonzero(np.abs(error) > clear * noise):
+    for i in np.flatnonzero(far):
         if abs(error[i]) <= clear * _roughness(error, i):
             continue
         near = values[max(0, i - 1)], values[min(len(values) - 1, i + 1)]
@@ -80,8 +82,26 @@ def outliers_of(values: np.ndarray, number: int = 500_000) -> np.ndarray:
         alone = abs(near[1] - near[0]) < _ALONE * away
         # The peak of a triangle lies on the lines of both sides.
         alone &= _off_lines(values, i) > _ALONE * away
+        # Where it turns round in a sample or two it is off both sides' lines.
+        alone &= _turn(values, i) < _ALONE * away
         marks[i] = alone and abs(error[i]) >= beside
     return marks
+
+
+def _far_off(values: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Errors beside neighbours, and which are no noise (N,) each."""
+    error = local_error(values)
+    noise = max(robust_deviation(error), 0.5 * quantum_of(values))
+    far = np.abs(error) > _TAILS * largest_normal(number) * noise
+    return error, far
+
+
+def _turn(values: np.ndarray, i: int) -> float:
+    """By how much steps behind a sample differ from those before it."""
+    before, after = values[max(0, i - 3) : i], values[i + 1 : i + 4]
+    if len(before) < 2 or len(after) < 2:
+        return 0.0
+    return abs(float(np.mean(np.diff(after)) - np.mean(np.diff(before))))
 
 
 def _off_lines(values: np.ndarray, i: int) -> float:
@@ -115,8 +135,17 @@ def find_outliers(
 ) -> list[Finding]:
     """Channels of a run with outliers."""
     found = []
-    for name in noisy_channels(run, known):
-        marks = outliers_of(run.channels[name], number)
+    names = noisy_channels(run, known)
+    marked = {n: outliers_of(run.channels[n], number) for n in names}
+    # What the others feel as well is an event, and no spike.
+    felt = {
+        n: _far_off(run.channels[n], number)[1] & ~marks
+        for n, marks in marked.items()
+    }
+    for name, marks in marked.items():
+        others = [f for n, f in felt.items() if n != name]
+        if marks.any() and others:
+            marks = marks & ~maximum_filter1d(np.any(others, axis=0), _BY)
         count = int(marks.sum())
         if not count:
             continue
