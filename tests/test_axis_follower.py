@@ -172,6 +172,20 @@ class TestAnswers(unittest.TestCase):
             campaign, "acceleration_limit", "acceleration_rad_s2", 6.0, 0.15
         )
 
+    def test_a_ramp_before_the_loop_is_a_limit_of_acceleration_too(self):
+        ramp = np.zeros(1)
+
+        def law(r, v, a, h, lag=0.05):
+            # At rest a run begins.
+            ramp[0] = ramp[0] * (v != 0.0)
+            ramp[0] += np.clip(r - ramp[0], -6.0 * h, 6.0 * h)
+            return (ramp[0] - v) / lag
+
+        campaign = make_campaign(law)
+        self.check(
+            campaign, "acceleration_limit", "acceleration_rad_s2", 6.0, 0.05
+        )
+
     def test_a_speed_that_was_recorded_alone_will_do(self):
         campaign = make_campaign(lambda r, v, a, h: np.clip(a, -6.0, 6.0))
         runs = []

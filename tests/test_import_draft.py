@@ -47,6 +47,9 @@ class TestDraft(unittest.TestCase):
             ("input_torque_N_m", "N m"),
             ("speed_rad_s", "rad/s"),
             ("Angle [°]", "deg"),
+            ("tq_mNm", "mN m"),
+            ("Torque [N·m]", "N m"),
+            ("n (1/min)", "rpm"),
             ("Load", ""),
             ("Temp (C)", ""),
         ):
@@ -89,6 +92,12 @@ class TestDraft(unittest.TestCase):
             "pressure_bar": None,
         }
         self.assert_guessed(names)
+
+    def test_a_stamp_is_a_time_in_the_unit_of_its_steps(self):
+        for period, unit in ((0.01, ""), (5.0, "ms"), (5e3, "us"), (5e6, "ns")):
+            stamps = 1.7e9 + period * np.arange(100.0)
+            _, (found,) = guess_channels({"stamp": stamps})
+            self.assertEqual((found.channel, found.unit), ("time_s", unit))
 
     def test_a_current_is_no_angle_and_a_goal_is_a_command(self):
         names = {

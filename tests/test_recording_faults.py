@@ -150,6 +150,16 @@ class TestControlLaw(FaultCase):
         )
         self.assertAlmostEqual(found.parameters["delay_s"], 0.05, delta=0.005)
 
+    def test_a_force_by_a_fast_clock_is_named_with_its_rate(self):
+        def change(columns):
+            time = columns["time_s"]
+            columns[FORCE] = np.interp(1.007 * time, time, columns[FORCE])
+
+        found = self.assert_named(
+            spoil(self.sound, change), "own_clock", (FORCE,)
+        )
+        self.assertAlmostEqual(found.parameters["rate"], 0.007, delta=5e-4)
+
     def test_a_zero_that_moved_in_a_run_without_force_is_named(self):
         def change(columns):
             columns[FORCE] = 0.5 + 0.02 * rng.standard_normal(

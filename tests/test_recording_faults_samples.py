@@ -166,6 +166,27 @@ class TestSamples(unittest.TestCase):
         self.assert_named(campaign_of(run), "outliers")
         np.testing.assert_array_equal(np.flatnonzero(outliers_of(x)), at)
 
+    def test_a_turn_within_two_samples_is_no_outlier(self):
+        t = np.arange(400) / RATE
+        way = 0.01 * np.abs((t % 1.0) - 0.5)
+        # The corner is rounded, as by a machine that has mass.
+        rounded = np.convolve(way, [0.3, 0.4, 0.3], mode="same")[5:-5]
+        noise = 1e-7 * np.random.default_rng(5).standard_normal(len(rounded))
+        self.assertFalse(outliers_of(rounded + noise).any())
+
+    def test_what_another_reading_feels_is_no_outlier(self):
+        kick = np.zeros(SAMPLES)
+        kick[600] = 5.0
+        since = np.maximum(np.arange(SAMPLES) - 600, 0)
+        felt = 0.01 * (1.0 - np.exp(-since / 3.0))
+        force = self.push.channels["ring2_force_y_N"] + kick
+        alone = changed(self.push, ring2_force_y_N=force)
+        self.assert_named(campaign_of(alone), "outliers")
+        marker = self.push.channels["torso_y_m"] + felt
+        both = changed(alone, torso_y_m=marker)
+        found = check_recording(campaign_of(both))
+        self.assertNotIn("outliers", [f.fault.name for f in found])
+
     def test_a_step_is_no_outlier(self):
         x = np.random.default_rng(0).standard_normal(500)
         x[250:] += 100.0

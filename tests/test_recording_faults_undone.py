@@ -61,6 +61,24 @@ def late(name, rows):
     }
 
 
+def slow(name, rate):
+    """Of a channel by a clock of its own."""
+    return lambda columns: {
+        **columns,
+        name: np.interp(
+            (1.0 - rate) * columns["time_s"], columns["time_s"], columns[name]
+        ),
+    }
+
+
+def tared(name, seconds, offset):
+    """Of a channel whose zero is set anew."""
+    return lambda columns: {
+        **columns,
+        name: columns[name] + offset * (columns["time_s"] >= seconds),
+    }
+
+
 def without(begin, end):
     """Rows that are not there, under times that go on evenly."""
 
@@ -104,6 +122,14 @@ ON_AXIS = (
     (
         of_file("new.csv", late(FORCE, 15)),
         ("skewed_channel", ("new.csv",), (FORCE,)),
+    ),
+    (
+        of_all(slow(FORCE, 0.004)),
+        ("own_clock", ("short.csv", "long.csv", "fast.csv"), (FORCE,)),
+    ),
+    (
+        of_file("fast.csv", tared(FORCE, 6.0, -1.0)),
+        ("zero_step", ("fast.csv",), ()),
     ),
     (
         of_other("new.csv", axis_recordings.make_campaign(other)),
