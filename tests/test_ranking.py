@@ -41,6 +41,15 @@ class TestSearch(unittest.TestCase):
         others = [fit_of("force_gain", 3.0), fit_of("anchor_error", 9.0)]
         self.assertEqual(beam_of(criterion, [*others, below], 1), [below])
 
+    def test_a_larger_set_pays_if_it_leaves_less_than_is_said(self):
+        criterion = Criterion(fit_of("", 50.0), COUNT)
+        best = fit_of("clearance", 3.0)
+        most = criterion.pays_below(best, 3) / COUNT
+        for part, pays in ((0.98, True), (1.02, False)):
+            three = fit_of("clearance+force_gain+force_bias", part * most)
+            scores = criterion.score(three), criterion.score(best)
+            self.assertEqual(scores[0] < scores[1], pays)
+
 
 class TestRanking(unittest.TestCase):
     def setUp(self):
