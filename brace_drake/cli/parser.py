@@ -29,7 +29,7 @@ class OneLineParser(argparse.ArgumentParser):
         return found, left
 
     def _check_value(self, action, value) -> None:
-        if value == "" != action.const:
+        if value == "" and action.const != "":
             # A path of no letters would be the folder that one stands in.
             raise argparse.ArgumentError(action, "nothing is given")
         if action.choices is not None and value not in action.choices:
