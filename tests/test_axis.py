@@ -181,7 +181,17 @@ class TestAnswers(unittest.TestCase):
                 + (dry_friction(path[:, 0], level, 2e4, 0.0))
             )
 
-        pressures = (1.0, 3.0, 6.0, 4.5)
+        def warm(path, inputs):
+            less = -0.8 * (inputs["input_temperature_degC"] - 30.0)
+            return linear(path) + less * path[:, 1]
+
+        own = {
+            "load_friction": ("input_pressure_bar", (1.0, 3.0, 6.0, 4.5)),
+            "load_viscous": (
+                "input_temperature_degC",
+                (22.0, 31.0, 44.0, 38.0),
+            ),
+        }
         cases = {
             "cogging": lambda p, i: (
                 linear(p) + 1.2 * np.sin(2.0 * np.pi * p[:, 0] / 0.0071 + 0.4)
@@ -191,14 +201,16 @@ class TestAnswers(unittest.TestCase):
                 linear(p) + 30.0 * np.abs(p[:, 1])
             ),
             "load_friction": with_load,
+            "load_viscous": warm,
         }
         for name, force in cases.items():
             with self.subTest(effect=name):
                 inputs = None
-                if name == "load_friction":
+                if name in own:
 
-                    def inputs(i):
-                        return {"input_pressure_bar": pressures[i]}
+                    def inputs(i, name=name):
+                        column, values = own[name]
+                        return {column: values[i]}
 
                 found = diagnose(make_campaign(force, inputs=inputs), jobs=1)
                 self.assertEqual(found.verdict.effects, (name,))
@@ -206,6 +218,11 @@ class TestAnswers(unittest.TestCase):
                     values = estimates(found)
                     self.assertAlmostEqual(
                         values["growth_N_bar"], 1.5, delta=0.05
+                    )
+                if name == "load_viscous":
+                    values = estimates(found)
+                    self.assertAlmostEqual(
+                        values["damping_N_s_m_degC"], -0.8, delta=0.02
                     )
                 if name == "cogging":
                     pitch = estimates(found)["pitch_m"]
