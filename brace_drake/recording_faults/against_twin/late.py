@@ -144,7 +144,7 @@ def _slopes(
     times, steps = [], []
     for p in evaluator.prepared:
         moved = evaluator.simulate(p, fit.subject, uses)
-        steps.append(-mine * np.gradient(moved, axis=0) * p.run.contact)
+        steps.append(-np.gradient(moved, axis=0) * (mine * p.run.contact))
         times.append((p.run.time_s - p.run.time_s[0])[:, None])
 
     def deviations(columns: Sequence[np.ndarray]) -> float:
