@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -57,16 +58,24 @@ class AxisMotion:
             mass: Of the machine, kg or kg m^2.
             noise: Standard deviation of a force reading, N or N m, above 0.
         """
+        return self._whole / (1.0 + (mass * self._doubt / noise) ** 2)
+
+    @cached_property
+    def _doubt(self) -> np.ndarray:
+        """By how much accelerations bend more than elsewhere (N,), SI."""
         acceleration = self.path()[:, 2]
         bends = np.zeros(len(acceleration))
         bends[1:-1] = np.abs(np.diff(acceleration, 2))
         doubt = np.maximum(0.0, bends - _USUAL * np.median(bends))
-        doubt = maximum_filter1d(doubt, _OF_SAMPLES)
-        known = 1.0 / (1.0 + (mass * doubt / noise) ** 2)
-        place = np.arange(len(bends))
+        return maximum_filter1d(doubt, _OF_SAMPLES)
+
+    @cached_property
+    def _whole(self) -> np.ndarray:
+        """Weight of each sample without a mass (N,)."""
+        place = np.arange(len(self.time))
         from_end = np.minimum(place, place[::-1]) / max(_ENDS, self.way.reach)
         ends = np.sin(0.5 * np.pi * np.clip(from_end, 0.0, 1.0))
-        return known * ends * (self.way.jumps == 0.0)
+        return ends * (self.way.jumps == 0.0)
 
 
 def MakeAxisMotion(
