@@ -37,6 +37,15 @@ class TestTrust(unittest.TestCase):
         between[:60] = between[-60:] = False
         self.assertGreater(np.quantile(trust[between], 0.1), 0.5)
 
+    def test_rests_between_smooth_moves_make_no_corner_of_them(self):
+        # Cycloids of 1 s, then 1.5 s of rest, without noise.
+        place = np.clip(TIME % 2.5, 0.0, 1.0)
+        step = place - np.sin(2.0 * np.pi * place) / (2.0 * np.pi)
+        way = 0.05 * (np.floor(TIME / 2.5) + step)
+        moving = (TIME % 2.5 > 0.1) & (TIME % 2.5 < 0.9)
+        trust = motion_of(way, 0.0).trust(5.0, 0.02)
+        self.assertGreater(trust[moving].min(), 0.9)
+
     def test_without_a_mass_no_acceleration_matters(self):
         way = 0.1 * np.abs((TIME / 2.5) % 1.0 - 0.5)
         way = np.convolve(way, np.full(3, 1.0 / 3.0), mode="same")
@@ -63,8 +72,13 @@ class TestTimes(unittest.TestCase):
         np.testing.assert_array_equal(without_rounding(time), time)
 
     def test_a_gap_stays(self):
-        time = np.delete(np.round(np.arange(900) / 128.0, 3), slice(300, 340))
-        np.testing.assert_array_equal(without_rounding(time), time)
+        for rate, digits in ((128.0, 3), (100.0, 2), (1000.0, 3)):
+            even = np.round(np.arange(900) / rate, digits)
+            for lost in (slice(300, 340), [450], [200, 500, 700]):
+                with self.subTest(rate=rate, lost=lost):
+                    time = np.delete(even, lost)
+                    found = without_rounding(time)
+                    np.testing.assert_array_equal(found, time)
 
 
 if __name__ == "__main__":

@@ -166,6 +166,18 @@ class TestSamples(unittest.TestCase):
         self.assert_named(campaign_of(run), "outliers")
         np.testing.assert_array_equal(np.flatnonzero(outliers_of(x)), at)
 
+    def test_spikes_of_two_readings_at_once_are_outliers_of_both(self):
+        at = np.arange(50, 1150, 100)
+        spoilt = {}
+        for name, size in (("torso_y_m", 0.004), ("ring2_force_y_N", 4.0)):
+            spoilt[name] = self.push.channels[name].copy()
+            spoilt[name][at] += size
+        found = check_recording(campaign_of(changed(self.push, **spoilt)))
+        told = {
+            c for f in found if f.fault.name == "outliers" for c in f.channels
+        }
+        self.assertEqual(told, {*spoilt})
+
     def test_a_turn_within_two_samples_is_no_outlier(self):
         t = np.arange(400) / RATE
         way = 0.01 * np.abs((t % 1.0) - 0.5)

@@ -30,7 +30,8 @@ class OneLineParser(argparse.ArgumentParser):
 
     def _check_value(self, action, value) -> None:
         if value == "" and action.const != "":
-            # A path of no letters would be the folder that one stands in.
+            # As a path it would be the folder that one stands in; and nothing
+            # else has a meaning without a letter.
             raise argparse.ArgumentError(action, "nothing is given")
         if action.choices is not None and value not in action.choices:
             hint = suggest(value, action.choices)

@@ -22,12 +22,17 @@ def csv_text(
         columns: Of the head.
         rows: Cells in their order, or by column; one that is None or missing is
             empty.
+
+    Raises:
+        ValueError: A row has a cell of a column that is not in the head.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([_safe(c) for c in columns])
     for row in rows:
         is_named = isinstance(row, Mapping)
+        if is_named and not row.keys() <= {*columns}:
+            raise ValueError(f"{sorted(row.keys() - {*columns})} in no column")
         cells = [row.get(c) for c in columns] if is_named else row
         writer.writerow([_safe(c) for c in cells])
     return text.getvalue()

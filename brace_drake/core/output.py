@@ -108,7 +108,8 @@ def WriteBytes(path: Path, data: bytes) -> None:
 
 
 def WriteFiles(files: Mapping[Path, str | bytes]) -> None:
-    """Writes files that belong together; a full disk leaves none of them.
+    """Writes files that belong together: all contents, then all names, so that
+    a full disk leaves none of them.
 
     Raises:
         OutputError: See `WriteBytes`.

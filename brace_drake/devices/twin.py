@@ -92,6 +92,16 @@ class ReplayTwin(ABC):
         """The run's recorded channels, shape (N, C)."""
         return run.stack(self.channels)
 
+    def trust(self, motion) -> np.ndarray | float:
+        """How far each sample counts (N, 1), 0 to 1, as what is imposed may be
+        known badly: what is measured and what is simulated have it in them.
+        """
+        return 1.0
+
+    def written(self, run: Run) -> np.ndarray:
+        """What is measured, without `trust` in it (N, C)."""
+        return self.measured(run)
+
     def recorded(self, run: Run) -> np.ndarray:
         """Which channels a run has, bool (C,)."""
         return run.has(self.channels)

@@ -24,18 +24,26 @@ def _trace(
     signals = d.device.motion_signals(c.prepared, d.nominal.subject)
     floor, run = c.prepared.floor, c.prepared.run
     # What tells nothing in a run, as the marker of no torso, is not shown.
-    shown = d.device.twin.recorded(run) & d.device.twin.active(run)
+    twin = d.device.twin
+    shown = twin.recorded(run) & twin.active(run)
+    # Where a sample does not count, recording and twin are drawn as one.
+    written = twin.written(run)
+    beside = written - c.prepared.measured
+
+    def drawn(replay: np.ndarray | None) -> np.ndarray | None:
+        return None if replay is None else replay + beside
+
     return RunTrace(
         run.name,
         run.split,
         run.time_s - run.time_s[0],
-        d.device.twin.channels,
-        np.where(shown, c.prepared.measured, np.nan),
-        c.before,
-        c.after,
+        twin.channels,
+        np.where(shown, written, np.nan),
+        c.before + beside,
+        drawn(c.after),
         floor.rms,
         signals.travel,
         signals.travel_name,
         (floor.edges, floor.density),
-        with_law,
+        drawn(with_law),
     )

@@ -77,14 +77,16 @@ def _floor_of(
     # Of what is held back only how it moved is known here; where nothing else
     # was recorded, its last digits too.
     run = next((r for r in runs if r.split == "fit"), runs[0])
-    quantum = written_quantum(twin.measured(run), twin.reading_steps)
+    quantum = written_quantum(twin.written(run), twin.reading_steps)
     noise, rounding = [], []
     for i, run in enumerate(chosen):
         motion = twin.motion(run)
         seeds = [[seed + i, 7, k] for k in range(each)]
         found = noise_replicates(twin, motion, subject, (), seeds)
         exact = twin.simulate(motion, subject, ())
-        noise.append(found)
+        # Of samples that count in full: each run has its own share of others.
+        share = _counted(twin, motion)
+        noise.append(found / share)
         rounding.append(_rounding_of(exact + found, quantum, seed + i))
     samples = min(n.shape[1] for n in noise)
     return estimate_floor(
@@ -92,6 +94,11 @@ def _floor_of(
         rate,
         np.concatenate([r[:, :samples] for r in rounding]),
     )
+
+
+def _counted(twin, motion) -> float:
+    """How far the samples of a run count, as a root mean square."""
+    return float(np.sqrt(np.mean(np.square(twin.trust(motion)))))
 
 
 def _rounding_of(
@@ -124,6 +131,7 @@ def _checked_with_repeats(twin, campaign, floors):
             first, second = twin.measured(original), twin.measured(run)
             samples = min(len(first), len(second))
             difference = first[:samples] - second[:samples]
+            difference = difference / _counted(twin, twin.motion(run))
             ratio = repeat_ratio(difference, floor, campaign.rate_hz)
             both = twin.recorded(original) & twin.recorded(run)
             # What is the same to the last digit is a copy, not a repeat.
@@ -172,8 +180,8 @@ def prepare_run(
     """The run at a place among others, with the channels to compare with."""
     floor = floors[run.contact]
     weights = floor.weights(len(measured), rate, HIGHEST_HZ)
-    weights = weights * twin.active(run)
     motion = twin.motion(run)
+    weights = weights * twin.active(run) / _counted(twin, motion)
     return PreparedRun(
         run, motion, measured, weights, floor, seed + index, index
     )

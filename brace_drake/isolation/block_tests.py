@@ -50,7 +50,8 @@ def run_block_tests(
 
     def take_part(prepared):
         """The recording, then as noisy replays would have been written."""
-        grid = written_quantum(prepared.measured, evaluator.twin.reading_steps)
+        written = evaluator.twin.written(prepared.run)
+        grid = written_quantum(written, evaluator.twin.reading_steps)
         replays = [
             evaluator.twin.simulate(
                 prepared.motion,

@@ -105,9 +105,13 @@ def without_rounding(time: np.ndarray) -> np.ndarray:
 
     At 128 Hz times in whole milliseconds are up to 0.5 ms off, and slopes of
     what moves by up to a tenth. The even times are those of the straight line
-    through them. Others stay as they are: no clock ticks evenly to the digit.
+    through them. Others stay as they are: no clock ticks evenly to the digit,
+    and a lost row leaves a gap.
     """
     if len(time) < TELLING_ROWS or not np.all(np.isfinite(time)):
+        return time
+    steps = np.diff(time)
+    if np.max(steps) > _GAP_PERIODS * np.median(steps):
         return time
     since = time - time[0]
     for digits in range(_MOST_DIGITS):

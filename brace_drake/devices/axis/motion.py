@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from brace_drake.devices.pad_bench.motion import MakePadMotion, PadMotion
 from brace_drake.recording.recording import Run
 
 # Samples at each end whose acceleration is known from one side alone.
 _ENDS = 2
-# Samples of positions that an acceleration is made of.
-_OF_SAMPLES = 7
-# Bends of an acceleration that are no more than its bulk, in medians.
-_USUAL = 4.0
+# Samples to each side that an acceleration is made of, beside those of the
+# smoothing, of which so many reaches count.
+_BESIDE, _REACHES = 3, 2
+# Bends of an acceleration that are no more than usual, in medians: over samples
+# that move by so much of the mean speed, or over those around, as what is
+# smooth bends much the same there.
+_USUAL, _MOVES, _AROUND = 4.0, 0.1, 31
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,7 @@ class AxisMotion:
         it is in doubt by as much, and the force by the mass times that.
 
         Args:
-            mass: Of the machine, kg or kg m^2.
+            mass: Of the machine at most, kg or kg m^2.
             noise: Standard deviation of a force reading, N or N m, above 0.
         """
         return self._whole / (1.0 + (mass * self._doubt / noise) ** 2)
@@ -63,11 +67,16 @@ class AxisMotion:
     @cached_property
     def _doubt(self) -> np.ndarray:
         """By how much accelerations bend more than elsewhere (N,), SI."""
-        acceleration = self.path()[:, 2]
+        _, speed, acceleration = self.path().T
         bends = np.zeros(len(acceleration))
         bends[1:-1] = np.abs(np.diff(acceleration, 2))
-        doubt = np.maximum(0.0, bends - _USUAL * np.median(bends))
-        return maximum_filter1d(doubt, _OF_SAMPLES)
+        moves = np.abs(speed) > _MOVES * np.sqrt(np.mean(speed**2))
+        usual = np.median(bends[moves]) if moves.any() else 0.0
+        around = median_filter(bends, _AROUND, mode="nearest")
+        usual = np.maximum(usual, around)
+        doubt = np.maximum(0.0, bends - _USUAL * usual)
+        beside = _BESIDE + math.ceil(_REACHES * self.way.reach)
+        return maximum_filter1d(doubt, 2 * beside + 1)
 
     @cached_property
     def _whole(self) -> np.ndarray:

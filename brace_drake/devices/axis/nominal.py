@@ -23,7 +23,6 @@ from brace_drake.scenario.pad_noise import (
 _TERMS = ("mass", "viscous", "stiffness", "offset")
 # A number counts where it is this many times what scatter alone makes of it.
 _SHOWN = 2.0
-_PASSES = 3
 # Steps of an effect between two samples.
 _STEP_PARTS = 4.0
 
@@ -87,11 +86,9 @@ def _take_forces(
         n: float(10.0 ** np.floor(np.log10(_size(v))))
         for n, v in zip(inputs, beside.T, strict=True)
     }
-    # The mass tells how far corners of the motion spoil the force.
-    for _ in range(_PASSES):
-        mass, noise = scenario.mass, scenario.force_doubt
-        trust = np.concatenate([m.trust(mass, noise) for m in paths])
-        _estimate(scenario, campaign.nominal, path, beside, measured, trust)
+    doubts = scenario.most_mass, scenario.force_doubt
+    trust = np.concatenate([m.trust(*doubts) for m in paths])
+    _estimate(scenario, campaign.nominal, path, beside, measured, trust)
 
 
 def _take_sizes(scenario: AxisScenario, path: np.ndarray) -> None:

@@ -81,12 +81,15 @@ class AxisTwin(ReplayTwin):
 
     def measured(self, run: Run) -> np.ndarray:
         """Recorded forces, as far as the motion is known (N, 1)."""
-        return self._trust(self.motion(run)) * super().measured(run)
+        return self.trust(self.motion(run)) * self.written(run)
 
-    def _trust(self, motion: AxisMotion) -> np.ndarray:
+    def written(self, run: Run) -> np.ndarray:
+        return super().measured(run)
+
+    def trust(self, motion: AxisMotion) -> np.ndarray:
         """See `AxisMotion.trust` (N, 1)."""
-        noise = self.scenario.force_doubt
-        return motion.trust(self.scenario.mass, noise)[:, None]
+        mass, noise = self.scenario.most_mass, self.scenario.force_doubt
+        return motion.trust(mass, noise)[:, None]
 
     def _replay(self, numbers, motion, subject, uses, generator):
         """The noise of position goes through the motion's smoothing."""
@@ -107,7 +110,7 @@ class AxisTwin(ReplayTwin):
             self.time_step,
             self.scenario.of_reference(uses),
         )
-        return self._trust(motion) * (force * readings + force_noise)[:, None]
+        return self.trust(motion) * (force * readings + force_noise)[:, None]
 
     def _law_of_reference(self, law: np.ndarray) -> np.ndarray:
         """The law of the machine of reference, see `units`."""

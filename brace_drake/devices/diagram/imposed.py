@@ -150,7 +150,14 @@ class ImposedTwin(DiagramTwin):
 
     def measured(self, run: Run) -> np.ndarray:
         """Recorded forces, as far as the motion is known (N, J)."""
-        return self.motion(run).trust() * super().measured(run)
+        return self.trust(self.motion(run)) * self.written(run)
+
+    def written(self, run: Run) -> np.ndarray:
+        return super().measured(run)
+
+    def trust(self, motion: ImposedMotion) -> np.ndarray:
+        """See `ImposedMotion.trust` (N, 1)."""
+        return motion.trust()
 
     def _replay(self, numbers, motion, subject, uses, generator):
         """What joints take, and what is read of it; noise of positions goes

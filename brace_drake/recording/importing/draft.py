@@ -41,9 +41,9 @@ _UNITS = {
     "sec": "s", "seconds": "s", "msec": "ms", "millimeter": "mm",
     "degree": "deg", "degrees": "deg", "nm": "N m", "n·m": "N m", "nmm": "N mm",
     "°": "deg", "n": "N", "kn": "kN", "µm": "um", "m/s²": "m/s^2",
-    "n.m": "N m", "n*m": "N m", "n-m": "N m", "mnm": "mN m", "mn·m": "mN m",
-    "ncm": "N cm", "n·cm": "N cm", "knm": "kN m", "kn·m": "kN m",
-    "°/s": "deg/s", "1/min": "rpm", "µs": "us", "usec": "us", "nsec": "ns",
+    "n.m": "N m", "n*m": "N m", "mnm": "mN m", "mn·m": "mN m", "ncm": "N cm",
+    "knm": "kN m", "°/s": "deg/s", "1/min": "rpm", "μm": "um", "μs": "us",
+    "µs": "us",
 }  # fmt: skip
 _COMMAND = (
     r"\b(c|cmd|command|commanded|ref|reference|set|setpoint|target|desired"
@@ -173,9 +173,9 @@ def _unit_by_range(device: str, channel: str, values: np.ndarray) -> str:
     if channel == "time_s":
         steps = np.diff(values)
         step = float(np.median(steps)) if len(steps) else 0.0
-        if step < _SLOWEST_S:
-            return ""
-        return "ms" if step < 1e3 else "us" if step < 1e6 else "ns"
+        is_us = step < 1e6 or 1e14 < np.abs(values).max() < 1e16
+        larger = "ms" if step < 1e3 else "us" if is_us else "ns"
+        return "" if step < _SLOWEST_S else larger
     known = DEVICES[device].channels[channel]
     largest = np.abs(values).max(initial=0.0)
     limit = max(abs(known.low), abs(known.high))

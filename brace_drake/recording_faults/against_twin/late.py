@@ -147,19 +147,26 @@ def _slopes(
         steps.append(-np.gradient(moved, axis=0) * (mine * p.run.contact))
         times.append((p.run.time_s - p.run.time_s[0])[:, None])
 
-    def deviations(columns: Sequence[np.ndarray]) -> float:
-        pairs = zip(evaluator.prepared, columns, strict=True)
-        way = np.concatenate([p.weigh(c) for p, c in pairs])
-        if evaluator.tolerances is not None:
-            way = evaluator.tolerances.whiten(way)
-        jacobian = fit.solution.jacobian[: len(way)]
-        way = way - jacobian @ np.linalg.lstsq(jacobian, way, rcond=None)[0]
-        size = float(np.linalg.norm(way)) * np.sqrt(1.0 + max(0.0, fit.misfit))
-        gain = float(way @ fit.solution.residual[: len(way)])
-        return gain / size if size > 0.0 else 0.0
-
     ahead = [-t * s for t, s in zip(times, steps, strict=True)]
-    return deviations(steps), deviations(ahead)
+    ways = np.column_stack(
+        [
+            np.concatenate(
+                [
+                    p.weigh(c)
+                    for p, c in zip(evaluator.prepared, own, strict=True)
+                ]
+            )
+            for own in (steps, ahead)
+        ]
+    )
+    if evaluator.tolerances is not None:
+        ways = evaluator.tolerances.whiten(ways)
+    jacobian = fit.solution.jacobian[: len(ways)]
+    ways = ways - jacobian @ np.linalg.lstsq(jacobian, ways, rcond=None)[0]
+    gains = ways.T @ fit.solution.residual[: len(ways)]
+    size = np.linalg.norm(ways, axis=0) * np.sqrt(1.0 + max(0.0, fit.misfit))
+    late, fast = np.divide(gains, size, where=size > 0.0, out=np.zeros(2))
+    return float(late), float(fast)
 
 
 def _best_of(

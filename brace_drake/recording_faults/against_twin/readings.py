@@ -38,7 +38,9 @@ class Reading:
             c = self.names.index(name)
             if not self.prepared.used[c]:
                 continue
-            difference = to_frequency(values - self.expected[:, c])
+            # With a fault undone a run may be shorter.
+            expected = self.expected[: len(values), c]
+            difference = to_frequency(values - expected)
             weights = self.prepared.weights[:, c]
             weighted = difference[: len(weights)] * weights
             found[name] = float(np.mean(weighted**2))

@@ -10,7 +10,7 @@ import numpy as np
 from brace_drake.devices.declaration import Device
 from brace_drake.effects.stack import Use
 from brace_drake.identification.evaluation import PreparedRun
-from brace_drake.recording.columns import split_unit
+from brace_drake.recording.columns import shown_unit, split_unit
 from brace_drake.recording.recording import Campaign
 from brace_drake.recording_faults.against_twin.odd_runs import (
     Maker,
@@ -37,6 +37,7 @@ from brace_drake.recording_faults.library.runs import (
     contradiction,
     other_subject,
 )
+from brace_drake.recording_faults.library.time import lost_samples
 from brace_drake.recording_faults.relations.time_faults import size_text
 
 # Squares for which a misfit counts: residuals of a twin are not independent.
@@ -76,8 +77,8 @@ def find_undone(
     if found:
         return found
     # What the effects take there is the machine's.
-    left = every.left_in({p.run.file for p in odd.accused})
-    if odd.misfit() > TIMES * max(LEAST, left):
+    files = {p.run.file for p in odd.accused}
+    if odd.left_in(files) > TIMES * max(LEAST, every.left_in(files)):
         return []
     return _contradiction(odd, _UNKNOWN)
 
@@ -134,9 +135,9 @@ class _Tried(NamedTuple):
 
 
 def _tried(refitter: Refitter, new: Sequence[PreparedRun] = ()) -> list[_Tried]:
-    """All faults that the accused runs could have, undone, the best
-    of time refined; another subject's where other runs, `new` ones among them,
-    move alike and are not accused: else it may be the motion that is another.
+    """All faults that the accused runs could have, undone, the best of time
+    refined; another subject's where other runs, `new` ones among them, move
+    alike and are not accused: else it may be the motion that is another.
     """
     runs = [p.run for p in refitter.accused]
     suspects = list(of_time(runs, refitter.names))
@@ -144,8 +145,7 @@ def _tried(refitter: Refitter, new: Sequence[PreparedRun] = ()) -> list[_Tried]:
     if readings is not None:
         suspects += of_channels(runs, refitter.names, *readings)
     tried = [(refitter.misfit(s), s) for s in suspects]
-    tried.sort(key=lambda t: t[0])
-    tried[:1] = _finer(refitter, *tried[0], runs)
+    tried += _finer(refitter, tried, runs)
     found = [
         _Tried(
             misfit,
@@ -172,6 +172,12 @@ def _size_of(tried: _Tried) -> str:
         scale = values["scale"]
         unit = unit_of_scale(split_unit(tried.channels[0])[1], scale)
         return f"{'as in ' + unit if unit else f'{scale:.3g} times as large'}; "
+    if "offset" in values:
+        unit = shown_unit(split_unit(tried.channels[0])[1])
+        since = ""
+        if "start_s" in values:
+            since = f" from {values['start_s']:.4g} s on"
+        return f"by {values['offset']:.3g} {unit}{since}; "
     if "jumps" in values:
         return f"first {values['lost_s']:.2g} s at {values['start_s']:.4g} s; "
     return size_text(values)
@@ -208,7 +214,7 @@ def _explained(refitter: Refitter, tried: Sequence[_Tried]) -> list[Finding]:
         Finding(
             best.fault,
             tuple(p.run.file for p in accused),
-            () if best.fault.is_of_run else best.channels,
+            () if best.fault is lost_samples.CARD else best.channels,
             dict(best.parameters),
             MOST_PROBABLE * odds[place] / (odds[place] + rest),
             f"{_size_of(best)}a misfit of {before:.3g} noise variances, and of"
@@ -221,24 +227,26 @@ def _explained(refitter: Refitter, tried: Sequence[_Tried]) -> list[Finding]:
 
 
 def _finer(
-    refitter: Refitter, misfit: float, suspect: Suspect, runs
+    refitter: Refitter, tried: Sequence[tuple[float, Suspect]], runs
 ) -> list[tuple[float, Suspect]]:
-    """The best delay to a sample, and the best clock, where the best suspect
-    is one.
-    """
-    h = suspect.hypothesis
-    faults = {f.fault.name: f for f in time_faults(runs[0])}
-    if h.fault.name not in faults:
-        return [(misfit, suspect)]
-    fault = faults[h.fault.name]
+    """The best of each fault of time, refined."""
+    found = []
+    for fault in time_faults(runs[0]):
+        own = [t for t in tried if t[1].hypothesis.fault is fault.fault]
+        best = min(own, key=lambda t: t[0], default=None)
+        if best is None:
+            continue
+        h, weight = best[1].hypothesis, best[1].weight
 
-    def look(size: float) -> tuple[float, Suspect]:
-        near = Suspect(fault.of(h.channels, size), suspect.weight)
-        return refitter.misfit(near), near
+        def look(
+            size: float, fault=fault, h=h, weight=weight
+        ) -> tuple[float, Suspect]:
+            near = Suspect(fault.of(h.channels, size), weight)
+            return refitter.misfit(near), near
 
-    size, found = h.parameters[fault.parameter], (misfit, suspect)
-    _, best = fault.refined(size, found, look, lambda t: t[0])
-    return [best]
+        size = h.parameters[fault.parameter]
+        found.append(fault.refined(size, best, look, lambda t: t[0])[1])
+    return found
 
 
 def _contradiction(

@@ -29,6 +29,8 @@ from brace_drake.recording_faults.against_twin.undone import (
 
 # No misfit is told from less, in noise variances.
 LEAST = 0.05
+# Trust in a sample's motion from which on its difference tells a zero.
+_KNOWN = 0.5
 
 
 class Readings(NamedTuple):
@@ -41,6 +43,19 @@ class Readings(NamedTuple):
 
     gain: float
     off: Mapping[str, tuple[np.ndarray, ...]]
+
+
+def _as_known(off: np.ndarray, trust: np.ndarray | float) -> np.ndarray:
+    """Differences (N, C) as they are where the motion is known, by straight
+    lines where it is not; `trust` (N, 1), or a number.
+    """
+    weight = np.broadcast_to(trust, (len(off), 1))[:, 0]
+    (at,) = np.nonzero(weight > _KNOWN)
+    if not len(at):
+        return off
+    rows = np.arange(len(off))
+    known = off[at] / weight[at, None]
+    return np.column_stack([np.interp(rows, at, c) for c in known.T])
 
 
 class Refitter:
@@ -175,12 +190,13 @@ class Refitter:
         fit = self._of_sound
         if fit is None:
             return None
+        twin = self._device.twin
         recorded, expected, off = [], [], []
         for p in self.accused:
             x = fit.evaluator.simulate(p, fit.subject, self._uses)
             recorded.append(p.weigh(p.measured))
             expected.append(p.weigh(x))
-            off.append(p.measured - x)
+            off.append(_as_known(p.measured - x, twin.trust(p.motion)))
         x, y = np.concatenate(expected), np.concatenate(recorded)
         gain = float(x @ y / (x @ x)) if x @ x > 0.0 else 1.0
         columns = zip(*(o.T for o in off), strict=True)

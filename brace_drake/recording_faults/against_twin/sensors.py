@@ -130,8 +130,8 @@ def named(
             tried.append((left, h))
     if not tried:
         return
+    tried += _finer(tried, bad, accused)
     tried.sort(key=lambda t: t[0])
-    tried[0] = _finer(*tried[0], bad, accused)
     after, best = tried[0]
     before = float(np.mean([v for _, f in bad for v in f.values()]))
     if after > max(bars.restored, bars.left * before):
@@ -155,21 +155,24 @@ def named(
     )
 
 
-def _finer(left: float, h: Hypothesis, bad, accused):
-    """What the best leaves, and itself; its number refined where it is of
-    time.
-    """
-    faults = {f.fault.name: f for f in time_faults(bad[0][0].prepared.run)}
-    fault = faults.get(h.fault.name)
-    if fault is None:
-        return left, h
+def _finer(tried, bad, accused) -> list[tuple[float, Hypothesis]]:
+    """The best of each fault of time, refined, with what it leaves."""
+    found = []
+    for fault in time_faults(bad[0][0].prepared.run):
+        own = [t for t in tried if t[1].fault is fault.fault]
+        best = min(own, key=lambda t: t[0], default=None)
+        if best is None:
+            continue
+        channels = best[1].channels
 
-    def look(size: float):
-        near = fault.of(h.channels, size)
-        return _left(near, bad, accused), near
+        def look(size: float, fault=fault, channels=channels):
+            near = fault.of(channels, size)
+            left = _left(near, bad, accused)
+            return None if left is None else (left, near)
 
-    start = h.parameters[fault.parameter]
-    return fault.refined(start, (left, h), look, lambda t: t[0])[1]
+        size = best[1].parameters[fault.parameter]
+        found.append(fault.refined(size, best, look, lambda t: t[0])[1])
+    return found
 
 
 def _left(h: Hypothesis, bad, accused) -> float | None:

@@ -56,25 +56,31 @@ class TimeFault:
         left: Callable[[T], float],
         parts: float = 1.0,
     ) -> tuple[float, T]:
-        """A size near one that leaves less: steps to both sides, halved where
-        neither is better.
+        """A size near one that leaves less, a multiple of the finest step.
+
+        Steps go to both sides, and are halved where neither is better.
 
         Args:
             size, found: Where it begins, and what was found there.
             look: What is found with a size; None where nothing is.
             left: Of it, to be least.
-            parts: Of the finest step to which it is refined.
+            parts: Of the finest step that are looked at.
         """
-        step, most = 0.5 * abs(size), _BEYOND * max(self.sizes)
-        while step > 0.5 * self.finest / parts:
-            near = [s for s in (size - step, size + step) if abs(s) <= most]
-            able = [(s, t) for s in near for t in [look(s)] if t is not None]
-            best = min(able, key=lambda p: left(p[1]), default=None)
-            if best is not None and left(best[1]) < left(found):
-                size, found = best
-            else:
-                step *= 0.5
-        return size, found
+        unit = self.finest / parts
+        most = _BEYOND * max(self.sizes) / unit
+        place = round(size / unit)
+        known: dict[int, T | None] = {place: found}
+        step = max(1, abs(place) // 2)
+        while step:
+            for near in (place - step, place + step):
+                if near not in known and abs(near) <= most:
+                    known[near] = look(near * unit)
+            able = {n: t for n, t in known.items() if t is not None}
+            best = min(able, key=lambda n: left(able[n]))
+            if best == place:
+                step //= 2
+            place = best
+        return place * unit, able[place]
 
 
 def delays(period: float, samples: Sequence[float]) -> TimeFault:
@@ -91,7 +97,10 @@ def size_text(parameters: Mapping[str, float]) -> str:
     empty for other faults.
     """
     if "delay_s" in parameters:
-        return f"{1e3 * parameters['delay_s']:.3g} ms late; "
+        late = 1e3 * parameters["delay_s"]
+        return f"{abs(late):.3g} ms {'late' if late > 0.0 else 'early'}; "
     if "rate" in parameters:
-        return f"{100.0 * parameters['rate']:.2g} % ahead of the others; "
+        rate = 100.0 * parameters["rate"]
+        ahead = "ahead of" if rate > 0.0 else "behind"
+        return f"{abs(rate):.2g} % {ahead} the others; "
     return ""

@@ -105,7 +105,7 @@ def _limited_by(
     """Of what a card is the ramp, where it is one."""
     if card.name != "rate_limit":
         return None
-    known = found.get(_RAMPS[split_unit(column)[1]])
+    known = found.get(_RAMPS.get(split_unit(column)[1], ""))
     return None if known is None else known.card
 
 

@@ -95,6 +95,11 @@ class AxisScenario:
         return max(float(np.max(self.force_noise)), _EXACT * self.force_scale)
 
     @property
+    def most_mass(self) -> float:
+        """A mass that would make all of the force by itself."""
+        return self.force_scale / self.acceleration_scale
+
+    @property
     def command_size(self) -> float:
         """Half of the range of a command of speed or position."""
         is_speed = self.command == "speed"

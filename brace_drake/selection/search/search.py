@@ -112,7 +112,7 @@ def search_causes(
         # What numbers are stretched to may be another effect.
         is_whole = criterion.stretch(least) <= thresholds.WITHIN
         if is_hopeless and is_whole:
-            # No more than screening then, unless it tells of one that pays.
+            # Then none is searched but what screening tells to pay.
             beam, most = beam[:1], criterion.pays_below(best, number + 1)
     known += exchanged(evaluator, criterion, ranked[0], known)
     ranked = best_of_kinds(criterion, [criterion.nominal, *known])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -96,6 +96,23 @@ def _far_off(values: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
     return error, far
 
 
+def _felt(
+    others: Sequence[tuple[np.ndarray, np.ndarray]], samples: int, number: int
+) -> np.ndarray:
+    """Samples in which others of a run leave their course as well, spikes of
+    their own aside: that is an event (N,), bool.
+
+    Args:
+        others: Readings, and marks of their outliers.
+        samples, number: N, and as of `outliers_of`.
+    """
+    found, at = np.zeros(samples, dtype=bool), np.arange(samples)
+    for values, marks in others:
+        without = np.interp(at, at[~marks], values[~marks])
+        found |= _far_off(without, number)[1]
+    return maximum_filter1d(found, _BY)
+
+
 def _turn(values: np.ndarray, i: int) -> float:
     """By how much steps behind a sample differ from those before it."""
     before, after = values[max(0, i - 3) : i], values[i + 1 : i + 4]
@@ -137,15 +154,10 @@ def find_outliers(
     found = []
     names = noisy_channels(run, known)
     marked = {n: outliers_of(run.channels[n], number) for n in names}
-    # What the others feel as well is an event, and no spike.
-    felt = {
-        n: _far_off(run.channels[n], number)[1] & ~marks
-        for n, marks in marked.items()
-    }
     for name, marks in marked.items():
-        others = [f for n, f in felt.items() if n != name]
-        if marks.any() and others:
-            marks = marks & ~maximum_filter1d(np.any(others, axis=0), _BY)
+        if marks.any():
+            others = [(run.channels[n], marked[n]) for n in names if n != name]
+            marks = marks & ~_felt(others, len(marks), number)
         count = int(marks.sum())
         if not count:
             continue

@@ -11,11 +11,12 @@ from brace_drake.recording_faults.card import (
 
 def _undo(columns, channels, values):
     time = columns["time_s"] - columns["time_s"][0]
-    # Of a slow clock the end was not recorded: it is held.
     at = time / (1.0 + values["rate"])
-    return with_columns(
-        columns, {c: np.interp(at, time, columns[c]) for c in channels}
-    )
+    # Of a slow clock the end was not recorded.
+    rows = at <= time[-1]
+    found = {name: column[rows] for name, column in columns.items()}
+    own = {c: np.interp(at[rows], time, columns[c]) for c in channels}
+    return with_columns(found, own)
 
 
 CARD = RecordingFault(
