@@ -129,7 +129,7 @@ ON_AXIS = (
     ),
     (
         of_file("fast.csv", tared(FORCE, 6.0, -1.0)),
-        ("zero_step", ("fast.csv",), ()),
+        ("zero_step", ("fast.csv",), (FORCE,)),
     ),
     (
         of_other("new.csv", axis_recordings.make_campaign(other)),
