@@ -97,8 +97,10 @@ def _floor_of(
 
 
 def _counted(twin, motion) -> float:
-    """How far the samples of a run count, as a root mean square."""
-    return float(np.sqrt(np.mean(np.square(twin.trust(motion)))))
+    """How far the samples of a run count, as a root mean square; 1 where none
+    does.
+    """
+    return float(np.sqrt(np.mean(np.square(twin.trust(motion))))) or 1.0
 
 
 def _rounding_of(
