@@ -124,7 +124,7 @@ ON_AXIS = (
         ("skewed_channel", ("new.csv",), (FORCE,)),
     ),
     (
-        of_all(slow(FORCE, 0.004)),
+        of_all(slow(FORCE, -0.01)),
         ("own_clock", ("short.csv", "long.csv", "fast.csv"), (FORCE,)),
     ),
     (

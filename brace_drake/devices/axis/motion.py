@@ -10,6 +10,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
 from brace_drake.devices.pad_bench.motion import MakePadMotion, PadMotion
+from brace_drake.recording.jumps import jumps_in
 from brace_drake.recording.recording import Run
 
 # Samples at each end whose acceleration is known from one side alone.
@@ -75,8 +76,7 @@ class AxisMotion:
         around = median_filter(bends, _AROUND, mode="nearest")
         usual = np.maximum(usual, around)
         doubt = np.maximum(0.0, bends - _USUAL * usual)
-        beside = _BESIDE + math.ceil(_REACHES * self.way.reach)
-        return maximum_filter1d(doubt, 2 * beside + 1)
+        return maximum_filter1d(doubt, self._beside) * ~self._leaps
 
     @cached_property
     def _whole(self) -> np.ndarray:
@@ -84,7 +84,22 @@ class AxisMotion:
         place = np.arange(len(self.time))
         from_end = np.minimum(place, place[::-1]) / max(_ENDS, self.way.reach)
         ends = np.sin(0.5 * np.pi * np.clip(from_end, 0.0, 1.0))
-        return ends * (self.way.jumps == 0.0)
+        return ends * ((self.way.jumps == 0.0) | self._leaps)
+
+    @property
+    def _beside(self) -> int:
+        """Samples over which one spoils accelerations."""
+        return 2 * (_BESIDE + math.ceil(_REACHES * self.way.reach)) + 1
+
+    @cached_property
+    def _leaps(self) -> np.ndarray:
+        """Samples beside a jump (N,), bool: no machine jumps, and what is
+        wrong with such a record is to show.
+        """
+        marks = np.zeros(len(self.time), dtype=bool)
+        noise = np.sqrt(2.0) * self.way.sigma
+        marks[jumps_in(self.way.displacement, noise)] = True
+        return maximum_filter1d(marks, self._beside + 2)
 
 
 def MakeAxisMotion(

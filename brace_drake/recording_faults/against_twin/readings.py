@@ -42,7 +42,7 @@ class Reading:
             expected = self.expected[: len(values), c]
             difference = to_frequency(values - expected)
             weights = self.prepared.weights[:, c]
-            weighted = difference[: len(weights)] * weights
+            weighted = difference[: len(weights)] * weights[: len(values)]
             found[name] = float(np.mean(weighted**2))
         return found
 

@@ -7,28 +7,16 @@ from collections.abc import Mapping
 import numpy as np
 
 from brace_drake.recording.columns import Channel
+from brace_drake.recording.jumps import jumps_in
 from brace_drake.recording.recording import Run
 from brace_drake.recording_faults.card import FaultParameter, RecordingFault
 from brace_drake.recording_faults.finding import Finding
 from brace_drake.recording_faults.statistics import noise_deviation
 
-# A jump is so many times the steps on both sides of it, which are steps where
-# they are so many deviations of a reading.
-_JUMP, _SHAKE = 3.0, 4.0
-
 
 def jumps_of(way: np.ndarray) -> np.ndarray:
-    """Rows after which a way goes on elsewhere (J,).
-
-    A way that moves has steps much like their neighbours. One that begins or
-    ends to move has a larger one on one side; only a jump stands alone.
-    """
-    shake = _SHAKE * noise_deviation(way)
-    steps = np.abs(np.diff(way))
-    beside = np.maximum(steps[:-2], steps[2:])
-    rows = 1 + np.flatnonzero(steps[1:-1] > _JUMP * (beside + shake))
-    # Where it rests on both sides, it was asked to jump.
-    return rows[beside[rows - 1] > shake]
+    """Rows after which a way goes on elsewhere (J,), by its own noise."""
+    return jumps_in(way, noise_deviation(way))
 
 
 def find_lost(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
