@@ -36,13 +36,12 @@ from brace_drake.selection.search.screening import (
     Say,
     by_effect,
     others,
-    screen,
     search_best,
 )
 from brace_drake.selection.search.sets import (
     beam_of,
     ended_beside,
-    keys_of,
+    screen_fresh,
     untried,
 )
 from brace_drake.selection.search.shortlist import (
@@ -112,8 +111,8 @@ def search_causes(
         # What numbers are stretched to may be another effect.
         is_whole = criterion.stretch(least) <= thresholds.WITHIN
         if is_hopeless and is_whole:
-            # Then none is searched but what screening tells to pay.
-            beam, most = beam[:1], criterion.pays_below(best, number + 1)
+            # Then only where screening tells of one that pays.
+            most = criterion.pays_below(best, number + 1)
     known += exchanged(evaluator, criterion, ranked[0], known)
     ranked = best_of_kinds(criterion, [criterion.nominal, *known])
     if _is_end(evaluator, criterion, ranked[0]):
@@ -156,6 +155,10 @@ def _beside(
     set_out(evaluator, base)
     found: list[CandidateFit] = []
     try:
+        if most < math.inf:
+            lines = Linearisation(evaluator, base)
+            if not screen_fresh(lines, effects, known, say, most):
+                return found
         if base.effects and not base.is_settled:
             base = refit_within(evaluator, base, criterion.nuisances)
             found.append(base)
@@ -216,13 +219,11 @@ def _forward(
     """
     evaluator, base = lines.evaluator, lines.base
     more, found, told = others(effects, base), [], False
-    done = {keys_of(f.effects) for f in known if f.refined}
-    fresh = [e for e in more if keys_of((*base.effects, e)) not in done]
-    screened = [c for c in screen(lines, fresh, say) if c.predicted < most]
+    screened = screen_fresh(lines, effects, known, say, most)
     if not screened:
         return found, told
     # Those of dozens of parameters are dear: one after the other.
-    is_dear = any(e.is_flexible for e in fresh)
+    is_dear = any(c.added.is_flexible for c in screened)
     for candidates in by_effect(screened) if is_dear else [screened]:
         hopeless = thresholds.HOPELESS_OF_MANY * lines.remaining
         if is_dear and candidates[0].predicted > hopeless:

@@ -8,8 +8,9 @@ from brace_drake.effects.card import Effect
 from brace_drake.identification.fits import CandidateFit
 from brace_drake.selection import thresholds
 from brace_drake.selection.criterion import Criterion, refined
+from brace_drake.selection.search.candidate import Candidate
 from brace_drake.selection.search.linearisation import Linearisation
-from brace_drake.selection.search.screening import others
+from brace_drake.selection.search.screening import Say, others, screen
 
 
 def beam_of(
@@ -45,6 +46,30 @@ def untried(
     done = {e.cause for f in larger for e in f.effects if e.key not in mine}
     more = others(lines.evaluator.effects, base)
     return [e for e in more if e.cause not in done]
+
+
+def screen_fresh(
+    lines: Linearisation,
+    effects: Sequence[Effect],
+    known: Sequence[CandidateFit],
+    say: Say,
+    most: float,
+) -> list[Candidate]:
+    """The base of a linearisation with each further effect, of those that were
+    not led to their end before, that is predicted to leave less than `most`.
+
+    Args:
+        lines: Where the search sets out from.
+        effects: Those that may be added.
+        known: Fits before.
+        say: Progress.
+        most: Sum of squares above noise, strained.
+    """
+    base = lines.base
+    done = {keys_of(f.effects) for f in known if f.refined}
+    more = others(effects, base)
+    fresh = [e for e in more if keys_of((*base.effects, e)) not in done]
+    return [c for c in screen(lines, fresh, say) if c.predicted < most]
 
 
 def ended_beside(
