@@ -79,22 +79,19 @@ def find_late_readings(
     quiet = max([1.0, *others[:1]])
     refitter = Refitter(device, (), runs, fit.subject, uses, jobs)
     faults = time_faults(contact[0].run)
-    slopes = _slopes(fit, group, uses)
-    least = largest_normal(sum(len(f.sizes) for f in faults))
-    for slope, fault in sorted(
-        zip(slopes, faults, strict=True), key=lambda s: -abs(s[0])
-    ):
-        if abs(slope) < least:
-            break
-        suspect = _best_of(refitter, fault, group, np.sign(slope))
-        undone = refitter.undone(suspect)
-        again = refitter.fit(undone) if undone else None
-        if again is None:
-            continue
-        *_, after = off(again, undone)
-        if after - quiet <= _TOLD * (before - quiet):
-            return [_finding(suspect, runs, before, after)]
-    return []
+    told, sizes = _along(fit, group, uses)
+    place = int(np.argmax(np.abs(told)))
+    if abs(told[place]) < largest_normal(len(faults)):
+        return []
+    suspect = _best_of(refitter, faults[place], group, sizes[place])
+    undone = refitter.undone(suspect)
+    again = refitter.fit(undone) if undone else None
+    if again is None:
+        return []
+    *_, after = off(again, undone)
+    if after - quiet > _TOLD * (before - quiet):
+        return []
+    return [_finding(suspect, runs, before, after)]
 
 
 def _finding(
@@ -130,55 +127,44 @@ def _beside_noise(readings: Sequence[Reading], name: str) -> float:
     return float(np.mean(squares)) if squares else 0.0
 
 
-def _slopes(
+def _along(
     fit: SubjectFit, group: tuple[str, ...], uses: Sequence[Use]
-) -> tuple[float, float]:
-    """How far readings with a delay, or with a clock of their own, would leave
-    less, beside what the subject and numbers within their tolerances take.
+) -> tuple[np.ndarray, np.ndarray]:
+    """How far a delay of readings, and a clock of their own, would leave less,
+    beside what the subject and numbers within their tolerances take.
 
-    Each in deviations of what a right twin leaves; positive where they are
-    late, or run ahead; negative where early, or behind.
+    By straight lines: in deviations of what a right twin leaves (2,), and the
+    delay, s, and the clock's rate that do (2,).
     """
     evaluator = fit.evaluator
     mine = np.isin(evaluator.twin.channels, group)
-    times, steps = [], []
+    late, ahead = [], []
     for p in evaluator.prepared:
+        time = p.run.time_s - p.run.time_s[0]
         moved = evaluator.simulate(p, fit.subject, uses)
-        steps.append(-np.gradient(moved, axis=0) * (mine * p.run.contact))
-        times.append((p.run.time_s - p.run.time_s[0])[:, None])
-
-    ahead = [-t * s for t, s in zip(times, steps, strict=True)]
-    ways = np.column_stack(
-        [
-            np.concatenate(
-                [
-                    p.weigh(c)
-                    for p, c in zip(evaluator.prepared, own, strict=True)
-                ]
-            )
-            for own in (steps, ahead)
-        ]
-    )
+        speed = np.gradient(moved, time, axis=0) * (mine * p.run.contact)
+        late.append(p.weigh(-speed))
+        ahead.append(p.weigh(time[:, None] * speed))
+    ways = np.column_stack([np.concatenate(late), np.concatenate(ahead)])
     if evaluator.tolerances is not None:
         ways = evaluator.tolerances.whiten(ways)
     jacobian = fit.solution.jacobian[: len(ways)]
     ways = ways - jacobian @ np.linalg.lstsq(jacobian, ways, rcond=None)[0]
     gains = ways.T @ fit.solution.residual[: len(ways)]
-    size = np.linalg.norm(ways, axis=0) * np.sqrt(1.0 + max(0.0, fit.misfit))
-    late, fast = np.divide(gains, size, where=size > 0.0, out=np.zeros(2))
-    return float(late), float(fast)
+    length = np.maximum(np.linalg.norm(ways, axis=0), 1e-30)
+    spread = np.sqrt(1.0 + max(0.0, fit.misfit))
+    return gains / length / spread, gains / length**2
 
 
 def _best_of(
-    refitter: Refitter, fault: TimeFault, group: tuple[str, ...], sign: float
+    refitter: Refitter, fault: TimeFault, group: tuple[str, ...], size: float
 ) -> Suspect:
-    """The size of a fault that leaves least, of a sign."""
+    """The size of a fault that leaves least, near one by straight lines."""
 
     def look(size: float) -> tuple[float, Suspect]:
         suspect = Suspect(fault.of(group, size), OTHER)
         return refitter.misfit(suspect), suspect
 
-    tried = {sign * s: look(sign * s) for s in fault.sizes}
-    size = min(tried, key=lambda s: tried[s][0])
-    _, (_, best) = fault.refined(size, tried[size], look, lambda t: t[0])
-    return best
+    near = float(np.clip(abs(size), fault.finest, max(fault.sizes)))
+    near = fault.finest * round(near / fault.finest) * np.sign(size)
+    return fault.refined(near, look(near), look, lambda t: t[0])[1][1]
