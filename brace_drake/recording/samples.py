@@ -108,7 +108,7 @@ def without_rounding(time: np.ndarray) -> np.ndarray:
     through them. Others stay as they are: no clock ticks evenly to the digit,
     and a lost row leaves a gap.
     """
-    if len(time) < TELLING_ROWS or not np.all(np.isfinite(time)):
+    if len(time) < TELLING_ROWS or not np.all(np.abs(time) <= LATEST_S):
         return time
     steps = np.diff(time)
     if np.max(steps) > _GAP_PERIODS * np.median(steps):
