@@ -102,6 +102,7 @@ def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
         _set(scenario, best.x)
     else:
         _set(scenario, _RIGID)
+    scenario.wound = scenario.frequency**2 * twist
 
 
 def _nearest_least(left, begins) -> OptimizeResult:

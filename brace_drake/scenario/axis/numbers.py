@@ -57,6 +57,8 @@ class AxisScenario:
     bias: float = number(0.0, "m/s^2")
     # Force for each unit of an extra input, by its column.
     gains: dict[str, float] = field(default_factory=dict)
+    # Largest acceleration by what a joint behind a motor was wound up.
+    wound: float = number(0.0, "m/s^2", least=0.0)
     # Numbers of the machine that every recording is fitted anew.
     fitted: list[str] = items("offset")
     # Standard deviation that a reading would have were its noise at all
@@ -84,7 +86,9 @@ class AxisScenario:
         """What the axis counts in; its forces under a command for 1 kg."""
         length, is_rotary = self.length_scale / LENGTH_M, self.kind == "rotary"
         if not self.is_imposed:
-            return AxisUnits(length, length, is_rotary, per_mass=True)
+            # Behind a motor forces wind up a joint, however stiff it is.
+            force = max(length, self.wound / FORCE_N)
+            return AxisUnits(length, force, is_rotary, per_mass=True)
         return AxisUnits(length, self.force_scale / FORCE_N, is_rotary)
 
     @property
