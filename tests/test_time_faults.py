@@ -26,7 +26,7 @@ class TestRefined(unittest.TestCase):
             return abs(size - truth)
 
         start = min(fault.signed(), key=left)
-        size, _ = fault.refined(start, start, look, left, parts)
+        size = fault.refined(start, start, look, left, parts)
         self.assertEqual(len(asked), len(set(asked)))
         return size
 

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import math
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from brace_drake.core.errors import PolicyError, quoted
-from brace_drake.core.output import WriteJson
+from brace_drake.core.output import WriteJson, format_json
 from brace_drake.core.parallel import Workers, open_workers
 from brace_drake.core.progress import share_bar
 
@@ -126,7 +125,7 @@ def AddJson(parser: argparse.ArgumentParser) -> None:
 
 def PrintJson(document: dict) -> None:
     """Prints what --json asks for."""
-    print(json.dumps(document, indent=1, allow_nan=False))
+    print(format_json(document), end="")
 
 
 def TellDocument(

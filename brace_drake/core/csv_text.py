@@ -29,12 +29,13 @@ def csv_text(
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([_safe(c) for c in columns])
+    known = {*columns}
     for row in rows:
-        is_named = isinstance(row, Mapping)
-        if is_named and not row.keys() <= {*columns}:
-            raise ValueError(f"{sorted(row.keys() - {*columns})} in no column")
-        cells = [row.get(c) for c in columns] if is_named else row
-        writer.writerow([_safe(c) for c in cells])
+        if isinstance(row, Mapping):
+            if not row.keys() <= known:
+                raise ValueError(f"{sorted(row.keys() - known)} in no column")
+            row = [row.get(c) for c in columns]
+        writer.writerow([_safe(c) for c in row])
     return text.getvalue()
 
 

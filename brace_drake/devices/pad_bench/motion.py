@@ -11,6 +11,7 @@ from brace_drake.laws.alone.pad_path import (
     filter_cosines,
     noise_gain,
     path_slopes,
+    reach_of,
 )
 
 
@@ -57,10 +58,7 @@ class PadMotion:
     @property
     def reach(self) -> float:
         """Samples over which the smoothing takes a mean; 0 without any."""
-        if np.all(self.pass_band == 1.0):
-            return 0.0
-        passed = np.count_nonzero(self.pass_band > 0.5)
-        return 0.5 * len(self.time) / max(1, passed)
+        return reach_of(self.pass_band)
 
     @cached_property
     def _recorded(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

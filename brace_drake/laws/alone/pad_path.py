@@ -28,9 +28,15 @@ def filter_cosines(signal: np.ndarray, gain: np.ndarray) -> np.ndarray:
     """
     if np.all(gain == 1.0):
         return signal.copy()
-    cutoff = np.count_nonzero(gain > 0.5)
-    ends = _sloped_as_ends(signal, len(signal) // max(1, cutoff))
+    ends = _sloped_as_ends(signal, int(2.0 * reach_of(gain)))
     return ends + idct(gain * dct(signal - ends, norm="ortho"), norm="ortho")
+
+
+def reach_of(gain: np.ndarray) -> float:
+    """Samples over which a filter takes a mean; 0 without any."""
+    if np.all(gain == 1.0):
+        return 0.0
+    return 0.5 * len(gain) / max(1, np.count_nonzero(gain > 0.5))
 
 
 def _sloped_as_ends(signal: np.ndarray, samples: int) -> np.ndarray:

@@ -3,7 +3,7 @@
 Little of a marker's delay shows: the subject's damping takes most of it. But a
 twin that is right leaves noise alone in every reading. Where
 a delay, or a clock of its own, would take more than chance of that, by straight
-lines, the subject is fitted anew with faults of that sign undone.
+lines, the subject is fitted anew with faults near what those lines say undone.
 """
 
 from __future__ import annotations
@@ -28,8 +28,10 @@ from brace_drake.recording_faults.against_twin.undone import (
     time_faults,
 )
 from brace_drake.recording_faults.finding import MOST_PROBABLE, Finding
+from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 from brace_drake.recording_faults.relations.time_faults import (
     TimeFault,
+    refined_best,
     size_text,
 )
 from brace_drake.recording_faults.statistics import largest_normal
@@ -161,10 +163,11 @@ def _best_of(
 ) -> Suspect:
     """The size of a fault that leaves least, near one by straight lines."""
 
-    def look(size: float) -> tuple[float, Suspect]:
-        suspect = Suspect(fault.of(group, size), OTHER)
-        return refitter.misfit(suspect), suspect
+    def left(h: Hypothesis) -> float:
+        return refitter.misfit(Suspect(h, OTHER))
 
     near = float(np.clip(abs(size), fault.finest, max(fault.sizes)))
     near = fault.finest * round(near / fault.finest) * np.sign(size)
-    return fault.refined(near, look(near), look, lambda t: t[0])[1][1]
+    start = fault.of(group, near)
+    ((_, best),) = refined_best((fault,), [(left(start), start)], left)
+    return Suspect(best, OTHER)

@@ -38,7 +38,10 @@ from brace_drake.recording_faults.library.runs import (
     other_subject,
 )
 from brace_drake.recording_faults.library.time import lost_samples
-from brace_drake.recording_faults.relations.time_faults import size_text
+from brace_drake.recording_faults.relations.time_faults import (
+    refined_best,
+    size_text,
+)
 
 # Squares for which a misfit counts: residuals of a twin are not independent.
 _SQUARES = 20.0
@@ -145,7 +148,12 @@ def _tried(refitter: Refitter, new: Sequence[PreparedRun] = ()) -> list[_Tried]:
     if readings is not None:
         suspects += of_channels(runs, refitter.names, *readings)
     tried = [(refitter.misfit(s), s) for s in suspects]
-    tried += _finer(refitter, tried, runs)
+    finer = refined_best(
+        time_faults(runs[0]),
+        [(misfit, s.hypothesis) for misfit, s in tried],
+        lambda h: refitter.misfit(Suspect(h, OTHER)),
+    )
+    tried += [(misfit, Suspect(h, OTHER)) for misfit, h in finer]
     found = [
         _Tried(
             misfit,
@@ -224,29 +232,6 @@ def _explained(refitter: Refitter, tried: Sequence[_Tried]) -> list[Finding]:
             after=1.0 + best.misfit,
         )
     ]
-
-
-def _finer(
-    refitter: Refitter, tried: Sequence[tuple[float, Suspect]], runs
-) -> list[tuple[float, Suspect]]:
-    """The best of each fault of time, refined."""
-    found = []
-    for fault in time_faults(runs[0]):
-        own = [t for t in tried if t[1].hypothesis.fault is fault.fault]
-        best = min(own, key=lambda t: t[0], default=None)
-        if best is None:
-            continue
-        h, weight = best[1].hypothesis, best[1].weight
-
-        def look(
-            size: float, fault=fault, h=h, weight=weight
-        ) -> tuple[float, Suspect]:
-            near = Suspect(fault.of(h.channels, size), weight)
-            return refitter.misfit(near), near
-
-        size = h.parameters[fault.parameter]
-        found.append(fault.refined(size, best, look, lambda t: t[0])[1])
-    return found
 
 
 def _contradiction(

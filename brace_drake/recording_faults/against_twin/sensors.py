@@ -35,6 +35,7 @@ from brace_drake.recording_faults.library.channels import (
     wrong_scale,
 )
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
+from brace_drake.recording_faults.relations.time_faults import refined_best
 from brace_drake.recording_faults.statistics import is_noise_scaled
 
 # Misfit of the channels left in that counts as followed.
@@ -130,7 +131,11 @@ def named(
             tried.append((left, h))
     if not tried:
         return
-    tried += _finer(tried, bad, accused)
+    tried += refined_best(
+        time_faults(bad[0][0].prepared.run),
+        tried,
+        lambda h: _left(h, bad, accused),
+    )
     tried.sort(key=lambda t: t[0])
     after, best = tried[0]
     before = float(np.mean([v for _, f in bad for v in f.values()]))
@@ -153,26 +158,6 @@ def named(
         before=before,
         after=after,
     )
-
-
-def _finer(tried, bad, accused) -> list[tuple[float, Hypothesis]]:
-    """The best of each fault of time, refined, with what it leaves."""
-    found = []
-    for fault in time_faults(bad[0][0].prepared.run):
-        own = [t for t in tried if t[1].fault is fault.fault]
-        best = min(own, key=lambda t: t[0], default=None)
-        if best is None:
-            continue
-        channels = best[1].channels
-
-        def look(size: float, fault=fault, channels=channels):
-            near = fault.of(channels, size)
-            left = _left(near, bad, accused)
-            return None if left is None else (left, near)
-
-        size = best[1].parameters[fault.parameter]
-        found.append(fault.refined(size, best, look, lambda t: t[0])[1])
-    return found
 
 
 def _left(h: Hypothesis, bad, accused) -> float | None:

@@ -273,7 +273,7 @@ class FaultSearch:
             if channels in seen or len(seen) == _MOST or not gone:
                 continue
             seen.add(channels)
-            _, best = fault.refined(
+            best = fault.refined(
                 size,
                 t,
                 lambda s, names=channels: self.try_one(fault.of(names, s)),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import TypeVar
 
 from brace_drake.recording_faults.card import RecordingFault
@@ -55,8 +56,9 @@ class TimeFault:
         look: Callable[[float], T | None],
         left: Callable[[T], float],
         parts: float = 1.0,
-    ) -> tuple[float, T]:
-        """A size near one that leaves less, a multiple of the finest step.
+    ) -> T:
+        """What is found with a size near one that leaves least, a multiple of
+        the finest step.
 
         Steps go to both sides, and are halved where neither is better.
 
@@ -80,7 +82,7 @@ class TimeFault:
             if best == place:
                 step //= 2
             place = best
-        return place * unit, able[place]
+        return able[place]
 
 
 def delays(period: float, samples: Sequence[float]) -> TimeFault:
@@ -90,6 +92,36 @@ def delays(period: float, samples: Sequence[float]) -> TimeFault:
 
 
 CLOCKS = TimeFault(own_clock.CARD, "rate", _RATES, _FINEST_RATE)
+
+
+def refined_best(
+    faults: Iterable[TimeFault],
+    tried: Sequence[tuple[float, Hypothesis]],
+    left: Callable[[Hypothesis], float | None],
+) -> list[tuple[float, Hypothesis]]:
+    """The best of each fault of time, refined, with what it leaves.
+
+    Args:
+        faults: Kinds of them.
+        tried: Faults of any kind, with what they leave.
+        left: Of one more; None where nothing can be said.
+    """
+    found = []
+    for fault in faults:
+        own = [t for t in tried if t[1].fault is fault.fault]
+        best = min(own, key=itemgetter(0), default=None)
+        if best is None:
+            continue
+        channels = best[1].channels
+
+        def look(size: float, fault=fault, channels=channels):
+            near = fault.of(channels, size)
+            value = left(near)
+            return None if value is None else (value, near)
+
+        size = best[1].parameters[fault.parameter]
+        found.append(fault.refined(size, best, look, itemgetter(0)))
+    return found
 
 
 def size_text(parameters: Mapping[str, float]) -> str:
