@@ -74,6 +74,26 @@ class TestLaws(unittest.TestCase):
         np.testing.assert_allclose(found, wanted, atol=0.02 * level)
         self.assertAlmostEqual(np.abs(found).max(), level)
 
+    def test_gradual_friction_comes_near_its_level_exponentially(self):
+        # Along a straight way: F_c (1 - exp(-y / w)); turned round there,
+        # (F_1 + F_c) exp(-(y_1 - y) / w) - F_c.
+        level, way = 5.0, 2e-3
+        there = np.linspace(0.0, 3e-3, 200)
+        y = np.concatenate([there, there[-2::-1]])
+        t, still = np.arange(len(y)) / RATE, np.zeros(len(y))
+        path = np.column_stack([y, still, still])
+        rising = level * (1.0 - np.exp(-there / way))
+        back = np.exp((there[-2::-1] - there[-1]) / way)
+        wanted = np.append(rising, (rising[-1] + level) * back - level)
+        for name, values in (
+            ("coulomb_friction (gradual)", (level, way)),
+            ("load_friction (gradual)", (level, 0.0, level / way, 0.0)),
+        ):
+            with self.subTest(effect=name):
+                found = replayed(name, path, t, *values)
+                # The force is read at the end of each way, of four parts.
+                np.testing.assert_allclose(found, wanted, atol=0.01 * level)
+
     def test_a_loop_of_dry_friction_takes_four_levels_for_each_way(self):
         # Four times the level for each turning point less what play and
         # elasticity leave out.
@@ -227,6 +247,43 @@ class TestAnswers(unittest.TestCase):
                 if name == "cogging":
                     pitch = estimates(found)["pitch_m"]
                     self.assertAlmostEqual(pitch, 0.0071, delta=2e-5)
+
+    def test_friction_that_builds_up_bit_by_bit_has_its_numbers(self):
+        def dahl(y, level, way):
+            force, at, out = 0.0, y[0], np.zeros(len(y))
+            for i, position in enumerate(y):
+                step, at = position - at, position
+                end = np.copysign(level, step)
+                force = end + (force - end) * np.exp(-abs(step) / way)
+                out[i] = force
+            return out
+
+        def force(path, inputs):
+            return linear(path) + dahl(path[:, 0], 6.0, 3e-3)
+
+        found = diagnose(make_campaign(force), jobs=1)
+        self.assertEqual(found.verdict.effects, ("coulomb_friction",))
+        values = estimates(found)
+        self.assertAlmostEqual(values["coulomb_N"], 6.0, delta=0.1)
+        self.assertAlmostEqual(values["presliding_m"], 3e-3, delta=1e-4)
+        self.assertGreater(found.shrinkage["closed"], 0.97)
+
+    def test_a_small_mass_is_fitted_beside_friction_that_hides_it(self):
+        def force(path, inputs):
+            level = 10.0 + 6.0 * inputs["input_pressure_bar"][0]
+            rub = dry_friction(path[:, 0], level, 5e4, 0.0)
+            return path @ np.array([0.0, 90.0, 3.0]) + rub
+
+        def inputs(i):
+            return {"input_pressure_bar": (1.0, 3.0, 6.0, 4.5)[i]}
+
+        found = diagnose(make_campaign(force, inputs=inputs), jobs=1)
+        self.assertEqual(found.verdict.effects, ("load_friction",))
+        twin = found.evaluator.twin
+        names = [p.name for p in twin.subject]
+        values = dict(zip(names, found.verdict.winner.subject, strict=True))
+        self.assertAlmostEqual(values["mass_kg"], 3.0, delta=0.1)
+        self.assertAlmostEqual(values["viscous_N_s_m"], 90.0, delta=2.0)
 
     def test_a_rotary_machine_answers_in_its_units(self):
         found = diagnose(

@@ -112,6 +112,40 @@ class TestPath(unittest.TestCase):
         error = rate - 0.1 * w * np.cos(w * time + 0.4)
         self.assertLess(np.abs(error).max(), 0.01 * 0.1 * w)
 
+    def test_what_smoothing_leaves_unknown_has_the_power_that_is_told(self):
+        # Of an acceleration that leaps: the power of the motion falls with the
+        # sixth power of the frequency.
+        time, sigma = np.arange(6000) / 500.0, 1e-4
+        push = np.where(np.mod(time, 3.0) < 1.5, 2.0, -2.0)
+        speed = np.cumsum(push) / 500.0
+        clean = np.cumsum(speed - speed.mean()) / 500.0
+        ratios = []
+        for seed in range(20):
+            noise = np.random.default_rng(seed).standard_normal(len(time))
+            gain = noise_gain(clean + sigma * noise, sigma)
+            rest = filter_cosines(clean + sigma * noise, gain) - clean
+            told = sigma * np.sqrt(np.mean(gain))
+            ratios.append(np.sqrt(np.mean(rest[200:-200] ** 2)) / told)
+        self.assertGreater(np.mean(ratios), 0.7)
+        self.assertLess(np.mean(ratios), 1.4)
+
+    def test_rounding_of_a_periodic_motion_is_no_motion(self):
+        # 500 samples a second are a whole number in a period of 2.5 s: what
+        # an encoder's steps add is lines at all harmonics.
+        time, step = np.arange(6000) / 500.0, 2.0 * np.pi / 16384.0
+        w = 2.0 * np.pi * 0.4
+        clean = 0.9 * (1.0 - np.cos(w * time))
+        read = step * np.round(clean / step)
+        gain = noise_gain(read, step / np.sqrt(12.0))
+        # Half waves below 10 Hz.
+        self.assertLess(np.count_nonzero(gain > 0.5), 2 * 12 * 10)
+        smooth = filter_cosines(read, gain)
+        rate, _ = path_slopes(time, smooth, step / np.sqrt(12.0))
+        bend = np.gradient(rate, time)[100:-100]
+        wanted = 0.9 * w**2 * np.cos(w * time)[100:-100]
+        error = np.sqrt(np.mean((bend - wanted) ** 2))
+        self.assertLess(error, 0.02 * 0.9 * w**2)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -23,6 +23,8 @@ from brace_drake.scenario.pad_noise import (
 _TERMS = ("mass", "viscous", "stiffness", "offset")
 # A number counts where it is this many times what scatter alone makes of it.
 _SHOWN = 2.0
+# Dry friction turns round over this much of the usual speed.
+_SLOW = 0.05
 # Steps of an effect between two samples.
 _STEP_PARTS = 4.0
 
@@ -152,7 +154,8 @@ def _estimate(scenario, stated, path, beside, measured, trust) -> None:
     values = dict(zip(names, np.zeros(len(names)), strict=True))
     values |= {n: v for n, v in known.items() if v is not None}
     able = [n for n in names if known.get(n) is None]
-    shown = _shown(names, able, terms, measured)
+    friction = trust[:, None] * _friction_terms(path[:, 1], beside)
+    shown = _shown(names, able, terms, friction, measured)
     fitted = [n for n in names if n in shown or values[n]]
     open_ = [n for n in fitted if known.get(n) is None]
     rest = measured - terms @ np.array([values[n] for n in names])
@@ -166,21 +169,31 @@ def _estimate(scenario, stated, path, beside, measured, trust) -> None:
     scenario.fitted = fitted
 
 
-def _shown(names, able, terms, measured) -> set[str]:
-    """Numbers of those that are not stated that the force shows; the offset
-    always is one.
+def _friction_terms(speed: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """Dry friction of 1, and growing with each extra input (N, 1 + J)."""
+    slow = _SLOW * np.sqrt(np.mean(speed**2)) + 1e-30
+    direction = speed / np.hypot(speed, slow)
+    return direction[:, None] * np.column_stack([np.ones(len(speed)), beside])
+
+
+def _shown(names, able, terms, friction, measured) -> set[str]:
+    """Numbers of those that are not stated that the force shows beside dry
+    friction, which may be there and hides a small mass; the offset always is
+    one.
     """
-    shown = list(able)
+    shown, count = list(able), friction.shape[1]
     while True:
-        columns = terms[:, [names.index(n) for n in shown]]
+        of_shown = terms[:, [names.index(n) for n in shown]]
+        columns = np.hstack([of_shown, friction])
         size = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
-        values = _solve(names, shown, terms, measured) * size
+        limits = _limits_of([*shown, *["friction"] * count])
+        values = lsq_linear(columns / size, measured, limits).x
         rest = measured - columns @ (values / size)
         # Neighbours are not independent: as many values as the rest has turns.
         turns = max(2, np.count_nonzero(np.diff(np.sign(rest))))
         covariance = np.linalg.pinv((columns / size).T @ (columns / size))
         error = np.sqrt(np.diag(covariance) * (rest @ rest) / turns)
-        weight = np.abs(values) / np.maximum(error, 1e-30)
+        weight = (np.abs(values) / np.maximum(error, 1e-30))[: len(shown)]
         weight[shown.index("offset")] = np.inf
         worst = int(np.argmin(weight))
         if weight[worst] > _SHOWN:
@@ -194,9 +207,11 @@ def _solve(names, chosen: Sequence[str], terms, measured) -> np.ndarray:
         return np.zeros(0)
     columns = terms[:, [names.index(n) for n in chosen]]
     size = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
-    least = [
-        0.0 if n in ("mass", "viscous", "stiffness") else -np.inf
-        for n in chosen
-    ]
-    found = lsq_linear(columns / size, measured, (least, np.inf))
+    found = lsq_linear(columns / size, measured, _limits_of(chosen))
     return found.x / size
+
+
+def _limits_of(chosen: Sequence[str]) -> tuple[list[float], float]:
+    """Least value of each number, and the largest of all."""
+    above = "mass", "viscous", "stiffness"
+    return [0.0 if n in above else -np.inf for n in chosen], np.inf

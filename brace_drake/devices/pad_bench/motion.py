@@ -40,14 +40,16 @@ class PadMotion:
         the swings of a spline with continuous curvature.
 
         Args:
-            noise: Added to the recorded displacement (N,), m.
+            noise: Of the readings (N,), m: what of it smoothing leaves unknown
+                is added.
             share: Of the jump of a corner on a sample, what its rate has over
                 the mean of both sides, -1/2 to 1/2.
         """
         if noise is None:
             smooth, rate, jumps = self._recorded
         else:
-            smooth, rate, jumps = self._smoothed(self.displacement + noise)
+            unknown = filter_cosines(noise, np.sqrt(self.pass_band))
+            smooth, rate, jumps = self._sloped(self._recorded[0] + unknown)
         return np.column_stack([smooth, rate + share * jumps])
 
     @property
@@ -62,11 +64,10 @@ class PadMotion:
 
     @cached_property
     def _recorded(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return self._smoothed(self.displacement)
+        return self._sloped(filter_cosines(self.displacement, self.pass_band))
 
-    def _smoothed(self, displacement: np.ndarray):
-        """Smoothed displacement, its rate, and jumps of that, each (N,)."""
-        smooth = filter_cosines(displacement, self.pass_band)
+    def _sloped(self, smooth: np.ndarray):
+        """A smooth displacement, its rate, and jumps of that, each (N,)."""
         return smooth, *path_slopes(self.time, smooth, self.sigma)
 
 

@@ -1,5 +1,7 @@
 """Dry friction that is reached through play and an elastic joint."""
 
+import math
+
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
@@ -26,6 +28,31 @@ def held_force(position, level, stiffness, play, k, n, x):
     # What cannot be held moves the friction along.
     x[k] += (force - held) / stiffness
     return held
+
+
+@compiled_law
+def gradual_force(position, level, stiffness, k, n, x):
+    """Force of dry friction that builds up bit by bit, N.
+
+    dF / dy = k (1 - F sign(y') / F_c), along any way: exp(-way k / F_c) of what
+    lacks is left after it.
+
+    Args:
+        position: Of the joint, m.
+        level: Friction F_c that is reached in the end, N.
+        stiffness: Slope at a rest without force, N/m, above 0.
+        k, n: The joint's place among n.
+        x: Force of each joint (n), whether their places are known, and these
+            (n), advanced.
+    """
+    way = position - (x[n + 1 + k] if x[n] > 0.0 else position)
+    x[n + 1 + k] = position
+    if level > 0.0:
+        end = level if way > 0.0 else -level
+        x[k] = end + (x[k] - end) * math.exp(-stiffness * abs(way) / level)
+    else:
+        x[k] = 0.0
+    return x[k]
 
 
 @plug("drive")

@@ -4,8 +4,13 @@ Under an imposed motion the force of every sample is compared, that within this
 way too; how long it is differs from machine to machine.
 """
 
+from dataclasses import replace
+
 from brace_drake.effects.card import Effect, EffectParameter
-from brace_drake.effects.joint.friction_behind_play import held_force
+from brace_drake.effects.joint.friction_behind_play import (
+    gradual_force,
+    held_force,
+)
 from brace_drake.laws.hooks import plug
 
 
@@ -14,6 +19,14 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: position)
     n = f.shape[0]
     for k in range(n):
         f[k] -= held_force(l[k], p[0], p[0] / p[1], 0.0, k, n, x)
+    x[n] = 1.0
+
+
+@plug("drive")
+def _gradual_law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    n = f.shape[0]
+    for k in range(n):
+        f[k] -= gradual_force(l[k], p[0], p[0] / p[1], k, n, x)
     x[n] = 1.0
 
 
@@ -50,3 +63,16 @@ CARD = Effect(
     remedy="clean and grease guides and bearings, or compensate the friction",
     experiment="slow reversals",
 )
+
+# Contacts of many points let go one after the other.
+GRADUAL = replace(
+    CARD,
+    form="gradual",
+    title="dry friction that builds up bit by bit",
+    equation="dF / dy = (F_c - F sign(y')) / w",
+    source="Dahl, Solid friction damping of mechanical vibrations, AIAA Journal"
+    " 14, 1976",
+    laws={"drive": _gradual_law},
+)
+
+CARDS = (CARD, GRADUAL)

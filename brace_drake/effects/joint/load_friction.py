@@ -1,21 +1,37 @@
 """Dry friction that grows with a measured load, pressure or tension."""
 
+from dataclasses import replace
+
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.effects.joint.friction_behind_play import (
     JOINT_STIFFNESS,
+    gradual_force,
     held_force,
 )
+from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
+
+
+@compiled_law
+def _level(law, p, n):
+    # law holds the viscous friction of each joint, then the extra inputs; the
+    # axis puts the input's place behind the parameters.
+    return p[0] + p[1] * abs(law[n + int(p[3])])
 
 
 @plug("drive")
 def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: position)
-    # law holds the viscous friction of each joint, then the extra inputs; the
-    # axis puts the input's place behind the parameters.
     n = f.shape[0]
-    level = p[0] + p[1] * abs(law[n + int(p[3])])
     for k in range(n):
-        f[k] -= held_force(l[k], level, p[2], 0.0, k, n, x)
+        f[k] -= held_force(l[k], _level(law, p, n), p[2], 0.0, k, n, x)
+    x[n] = 1.0
+
+
+@plug("drive")
+def _gradual_law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    n = f.shape[0]
+    for k in range(n):
+        f[k] -= gradual_force(l[k], _level(law, p, n), p[2], k, n, x)
     x[n] = 1.0
 
 
@@ -50,3 +66,16 @@ CARD = Effect(
     remedy="check how guides and bearings are aligned and loaded from the side",
     experiment="the same strokes at three loads",
 )
+
+# See the same form of Coulomb friction.
+GRADUAL = replace(
+    CARD,
+    form="gradual",
+    title="dry friction that builds up bit by bit and grows with a load",
+    equation="dF / dy = k (1 - F sign(y') / (F_c + g |i|)), i an extra input",
+    source="Dahl, Solid friction damping of mechanical vibrations, AIAA Journal"
+    " 14, 1976",
+    laws={"drive": _gradual_law},
+)
+
+CARDS = (CARD, GRADUAL)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.fft import dct, idct
 
-# A frequency counts as motion where its power is this many times the noise's.
-_ABOVE_NOISE = 4.0
-# Values of the spectrum that are averaged before that comparison.
-_AVERAGED = 9
-_ORDER = 8
-# Samples from which the slope of an end is first taken, and at least.
-_FIRST_END, _LEAST_END = 9, 5
+# Power of the frequency with which the power of a motion falls at least.
+_FALL = 6
+# Samples from which the slope of an end is taken at least, and how many such
+# numbers of samples are tried in an octave.
+_LEAST_END, _ENDS_PER_OCTAVE = 5, 3
 # Changes of slope below this many standard deviations are noise.
 _SIGNIFICANT = 4.0
 # Rounding of a slope, relative to the largest.
@@ -58,37 +56,60 @@ def _sloped_as_ends(signal: np.ndarray, samples: int) -> np.ndarray:
 
 
 def noise_gain(displacement: np.ndarray, sigma: float) -> np.ndarray:
-    """The low pass that a displacement's own noise asks for (N,).
+    """The Wiener filter of a displacement in white noise (N,).
 
-    Its cutoff is the highest frequency at which the displacement still stands
-    above the white noise of its readings: beyond that the recording holds no
-    motion, and differentiating it would feed noise to the damping. Readings
-    without noise are left as they are.
+    The motion stands above the noise up to a cutoff c, see `_cutoff`. From
+    there its power falls with the sixth power of the frequency, as that of a
+    motion whose acceleration leaps does: S = ln N sigma^2 (c / k)^6. The gain
+    is S / (S + sigma^2), and what is not known of the filtered displacement has
+    the power sigma^2 times the gain. Readings without noise are left as they
+    are.
 
     Args:
         displacement: (N,), m.
         sigma: Standard deviation of the noise of a reading, m.
     """
     samples = len(displacement)
-    near = _cutoff(displacement, sigma, _FIRST_END)
-    cutoff = _cutoff(displacement, sigma, samples // near)
-    if cutoff + _AVERAGED >= samples:
+    cutoff = _cutoff(displacement, sigma)
+    if cutoff >= samples:
         return np.ones(samples)
-    return 1.0 / (1.0 + (np.arange(samples) / cutoff) ** _ORDER)
+    from_cutoff = np.arange(samples) / cutoff
+    return 1.0 / (1.0 + from_cutoff**_FALL / _price(samples))
 
 
-def _cutoff(displacement: np.ndarray, sigma: float, ends: int) -> int:
-    """Values of the spectrum up to the last that stands above noise, 1 at
-    least; `ends` as of `_sloped_as_ends`.
+def _price(samples: int) -> float:
+    """Power over noise from which a frequency counts as motion.
+
+    ln N, so that all of a band has to pay for its width (Schwarz, Ann. Stat. 6,
+    1978): rounding is noise in single lines where a motion is periodic.
+    """
+    return float(np.log(max(3, samples)))
+
+
+def _cutoff(displacement: np.ndarray, sigma: float) -> int:
+    """Values of the spectrum up to which a displacement stands above noise.
+
+    The one, 1 at least, of least sum of squares beyond it and price of those up
+    to it. What is left beyond depends on the slopes of the ends, taken over as
+    many samples as a filter of that cutoff takes its mean.
     """
     samples = len(displacement)
-    flat = displacement - _sloped_as_ends(displacement, ends)
-    power = dct(flat - flat.mean(), norm="ortho") ** 2
-    box = np.ones(min(_AVERAGED, samples))
-    counts = np.convolve(np.ones(samples), box, mode="same")
-    power = np.convolve(power, box, mode="same") / counts
-    above = np.flatnonzero(power > _ABOVE_NOISE * sigma**2)
-    return int(above[-1]) + 1 if len(above) else 1
+    price = _price(samples) * sigma**2
+    number = max(1, round(np.log2(samples / _LEAST_END) * _ENDS_PER_OCTAVE))
+    ratio = (samples / _LEAST_END) ** (1.0 / number)
+    least, cutoff = np.inf, samples
+    for n in range(number + 1):
+        highest = samples / ratio**n
+        ends = max(_LEAST_END, int(samples / highest))
+        flat = displacement - _sloped_as_ends(displacement, ends)
+        power = dct(flat - flat.mean(), norm="ortho") ** 2
+        beyond = np.cumsum(power[::-1])[::-1] - power
+        score = beyond + price * np.arange(1, samples + 1)
+        low = int(highest / ratio) if n < number else 0
+        place = low + int(np.argmin(score[low : int(highest)]))
+        if score[place] < least:
+            least, cutoff = score[place], place + 1
+    return cutoff
 
 
 def path_slopes(

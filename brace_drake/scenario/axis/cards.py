@@ -113,14 +113,15 @@ def _of_inputs(card, unit, inputs, sizes) -> Iterator[OwnCard]:
     is_own = np.array([p.unit.endswith(_OF_INPUT) for p in card.parameters])
     for place, (name, size) in enumerate(zip(inputs, sizes, strict=True)):
         quantity, of_input = input_unit(name)
+        quantity = quantity.replace("_", " ")
         parameters = tuple(
             _for_each(p, of_input, size) if own else p
             for p, own in zip(card.parameters, is_own, strict=True)
         )
         mine = replace(
             card,
-            form=quantity.replace("_", " "),
-            title=f"{card.title}: {quantity.replace('_', ' ')}",
+            form=", ".join(filter(None, (card.form, quantity))),
+            title=f"{card.title}: {quantity}",
             parameters=parameters,
         )
         yield OwnCard(mine, unit / np.where(is_own, size, 1.0), (float(place),))
