@@ -23,8 +23,8 @@ from brace_drake.scenario.pad_noise import (
 _TERMS = ("mass", "viscous", "stiffness", "offset")
 # A number counts where it is this many times what scatter alone makes of it.
 _SHOWN = 2.0
-# Dry friction turns round over this much of the usual speed.
-_SLOW = 0.05
+# Over these parts of half the travel dry friction may build up.
+_WAYS = np.geomspace(1e-3, 0.1, 5)
 # Steps of an effect between two samples.
 _STEP_PARTS = 4.0
 
@@ -154,7 +154,7 @@ def _estimate(scenario, stated, path, beside, measured, trust) -> None:
     values = dict(zip(names, np.zeros(len(names)), strict=True))
     values |= {n: v for n, v in known.items() if v is not None}
     able = [n for n in names if known.get(n) is None]
-    friction = trust[:, None] * _friction_terms(path[:, 1], beside)
+    friction = trust[:, None] * _friction_terms(path, beside)
     shown = _shown(names, able, terms, friction, measured)
     fitted = [n for n in names if n in shown or values[n]]
     open_ = [n for n in fitted if known.get(n) is None]
@@ -169,11 +169,19 @@ def _estimate(scenario, stated, path, beside, measured, trust) -> None:
     scenario.fitted = fitted
 
 
-def _friction_terms(speed: np.ndarray, beside: np.ndarray) -> np.ndarray:
-    """Dry friction of 1, and growing with each extra input (N, 1 + J)."""
-    slow = _SLOW * np.sqrt(np.mean(speed**2)) + 1e-30
-    direction = speed / np.hypot(speed, slow)
-    return direction[:, None] * np.column_stack([np.ones(len(speed)), beside])
+def _friction_terms(path: np.ndarray, beside: np.ndarray) -> np.ndarray:
+    """Dry friction of 1 on a path that builds up over several ways, and the
+    same growing with each extra input (N, F).
+    """
+    position = path[:, 0]
+    ways = _WAYS * _half_range(position)
+    place = np.repeat(position[0], len(ways))
+    held = np.empty((len(path), len(ways)))
+    for y, row in zip(position, held, strict=True):
+        place = np.clip(place, y - ways, y + ways)
+        row[:] = y - place
+    held /= ways
+    return np.hstack([held, *(held * i[:, None] for i in np.abs(beside).T)])
 
 
 def _shown(names, able, terms, friction, measured) -> set[str]:
