@@ -243,8 +243,8 @@ class TestWriteRefusals(CampaignFolderTest):
 
     def test_a_place_that_is_no_folder_is_told_in_one_line(self):
         (self.folder / "file").write_text("")
-        self.assert_refused(self.folder / "file", "is not empty")
-        self.assert_refused(self.folder / "file" / "out", "cannot be written")
+        self.assert_refused(self.folder / "file", "is a file")
+        self.assert_refused(self.folder / "file" / "out", "file is a file")
 
     def test_a_read_only_place_is_told_in_one_line(self):
         refusal = OSError(30, "Read-only file system")

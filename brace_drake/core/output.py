@@ -11,7 +11,8 @@ import uuid
 from collections.abc import Mapping
 from pathlib import Path
 
-from brace_drake.core.errors import OutputError
+from brace_drake.core.errors import OutputError, reason
+from brace_drake.core.places import check_folder
 
 # Folders that this process holds, by their place on the disk.
 _held: dict[tuple[int, int], int] = {}
@@ -26,6 +27,7 @@ def MakeFolder(path: Path) -> Path:
         OutputError: It cannot be made or written to.
     """
     path = Path(path)
+    check_folder(path)
     probe = path / f".{uuid.uuid4().hex}"
     missing = [p for p in (path, *path.parents) if not p.exists()]
     try:
@@ -34,8 +36,9 @@ def MakeFolder(path: Path) -> Path:
         probe.touch()
         probe.unlink()
     except OSError as error:
-        why = "is a file" if path.is_file() else error.strerror
-        raise OutputError(f"{path}: cannot write there: {why}") from error
+        raise OutputError(
+            f"{path}: cannot write there: {reason(error)}"
+        ) from error
     return path
 
 

@@ -15,6 +15,7 @@ from posixpath import normpath
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, ReadError, quoted
+from brace_drake.core.places import real_path
 from brace_drake.core.reading import ReadBytes
 from brace_drake.recording.columns import (
     DEVICES,
@@ -110,7 +111,7 @@ def ExamineCampaign(
         try:
             file = path / scenario.name
             # Its neighbours may share it; nothing else is theirs to read.
-            if not file.resolve().is_relative_to(path.resolve().parent):
+            if not real_path(file).is_relative_to(real_path(path).parent):
                 raise ReadError(
                     "cannot be read: it is neither in the campaign's folder"
                     " nor beside it"

@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from brace_drake.core.errors import OutputError, is_plain, quoted
+from brace_drake.core.places import check_folder, real_path
 from brace_drake.recording.columns import split_unit
 from brace_drake.recording.manifest import FORMAT, MANIFEST, leaves_folder
 from brace_drake.recording.recording import Campaign, Run, ScenarioFile
@@ -27,16 +28,20 @@ def check_new_folder(path: Path) -> None:
     """Checks that a campaign could appear there.
 
     Raises:
-        OutputError: Something is there already, and is not empty.
+        OutputError: Something is there already, and is no empty folder; or
+            none can be made.
     """
+    check_folder(path)
     try:
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+        if path.is_dir() and any(path.iterdir()):
             raise OutputError(
                 f"{path}: exists and is not empty; give another"
                 " folder, or remove it"
             )
     except OSError as e:
         raise OutputError(f"{path}: cannot be written: {e.strerror}") from e
+    # It comes by its name alone, which is its parent's.
+    check_folder(real_path(path).parent)
 
 
 def WriteCampaign(
@@ -56,8 +61,9 @@ def WriteCampaign(
         OutputError: The folder exists and is not empty, a run's file would
             lie outside it, or the place cannot be written.
     """
-    path = Path(path).absolute()
-    check_new_folder(path)
+    check_new_folder(Path(path))
+    # What takes the place of a link would not be where the link leads.
+    path = real_path(path)
     outside = [run.file for run in campaign.runs if leaves_folder(run.file)]
     if outside:
         raise OutputError(f"{path}: {outside[0]!r} leaves the folder")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from brace_drake.core.errors import CampaignError, quoted
+from brace_drake.core.places import real_path
 from brace_drake.recording.columns import BENCH, BRACE
 from brace_drake.trend.sessions import DIAGNOSIS, Session, parse_date
 
@@ -90,7 +91,7 @@ def _check_different(sessions: Sequence[Session]) -> None:
     """Refuses the same recordings twice: they would count as agreement."""
     first: dict[str, Session] = {}
     for session in sessions:
-        key = session.data_sha256 or str(session.folder.resolve())
+        key = session.data_sha256 or str(real_path(session.folder))
         if key in first:
             raise CampaignError(
                 f"{session.folder}: the same recordings as"

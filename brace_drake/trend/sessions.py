@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from brace_drake.core.errors import CampaignError, quoted
+from brace_drake.core.places import real_path
 from brace_drake.core.reading import LoadJson
 from brace_drake.recording.fields import take
 from brace_drake.trend import form
@@ -156,7 +157,7 @@ def session_of(document: Any, folder: Path, source: str) -> Session:
     provenance = head["provenance"]
     shrink = head.get("shrink") or {}
     return Session(
-        name=folder.resolve().name or "session",
+        name=real_path(folder).name or "session",
         folder=folder,
         date=_date_of(document, source),
         device=head["device"],

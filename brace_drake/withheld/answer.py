@@ -18,6 +18,7 @@ from threading import Lock
 
 from brace_drake.core.errors import BraceError
 from brace_drake.core.output import HoldFolder, WriteText
+from brace_drake.core.places import real_path
 from brace_drake.core.reading import LoadJson, ReadBytes, in_file
 from brace_drake.withheld.judged import label
 from brace_drake.withheld.schemas import ANSWER, check_shape
@@ -180,7 +181,7 @@ def _diagnose(running: _Running, case: Path, out: Path) -> str | None:
                 with in_file(file, AnswerError):
                     (copy / file.name).write_bytes(ReadBytes(file))
         command = [sys.executable, "-m", "brace_drake.cli.main", "diagnose"]
-        command += [str(copy), "--out", str(out.resolve()), "--jobs", "1"]
+        command += [str(copy), "--out", str(real_path(out)), "--jobs", "1"]
         status, errors, seconds = running.run(command, folder)
     if status == 0:
         WriteText(out / SECONDS, f"{seconds:.1f}\n")

@@ -12,6 +12,7 @@ import yaml
 from brace_drake.core.errors import OutputError
 from brace_drake.core.output import HoldFolder, MakeFolder, WriteJson, WriteText
 from brace_drake.core.parallel import Workers
+from brace_drake.core.places import check_file, check_folder, real_path
 from brace_drake.recording import Campaign, Run, WriteCampaign
 from brace_drake.withheld.cases import Case, build_case, draw_faults, draw_kinds
 from brace_drake.withheld.floors import measure
@@ -122,7 +123,8 @@ def make_cases(
         ToleranceError: There is no such multiple.
     """
     check_factor(tolerances)
-    out, vault = Path(out).resolve(), Path(vault).resolve()
+    check_folder(Path(out))
+    out, vault = real_path(out), real_path(vault)
     if out == vault.parent or out in vault.parents:
         raise OutputError(f"{vault}: the vault must lie outside {out}")
     for taken in (out / SEALS, vault):
@@ -130,6 +132,7 @@ def make_cases(
             raise OutputError(f"{taken}: exists already, not replaced")
     HoldFolder(out)
     MakeFolder(vault.parent)
+    check_file(vault)
     entropy = secrets.randbits(256) if seed is None else seed
     source = np.random.SeedSequence(entropy)
     kinds_rng, *children = source.spawn(count + 1)

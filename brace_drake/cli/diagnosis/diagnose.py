@@ -24,6 +24,7 @@ from brace_drake.cli.options import (
 )
 from brace_drake.core.errors import BraceError
 from brace_drake.core.output import HoldFolder, MakeFolder
+from brace_drake.core.places import real_path
 from brace_drake.recording import LoadCampaign
 
 _EPILOG = """\
@@ -163,7 +164,7 @@ def folder_names(campaigns: Sequence[str]) -> list[str]:
     """A folder for each campaign: its own name, numbered where taken."""
     names: list[str] = []
     for path in campaigns:
-        base = Path(path).resolve().name or "campaign"
+        base = real_path(path).name or "campaign"
         name, count = base, 1
         while name in names:
             count += 1

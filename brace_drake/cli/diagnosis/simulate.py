@@ -103,7 +103,10 @@ def Run(args: argparse.Namespace) -> int:
     it, else 0.
     """
     from brace_drake.recording.columns import BENCH, BRACE
+    from brace_drake.recording.write import check_new_folder
 
+    out = Path(args.out)
+    check_new_folder(out)
     refuse_playback(args)
     scenario = _load_scenario(args.scenario)
     if scenario.device not in (BENCH, BRACE):
@@ -116,10 +119,7 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.devices.motions.times import check_recorded_rows
     from brace_drake.model.simulate import recorded_device, recorded_stages
     from brace_drake.recording import Campaign, WriteCampaign
-    from brace_drake.recording.write import check_new_folder
 
-    out = Path(args.out)
-    check_new_folder(out)
     drawn = _draw(scenario, args)
     if args.motion is not None:
         asked = [(load_motion(args.motion, rings=(1, 2, 3)), args.noise_seed)]

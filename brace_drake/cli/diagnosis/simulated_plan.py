@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from brace_drake.core.errors import CampaignError, OutputError
+from brace_drake.core.places import check_replaced, real_path
 
 if TYPE_CHECKING:
     from brace_drake.recording.recording import Run
@@ -31,10 +32,10 @@ def AddPlan(parser: argparse._ActionsContainer) -> None:
 
 def refuse_playback(args: argparse.Namespace) -> None:
     """Raises CampaignError where several runs would have to be shown, and
-    OutputError where the page would be within the campaign.
+    OutputError where the page would be within the campaign, or in the place of
+    a file that is none.
     """
-    out = Path(args.out).resolve()
-    if args.html and Path(args.html).resolve().is_relative_to(out):
+    if args.html and real_path(args.html).is_relative_to(real_path(args.out)):
         raise OutputError(
             f"--html {args.html}: within the campaign {args.out}; give another"
             " place"
@@ -44,6 +45,8 @@ def refuse_playback(args: argparse.Namespace) -> None:
             "--plan records several runs; --html and --meshcat show one:"
             " take --motion"
         )
+    if args.html:
+        check_replaced(Path(args.html), ".html", b"<!DOCTYPE html>", "page")
 
 
 def planned_motions(file: str, noise_seed: int | None) -> list[tuple[Run, int]]:

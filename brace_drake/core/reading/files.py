@@ -30,14 +30,37 @@ def check_file(path: str | Path, most_mb: float = LARGEST) -> None:
     Raises:
         ReadError: One line, without the file's name.
     """
+    _check_size(_check_kind(path).st_size, most_mb)
+
+
+def _check_kind(path: str | Path) -> os.stat_result:
     try:
         status = os.stat(path)
     except (OSError, ValueError) as error:
         raise ReadError(f"cannot be read: {reason(error)}") from error
-    for is_kind, words in _KINDS:
-        if is_kind(status.st_mode):
-            raise ReadError(f"cannot be read: {words}; allowed: a file")
-    _check_size(status.st_size, most_mb)
+    words = kind_of(status.st_mode)
+    if words:
+        raise ReadError(f"cannot be read: {words}; allowed: a file")
+    return status
+
+
+def kind_of(mode: int) -> str:
+    """What is no regular file, in words; empty of a file."""
+    return next((words for is_kind, words in _KINDS if is_kind(mode)), "")
+
+
+def ReadStart(path: str | Path, count: int) -> bytes:
+    """The first bytes of a regular file of any size.
+
+    Raises:
+        ReadError: One line, without the file's name.
+    """
+    _check_kind(path)
+    try:
+        with open(path, "rb", buffering=0, opener=_open) as file:
+            return file.read(count)
+    except OSError as error:
+        raise ReadError(f"cannot be read: {reason(error)}") from error
 
 
 def ReadBytes(path: str | Path, most_mb: float = LARGEST) -> bytes:

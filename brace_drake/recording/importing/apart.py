@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import BraceError, ReadError, quoted, reason
+from brace_drake.core.places import real_path
 from brace_drake.recording.importing.formats.cells import Table, Word
 from brace_drake.recording.importing.formats.excel import read_excel
 from brace_drake.recording.importing.formats.flatten import Arrays
@@ -52,7 +53,7 @@ def read_apart(kind: str, path: Path, *more) -> Table:
         **os.environ,
         "PYTHONPATH": os.pathsep.join(filter(None, (sources, known))),
     }
-    task = json.dumps([kind, str(path.resolve()), *more])
+    task = json.dumps([kind, str(real_path(path)), *more])
     try:
         done = subprocess.run(
             [sys.executable, "-m", __name__, task],

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import CampaignError, quoted, suggest
+from brace_drake.core.places import real_path
 from brace_drake.core.reading import LoadYaml, ReadBytes, in_file
 from brace_drake.recording.columns import DEVICES, Device
 from brace_drake.recording.fields import (
@@ -162,7 +163,7 @@ def _scenario(path: Path, head: dict) -> ScenarioFile | None:
     if name is None:
         return None
     folder = path.parent
-    is_within = (folder / name).resolve().is_relative_to(folder.resolve())
+    is_within = real_path(folder / name).is_relative_to(real_path(folder))
     if leaves_folder(name) or not is_within:
         raise CampaignError(
             f"{path}: scenario is {quoted(name)}; allowed: a path relative to"
