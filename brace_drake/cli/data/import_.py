@@ -72,7 +72,9 @@ def Run(args: argparse.Namespace) -> int:
     from brace_drake.recording import WriteCampaign
     from brace_drake.recording.importing.mapped import ImportCampaign
     from brace_drake.recording.importing.mcap_file import LoadMcapCampaign
+    from brace_drake.recording.write import check_new_folder
 
+    check_new_folder(Path(args.out))
     from_map = not args.map.endswith(".mcap")
     campaign = (ImportCampaign if from_map else LoadMcapCampaign)(args.map)
     _check(campaign)
@@ -105,6 +107,10 @@ def _init(args: argparse.Namespace) -> int:
     """Prints a draft of a map, and draws what it was made from."""
     from brace_drake.recording.importing.draft import draft_map, read_draft
 
+    if args.plot is not None:
+        from brace_drake.core.places import check_replaced
+
+        check_replaced(Path(args.plot), ".png", b"\x89PNG\r\n", "picture")
     draft = read_draft(args.map)
     print(draft_map(draft), end="")
     if args.plot is not None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import shlex
+from pathlib import Path
 
 from brace_drake.cli.options import AddCampaign, AddCommand
-from brace_drake.core.errors import OutputError
+from brace_drake.core.places import check_replaced
 
 _EPILOG = """\
 example:
@@ -36,10 +37,9 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 def Run(args: argparse.Namespace) -> int:
     """Exports; prints how it comes back."""
     from brace_drake.recording import LoadCampaign
-    from brace_drake.recording.importing.mcap_file import WriteMcap
+    from brace_drake.recording.importing.mcap_file import START, WriteMcap
 
-    if not args.out.endswith(".mcap"):
-        raise OutputError(f"--out {args.out}; allowed: *.mcap")
+    check_replaced(Path(args.out), ".mcap", START, "exported campaign")
     campaign = LoadCampaign(args.campaign)
     WriteMcap(campaign, args.out)
     print(f"written: {args.out}, {len(campaign.runs)} runs")

@@ -13,6 +13,7 @@ import importlib
 import io
 import json
 import math
+import struct
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -42,6 +43,12 @@ from brace_drake.recording.write import describe
 _CAMPAIGN = "brace_campaign"
 _SCENARIO = "scenario"
 _PROFILE, _ENCODING, _SCHEMA = "", "json", "jsonschema"
+_WRITER = "brace-drake"
+# How files of `WriteMcap` begin: the format's mark, and a header with a profile
+# and a writer.
+START = b"\x89MCAP0\r\n\x01" + struct.pack(
+    f"<QII{len(_WRITER)}s", 8 + len(_WRITER), 0, len(_WRITER), _WRITER.encode()
+)
 _LOG_TIME = "log_time_s"
 _PAUSE_S = 1.0
 
@@ -55,7 +62,7 @@ def WriteMcap(campaign: Campaign, path: str | Path) -> None:
     """
     memory = io.BytesIO()
     writer = _Import("writer").Writer(memory)
-    writer.start(_PROFILE, "brace-drake")
+    writer.start(_PROFILE, _WRITER)
     text = yaml.safe_dump(describe(campaign), sort_keys=False)
     kept = {MANIFEST: text}
     if campaign.scenario is not None:
