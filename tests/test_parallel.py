@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -299,6 +300,32 @@ class TestRefusals(unittest.TestCase):
             )  # fmt: skip
         self.assertEqual(status, 2)
         self.assertIn("--cluster tcp://127.0.0.1:9: no Dask scheduler", errors)
+
+    @unittest.skipIf(distributed is None, _NEEDS_CLUSTER)
+    def test_an_address_that_leads_to_no_scheduler_is_refused_and_ends(self):
+        for place in ("file:///etc/passwd", "inproc://x", "://"):
+            with self.subTest(place=place):
+                with self.assertRaisesRegex(ClusterError, "allowed: tcp, tls"):
+                    open_workers(cluster=place)
+        self.assertEqual(self.threads_left(), set())
+
+    @unittest.skipIf(distributed is None, _NEEDS_CLUSTER)
+    def test_who_speaks_another_language_is_no_scheduler_and_holds_nobody(self):
+        import brace_drake.core.parallel.cluster as module
+
+        self.enterContext(mock.patch.object(module, "_CONNECT_S", 1.0))
+        server = self.enterContext(socket.create_server(("127.0.0.1", 0)))
+        place = f"127.0.0.1:{server.getsockname()[1]}"
+        for scheme in ("tcp", "tls", "ws"):
+            with self.subTest(scheme=scheme):
+                with self.assertRaisesRegex(ClusterError, "no Dask scheduler"):
+                    open_workers(cluster=f"{scheme}://{place}")
+        self.assertEqual(self.threads_left(), set())
+
+    def threads_left(self):
+        """Those of a client that would keep the process."""
+        every = {thread.name for thread in threading.enumerate()}
+        return {name for name in every if "IO loop" in name}
 
     @unittest.skipIf(distributed is None, _NEEDS_CLUSTER)
     def test_a_refused_connection_is_told_long_before_a_silent_one(self):

@@ -9,6 +9,7 @@ tasks.
 
 from __future__ import annotations
 
+import asyncio
 import hashlib
 import importlib
 import io
@@ -21,18 +22,21 @@ from collections.abc import Callable, Sequence
 
 import cloudpickle
 import numpy as np
-from distributed import Client, KilledWorker, as_completed
+from distributed import Client, KilledWorker, Security, as_completed
 from distributed.client import FutureCancelledError
+from distributed.comm import connect
 from distributed.comm.addressing import parse_address, parse_host_port
 from numba.core.dispatcher import Dispatcher
 
-from brace_drake.core.errors import ClusterError, reason
+from brace_drake.core.errors import ClusterError, quoted, reason
 from brace_drake.core.parallel import Workers
 from brace_drake.core.versions import installed_versions
 
 # Results depend on these to the last bit (and on sources and processor, which
 # are not compared).
 PACKAGES = ("brace_drake", "drake", "numba", "numpy", "scipy")
+# Ways to a scheduler that have a host and a port.
+_SCHEMES = ("tcp", "tls", "ws", "wss")
 _CONNECT_S = 30.0
 # A scheduler that is about to begin refuses connections for so long at most.
 _REFUSED_S = 5.0
@@ -227,7 +231,7 @@ class ClusterWorkers(Workers):
         return self._functions[parcel.key]
 
 
-def _await_port(address: str) -> None:
+def _await_port(place: str) -> None:
     """Waits a little for a port that refuses connections.
 
     A client would ask for all of its time, as it does of a machine that is
@@ -237,9 +241,6 @@ def _await_port(address: str) -> None:
         OSError: It refuses them still, or no machine has that name.
         ValueError: It is no address.
     """
-    scheme, place = parse_address(address)
-    if scheme != "tcp":
-        return
     target = parse_host_port(place)
     if not 0 < target[1] <= _MOST_PORT:
         raise ValueError(f"port {target[1]}")
@@ -254,13 +255,39 @@ def _await_port(address: str) -> None:
             time.sleep(0.2)
 
 
+async def _greet(address: str) -> None:
+    """Talks to a scheduler once.
+
+    A client whose greeting fails is left behind, and keeps the process for
+    minutes.
+
+    Raises:
+        Exception: Nobody answers, or in another language.
+    """
+    options = Security().get_connection_args("client")
+    # Not every way heeds the limit that it is given.
+    async with asyncio.timeout(_CONNECT_S):
+        greeted = await connect(address, timeout=_CONNECT_S, **options)
+    await greeted.close()
+
+
 def _connect(address: str):
     """A client of a scheduler whose workers run what this process runs."""
     place = f"--cluster {address}"
     try:
-        _await_port(address)
+        scheme, target = parse_address(address)
+        if scheme not in _SCHEMES:
+            raise ClusterError(
+                f"{place}: {quoted(scheme)} is no way to a scheduler; allowed:"
+                f" {', '.join(_SCHEMES)}, as in tcp://host:8786"
+            )
+        _await_port(target)
+        asyncio.run(_greet(address))
         client = Client(address, timeout=_CONNECT_S, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as error:
+    except ClusterError:
+        raise
+    # What talks another language may raise any exception.
+    except Exception as error:
         raise ClusterError(
             f"{place}: no Dask scheduler answers there"
         ) from error
