@@ -35,14 +35,14 @@ def ReadArrays(path: str | Path) -> dict[str, np.ndarray]:
 
 
 def ReadArray(path: str | Path) -> np.ndarray:
-    """The array of a *.npy.
+    """The array of a *.npy; it may have fields of numbers and words.
 
     Raises:
         ReadError: One line, without the file's name.
     """
     data = ReadBytes(path, LARGEST_MB)
     try:
-        return _parse(data, Path(path).name)
+        return _parse(data, Path(path).name, may_have_fields=True)
     except ReadError:
         raise
     # On a damaged header numpy may raise any exception.
@@ -70,7 +70,7 @@ def _read(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
     return arrays
 
 
-def _parse(data: bytes, name: str) -> np.ndarray:
+def _parse(data: bytes, name: str, may_have_fields: bool = False) -> np.ndarray:
     stream = io.BytesIO(data)
     version = np.lib.format.read_magic(stream)
     read = {
@@ -79,7 +79,10 @@ def _parse(data: bytes, name: str) -> np.ndarray:
     }[version]
     shape, by_columns, dtype = read(stream)
     size = math.prod(shape) * dtype.itemsize
-    if dtype.kind not in _KINDS:
+    fields = [dtype]
+    if may_have_fields and dtype.names is not None:
+        fields = [dtype[field] for field in dtype.names]
+    if any(field.kind not in _KINDS for field in fields):
         raise ReadError(
             f"array {quoted(name)} is of {dtype}; allowed: numbers or words"
         )

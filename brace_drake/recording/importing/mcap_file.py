@@ -30,10 +30,7 @@ from brace_drake.recording.importing.formats.cells import (
     Samples,
     Table,
 )
-from brace_drake.recording.importing.formats.flatten import (
-    all_different,
-    leaves_in,
-)
+from brace_drake.recording.importing.formats.flatten import cells_of
 from brace_drake.recording.importing.rules import check_columns
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
@@ -204,7 +201,7 @@ def _read_all(data: bytes) -> tuple[dict[str, Table], dict[str, dict]]:
             channel = channels[record.channel_id]
             if channel.message_encoding == _ENCODING:
                 value = parse_json(record.data, may_be_nan=True)
-                sample = all_different(list(leaves_in("", value)))
+                sample = cells_of(value)
                 sample[_LOG_TIME] = 1e-9 * record.log_time
                 topics.setdefault(channel.topic, Samples()).add(sample)
     tables = {name: _by_time(topic.table()) for name, topic in topics.items()}

@@ -129,8 +129,11 @@ def _add_up(
             f"{source}: {', '.join(map(quoted, factors))} differ in length:"
             f" {sorted(lengths)}"
         )
-    parts = [factor * table[c] for c, factor in factors.items()]
-    return np.sum(parts, axis=0)
+    parts = (factor * table[c] for c, factor in factors.items())
+    total = next(parts)
+    for part in parts:
+        total += part
+    return total
 
 
 def read_channels(
@@ -147,7 +150,10 @@ def read_channels(
             continue
         with np.errstate(over="ignore", invalid="ignore"):
             values = _add_up(source, table, rule["from"])
-            channels[name] = scale * values + offset
+            # In their place: a long recording has no room for copies.
+            values *= scale
+            values += offset
+            channels[name] = values
     lengths = {len(values) for values in channels.values()}
     if len(lengths) > 1:
         raise CampaignError(

@@ -100,7 +100,8 @@ def _read_matlab(path: Path, options: dict) -> Columns:
     data, group = ReadBytes(path), options.get("group")
     if is_version_7_3(data):
         return read_apart("hdf5", path, group)
-    return as_columns(read_matlab(data, group))
+    found = read_matlab(data, group)
+    return Table(as_columns(found), found.words)
 
 
 def _read_mcap(path: Path, options: dict) -> Columns:

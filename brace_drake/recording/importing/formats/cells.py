@@ -67,6 +67,14 @@ class Column:
             self.word = Word(len(self._values) + 1, shown(cell))
         self._values.append(math.nan if number is None else number)
 
+    def extend(self, cells: list) -> None:
+        """Takes the next cells."""
+        if set(map(type, cells)) <= {int, float}:
+            self._values.extend(cells)
+            return
+        for cell in cells:
+            self.add(cell)
+
     def fill(self, count: int) -> None:
         """Adds empty cells until there are so many."""
         more = count - len(self._values)
@@ -92,7 +100,9 @@ class Samples:
             ReadError: There are more than memory is meant for.
         """
         for name, cell in sample.items():
-            column = self._columns.setdefault(name, Column())
+            column = self._columns.get(name)
+            if column is None:
+                column = self._columns[name] = Column()
             column.fill(self._count)
             column.add(cell)
         self._count += 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -34,21 +34,53 @@ def as_columns(arrays: Mapping[str, np.ndarray]) -> Arrays:
     return columns
 
 
-def leaves_in(name: str, value) -> Iterator[tuple[str, object]]:
-    """Cells of a sample: fields within fields a.b, items of lists a[0].
+def cells_of(value: object) -> dict[str, object]:
+    """Cells of a sample by name: fields within fields a.b, items of lists a[0].
 
     Args:
-        name: Of what is within.
         value: What JSON can hold.
+
+    Raises:
+        ReadError: There are more than a sample has, or a name is there twice.
     """
-    if isinstance(value, dict):
-        for key, item in value.items():
-            yield from leaves_in(f"{name}.{key}" if name else str(key), item)
-    elif isinstance(value, list):
-        for i, item in enumerate(value):
-            yield from leaves_in(f"{name}[{i}]", item)
+    pairs: list[tuple[str, object]] = []
+    seen = 0
+    # From the last to the first, so that names keep their order.
+    within = [("", value)]
+    while within:
+        name, node = within.pop()
+        if not isinstance(node, dict | list):
+            pairs.append((name, node))
+            continue
+        # Before any of them has a name: a list can be the whole file.
+        seen += len(node)
+        check_sample(seen)
+        within += _items(name, node)
+    return all_different(pairs)
+
+
+def _items(name: str, node: dict | list) -> list[tuple[str, object]]:
+    """What a map or a list holds, the last first."""
+    if isinstance(node, list):
+        found = [(f"{name}[{i}]", item) for i, item in enumerate(node)]
+    elif name:
+        found = [(f"{name}.{key}", item) for key, item in node.items()]
     else:
-        yield name, value
+        found = list(node.items())
+    found.reverse()
+    return found
+
+
+def check_sample(count: int) -> None:
+    """Refuses a sample of more numbers than a table can have columns.
+
+    Raises:
+        ReadError: One line.
+    """
+    if count > _MOST_COLUMNS:
+        raise ReadError(
+            f"a sample has {count} values; allowed: {_MOST_COLUMNS}"
+        )
 
 
 def distinct(names: Sequence[str]) -> list[str]:

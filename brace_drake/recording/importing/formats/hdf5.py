@@ -47,7 +47,8 @@ def read_hdf5(path: Path, group: str | None) -> Arrays:
             if (
                 data.dtype.kind not in _NUMBERS
                 or data.ndim > 2
-                or data.size < 2
+                # Of an empty one h5py knows no size.
+                or (data.size or 0) < 2
                 or kind in _NO_NUMBERS
                 or is_kept_elsewhere
             ):

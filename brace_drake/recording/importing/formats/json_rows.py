@@ -15,10 +15,7 @@ from brace_drake.recording.importing.formats.cells import (
     Table,
     make_table,
 )
-from brace_drake.recording.importing.formats.flatten import (
-    all_different,
-    leaves_in,
-)
+from brace_drake.recording.importing.formats.flatten import cells_of
 
 
 def read_json(path: Path, group: str | None) -> Table:
@@ -74,13 +71,12 @@ def _from_columns(found: dict) -> Table:
     for name, cells in found.items():
         if isinstance(cells, list):
             columns[name] = Column()
-            for cell in cells:
-                columns[name].add(cell)
+            columns[name].extend(cells)
     return make_table(columns)
 
 
 def _from_samples(found: list[dict]) -> Table:
     samples = Samples()
     for sample in found:
-        samples.add(all_different(list(leaves_in("", sample))))
+        samples.add(cells_of(sample))
     return samples.table()

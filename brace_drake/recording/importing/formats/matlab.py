@@ -11,12 +11,14 @@ from __future__ import annotations
 import math
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import islice
 
 import numpy as np
 
 from brace_drake.core.errors import ReadError, quoted
 from brace_drake.core.reading.files import LARGEST, most_bytes
+from brace_drake.recording.importing.formats.cells import Table, Word
 from brace_drake.recording.importing.formats.flatten import check_room
 
 _HEADER, _TAG = 128, 8
@@ -28,12 +30,17 @@ _TYPES = {
     **{7: "f4", 9: "f8", 12: "i8", 13: "u8"},
 }
 _TYPES_4 = ("f8", "f4", "i4", "i2", "u2", "u1")
+# Elements of a matrix: flags, sizes, name, numbers; of a struct the length of
+# a field's name and the names stand in the place of the numbers.
+_OF_MATRIX, _OF_STRUCT = 4, 5
+_MOST_SIZES, _MOST_NAMES = 32, 10_000
+_COMPLEX_NUMBERS = Word(1, "complex")
+_Content = np.ndarray | dict | Word | None
 
-Arrays = dict[str, np.ndarray]
 
-
-def read_matlab(data: bytes, group: str | None) -> Arrays:
-    """Arrays of numbers by name; what is none is left out.
+def read_matlab(data: bytes, group: str | None) -> Table:
+    """Arrays of numbers by name; what is none is left out, or is a word where
+    it holds complex ones.
 
     Args:
         data: The file.
@@ -44,16 +51,20 @@ def read_matlab(data: bytes, group: str | None) -> Arrays:
     """
     try:
         is_old = b"\0" in data[:4]
-        found: dict = dict((_version_4 if is_old else _version_5)(data))
+        found = _by_name((_version_4 if is_old else _version_5)(data))
     except (struct.error, zlib.error, ValueError) as error:
         if isinstance(error, ReadError):
             raise
         raise ReadError(f"not a MATLAB file: {error}") from error
     if group is not None:
-        if not isinstance(found.get(group), dict):
+        struct_ = found.get(group)
+        if not isinstance(struct_, dict):
             raise ReadError(f"no struct {quoted(group)}")
-        found = found[group]
-    return {n: a for n, a in found.items() if isinstance(a, np.ndarray)}
+        found = struct_
+    return Table(
+        {n: a for n, a in found.items() if isinstance(a, np.ndarray)},
+        {n: w for n, w in found.items() if isinstance(w, Word)},
+    )
 
 
 def is_version_7_3(data: bytes) -> bool:
@@ -62,7 +73,20 @@ def is_version_7_3(data: bytes) -> bool:
     return is_marked and b"MATLAB 7.3" in data[:_HEADER]
 
 
-def _version_5(data: bytes) -> Iterator[tuple[str, np.ndarray | dict | None]]:
+def _by_name(variables: Iterable[tuple[str, _Content]]) -> dict[str, _Content]:
+    found: dict[str, _Content] = {}
+    for number, (name, content) in enumerate(variables, 1):
+        _check_count(number, "variables")
+        found[name] = content
+    return found
+
+
+def _check_count(count: int, what: str) -> None:
+    if count > _MOST_NAMES:
+        raise ReadError(f"has more than {_MOST_NAMES} {what}")
+
+
+def _version_5(data: bytes) -> Iterator[tuple[str, _Content]]:
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
         raise ReadError("not a MATLAB file")
@@ -102,19 +126,24 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
 
 def _matrix(
     body: bytes, order: str, within: str | None = None
-) -> tuple[str, np.ndarray | dict | None]:
+) -> tuple[str, _Content]:
     """Name and content; None where that is neither numbers nor a struct."""
-    parts = list(_elements(body, order))
-    if len(parts) < 3:
+    # No more of them than are read: a file can have millions.
+    elements = _elements(body, order)
+    parts = list(islice(elements, _OF_MATRIX))
+    if len(parts) < _OF_MATRIX - 1:
         return "", None
     (flags,) = struct.unpack_from(f"{order}I", parts[0][1])
     sizes = _integers(parts[1][1], order)
     name = parts[2][1].decode("latin-1")
     kind = flags & 0xFF
     if kind == _STRUCT and within is None:
-        return name, _fields(parts, sizes, order, name)
-    if kind not in _NUMBERS or flags & _COMPLEX or len(parts) < 4:
+        parts += islice(elements, _OF_STRUCT - _OF_MATRIX)
+        return name, _fields(parts, elements, sizes, order, name)
+    if kind not in _NUMBERS or len(parts) < _OF_MATRIX:
         return name, None
+    if flags & _COMPLEX:
+        return name, _COMPLEX_NUMBERS
     stored = _TYPES.get(parts[3][0])
     if stored is None:
         return name, None
@@ -126,6 +155,8 @@ def _matrix(
 
 
 def _integers(data: bytes, order: str) -> tuple[int, ...]:
+    if len(data) > 4 * _MOST_SIZES:
+        raise ReadError(f"an array of {len(data) // 4} dimensions")
     return struct.unpack(
         f"{order}{len(data) // 4}i", data[: len(data) // 4 * 4]
     )
@@ -133,30 +164,32 @@ def _integers(data: bytes, order: str) -> tuple[int, ...]:
 
 def _fields(
     parts: list[tuple[int, bytes]],
+    elements: Iterator[tuple[int, bytes]],
     sizes: tuple[int, ...],
     order: str,
     name: str,
-) -> dict:
-    """What a struct holds, by field."""
+) -> dict[str, _Content]:
+    """What a struct holds, by field; `elements` are those behind its parts."""
     if math.prod(sizes) != 1:
         raise ReadError(
             f"{quoted(name)} is an array of {math.prod(sizes)} structs;"
             " allowed: one"
         )
-    if len(parts) < 5:
+    if len(parts) < _OF_STRUCT:
         return {}
     length = max((1, *_integers(parts[3][1], order)[:1]))
+    _check_count(len(parts[4][1]) // length, "fields")
     names = [
         parts[4][1][i : i + length].split(b"\0")[0].decode("latin-1")
         for i in range(0, len(parts[4][1]), length)
     ]
     return {
         field: _matrix(body, order, field)[1]
-        for field, (_, body) in zip(names, parts[5:], strict=False)
+        for field, (_, body) in zip(names, elements, strict=False)
     }
 
 
-def _version_4(data: bytes) -> Iterator[tuple[str, np.ndarray | dict | None]]:
+def _version_4(data: bytes) -> Iterator[tuple[str, _Content]]:
     at = 0
     while at < len(data):
         order = (
@@ -178,6 +211,10 @@ def _version_4(data: bytes) -> Iterator[tuple[str, np.ndarray | dict | None]]:
         check_room(count)
         flat = np.frombuffer(data, dtype, count, at)
         at += count * dtype.itemsize * (2 if is_complex else 1)
-        if not is_text and not is_complex:
+        if is_complex:
+            yield name, _COMPLEX_NUMBERS
+        elif is_text:
+            yield name, None
+        else:
             matrix = flat.reshape((rows, columns), order="F")
             yield name, matrix.astype(float).squeeze()

@@ -13,6 +13,7 @@ from brace_drake.core.errors import ReadError, quoted
 from brace_drake.recording.importing.formats.flatten import (
     Arrays,
     check_room,
+    check_sample,
     pick,
 )
 
@@ -71,7 +72,7 @@ def _read_topic(reader, topic: str) -> Arrays:
     names: dict[str, None] = {}
     for connection, when, data in reader.messages(connections=connections):
         message = reader.deserialize(data, connection.msgtype)
-        row = {LOG_TIME: 1e-9 * when, **dict(_fields("", message))}
+        row = {LOG_TIME: 1e-9 * when, **_row(message)}
         names.update(dict.fromkeys(row))
         rows.append(row)
         check_room(len(rows) * len(names))
@@ -83,6 +84,15 @@ def _read_topic(reader, topic: str) -> Arrays:
         name: np.array([row.get(name, math.nan) for row in rows])
         for name in names
     }
+
+
+def _row(message) -> dict[str, float]:
+    """Numbers of a message by name."""
+    row: dict[str, float] = {}
+    for name, value in _fields("", message):
+        row[name] = value
+        check_sample(len(row))
+    return row
 
 
 def _fields(name: str, value) -> Iterator[tuple[str, float]]:

@@ -10,7 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from brace_drake.core.errors import ReadError, quoted, reason
+from brace_drake.core.reading import HUGE
 from brace_drake.recording.importing.formats.flatten import Arrays, distinct
+
+_PARTS = "nptdms."
+_LONGEST = 200  # characters that are told of a warning
 
 
 def read_tdms(path: Path, group: str | None) -> Arrays:
@@ -32,7 +36,7 @@ def read_tdms(path: Path, group: str | None) -> Arrays:
             groups = {g.name: g for g in TdmsFile.read(path).groups()}
             columns = _take_channels(groups, group)
         if warnings:
-            raise ReadError(f"not a whole TDMS file: {warnings[0]}")
+            raise ReadError(f"not a whole TDMS file: {warnings[0][:_LONGEST]}")
         return columns
     except ReadError:
         raise
@@ -49,13 +53,27 @@ def _told() -> Iterator[list[str]]:
     handler.emit = lambda record: found.append(  # type: ignore[method-assign]
         " ".join(record.getMessage().split())
     )
-    logger = logging.getLogger("nptdms")
-    kept = logger.handlers, logger.propagate
-    logger.handlers, logger.propagate = [handler], False
+    # Each of its modules has a logger with a handler of its own.
+    names = [n for n in logging.root.manager.loggerDict if n.startswith(_PARTS)]
+    loggers = [logging.getLogger(n) for n in ("nptdms", *names)]
+    kept = [(logger.handlers, logger.propagate) for logger in loggers]
+    for logger in loggers:
+        logger.handlers, logger.propagate = [handler], False
     try:
         yield found
     finally:
-        logger.handlers, logger.propagate = kept
+        for logger, before in zip(loggers, kept, strict=True):
+            logger.handlers, logger.propagate = before
+
+
+def _check_clock(name: str, start: float, step: float, samples: int) -> None:
+    # Written so that NaN fails.
+    if not 0.0 < step < HUGE / samples or not abs(start) < HUGE:
+        raise ReadError(
+            f"channel {quoted(name)}: wf_increment is {step:g} and"
+            f" wf_start_offset {start:g}; allowed: a step above 0 s, and times"
+            f" up to {HUGE:g} s"
+        )
 
 
 def _take_channels(groups: dict, wanted: str | None) -> Arrays:
@@ -74,7 +92,9 @@ def _take_channels(groups: dict, wanted: str | None) -> Arrays:
             step = channel.properties.get("wf_increment")
             if step:
                 start = channel.properties.get("wf_start_offset", 0.0)
-                clocks[float(start), float(step), data.size] = name
+                clock = float(start), float(step), data.size
+                _check_clock(channel.name, *clock)
+                clocks[clock] = name
     if len(clocks) > 1:
         owners = dict.fromkeys(clocks.values())
         raise ReadError(
