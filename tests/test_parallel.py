@@ -1,6 +1,8 @@
 """Tasks on threads and on a Dask cluster of two workers, one of them killed."""
 
+import asyncio
 import contextlib
+import math
 import os
 import pickle
 import signal
@@ -210,6 +212,13 @@ class TestCluster(unittest.TestCase):
         self.cluster.workers[0] = self.cluster.add()
         self.remote._client.wait_for_workers(2, timeout=120)
 
+    def test_a_notebook_whose_loop_runs_reaches_it_too(self):
+        async def within():
+            with open_workers(cluster=self.cluster.address) as workers:
+                return workers.map(math.hypot, [(3.0, 4.0)])
+
+        self.assertEqual(asyncio.run(within()), [5.0])
+
     def test_rollouts_are_the_same_bit_for_bit_wherever_they_run(self):
         from brace_drake.experiments.evaluate import draw_subjects
         from brace_drake.experiments.rollouts import Benchmark, Controller
@@ -290,7 +299,7 @@ class TestCluster(unittest.TestCase):
 class TestRefusals(unittest.TestCase):
     @unittest.skipIf(distributed is None, _NEEDS_CLUSTER)
     def test_an_address_where_nobody_answers_is_named_in_one_line(self):
-        import brace_drake.core.parallel.cluster as module
+        import brace_drake.core.parallel.connecting as module
 
         self.enterContext(mock.patch.object(module, "_REFUSED_S", 0.3))
         with tempfile.TemporaryDirectory() as out:
@@ -311,7 +320,7 @@ class TestRefusals(unittest.TestCase):
 
     @unittest.skipIf(distributed is None, _NEEDS_CLUSTER)
     def test_who_speaks_another_language_is_no_scheduler_and_holds_nobody(self):
-        import brace_drake.core.parallel.cluster as module
+        import brace_drake.core.parallel.connecting as module
 
         self.enterContext(mock.patch.object(module, "_CONNECT_S", 1.0))
         server = self.enterContext(socket.create_server(("127.0.0.1", 0)))

@@ -9,42 +9,27 @@ tasks.
 
 from __future__ import annotations
 
-import asyncio
 import hashlib
 import importlib
 import io
 import math
 import pickle
-import socket
-import time
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 
 import cloudpickle
 import numpy as np
-from distributed import Client, KilledWorker, Security, as_completed
+from distributed import KilledWorker, as_completed
 from distributed.client import FutureCancelledError
-from distributed.comm import connect
-from distributed.comm.addressing import parse_address, parse_host_port
 from numba.core.dispatcher import Dispatcher
 
-from brace_drake.core.errors import ClusterError, quoted, reason
+from brace_drake.core.errors import ClusterError
 from brace_drake.core.parallel import Workers
-from brace_drake.core.versions import installed_versions
+from brace_drake.core.parallel.connecting import connect_client
 
-# Results depend on these to the last bit (and on sources and processor, which
-# are not compared).
-PACKAGES = ("brace_drake", "drake", "numba", "numpy", "scipy")
-# Ways to a scheduler that have a host and a port.
-_SCHEMES = ("tcp", "tls", "ws", "wss")
-_CONNECT_S = 30.0
-# A scheduler that is about to begin refuses connections for so long at most.
-_REFUSED_S = 5.0
-_WORKERS_S = 60.0
 # Parts of the tasks for each thread: a lost worker costs no more than a part.
 _PARTS = 16
 _LEAST_BYTES = 1024
-_MOST_PORT = 65535
 _MOST_FUNCTIONS = 4
 # What this process has unpacked: the function and its arrays, by digest.
 _unpacked: OrderedDict[str, tuple[Callable, list[np.ndarray]]] = OrderedDict()
@@ -164,7 +149,7 @@ class ClusterWorkers(Workers):
     def __init__(self, address: str):
         super().__init__(1)
         self._functions: dict[str, object] = {}
-        self._client = _connect(address)
+        self._client = connect_client(address)
         self.address = address
 
     def map(
@@ -229,86 +214,3 @@ class ClusterWorkers(Workers):
                 keep, parcel.data, key=f"brace-{parcel.key}"
             )
         return self._functions[parcel.key]
-
-
-def _await_port(place: str) -> None:
-    """Waits a little for a port that refuses connections.
-
-    A client would ask for all of its time, as it does of a machine that is
-    silent.
-
-    Raises:
-        OSError: It refuses them still, or no machine has that name.
-        ValueError: It is no address.
-    """
-    target = parse_host_port(place)
-    if not 0 < target[1] <= _MOST_PORT:
-        raise ValueError(f"port {target[1]}")
-    end = time.monotonic() + _REFUSED_S
-    while True:
-        try:
-            socket.create_connection(target, _CONNECT_S).close()
-            return
-        except (ConnectionRefusedError, socket.gaierror):
-            if time.monotonic() > end:
-                raise
-            time.sleep(0.2)
-
-
-async def _greet(address: str) -> None:
-    """Talks to a scheduler once.
-
-    A client whose greeting fails is left behind, and keeps the process for
-    minutes.
-
-    Raises:
-        Exception: Nobody answers, or in another language.
-    """
-    options = Security().get_connection_args("client")
-    # Not every way heeds the limit that it is given.
-    async with asyncio.timeout(_CONNECT_S):
-        greeted = await connect(address, timeout=_CONNECT_S, **options)
-    await greeted.close()
-
-
-def _connect(address: str):
-    """A client of a scheduler whose workers run what this process runs."""
-    place = f"--cluster {address}"
-    try:
-        scheme, target = parse_address(address)
-        if scheme not in _SCHEMES:
-            raise ClusterError(
-                f"{place}: {quoted(scheme)} is no way to a scheduler; allowed:"
-                f" {', '.join(_SCHEMES)}, as in tcp://host:8786"
-            )
-        _await_port(target)
-        asyncio.run(_greet(address))
-        client = Client(address, timeout=_CONNECT_S, set_as_default=False)
-    except ClusterError:
-        raise
-    # What talks another language may raise any exception.
-    except Exception as error:
-        raise ClusterError(
-            f"{place}: no Dask scheduler answers there"
-        ) from error
-    try:
-        client.wait_for_workers(1, timeout=_WORKERS_S)
-        there = client.run(installed_versions, PACKAGES)
-        here = installed_versions(PACKAGES)
-        for worker, found in there.items():
-            for name, value in here.items():
-                if found[name] != value:
-                    raise ClusterError(
-                        f"{place}: {worker} has {name} {found[name]}, here is"
-                        f" {value}: results would differ"
-                    )
-    except Exception as error:
-        client.close()
-        if isinstance(error, ClusterError):
-            raise
-        if isinstance(error, OSError | TimeoutError):
-            raise ClusterError(f"{place}: there are no workers") from error
-        raise ClusterError(
-            f"{place}: a worker cannot run brace_drake: {reason(error)}"
-        ) from error
-    return client
