@@ -10,6 +10,8 @@ from pathlib import Path
 
 from brace_drake.core.errors import LinkError
 
+_DIGITS = "0123456789"
+
 
 class Terminal:
     """A pseudo-terminal that a host opens as if it were a serial port.
@@ -39,13 +41,20 @@ class Terminal:
         os.set_blocking(master, False)
         # The slave stays open here too, so that a host may come and go.
         self._fds = master, slave
-        self.path = os.ttyname(slave)
+        self.path = self._slave = os.ttyname(slave)
         if self._link is not None:
-            self._MakeLink()
+            try:
+                self._MakeLink()
+            except LinkError:
+                self.disconnect()
+                raise
 
     def _MakeLink(self) -> None:
-        if self._link.exists() and not self._link.is_symlink():
-            raise LinkError(f"{self._link}: exists and is no link")
+        if os.path.lexists(self._link) and not self._is_left_over():
+            raise LinkError(
+                f"{self._link}: exists, and no emulated device that is gone has"
+                " left it; give another path, or remove it"
+            )
         try:
             self._link.unlink(missing_ok=True)
             self._link.symlink_to(self.path)
@@ -53,12 +62,21 @@ class Terminal:
             raise LinkError(f"{self._link}: {error.strerror}") from error
         self.path = str(self._link)
 
+    def _is_left_over(self) -> bool:
+        """Whether the link is one of a device that was killed: to a terminal
+        that is gone, or whose number is this one's now.
+        """
+        target = _target_of(self._link)
+        if target.rstrip(_DIGITS) != self._slave.rstrip(_DIGITS):
+            return False
+        return target == self._slave or not os.path.exists(target)
+
     def disconnect(self) -> None:
         """Unplugs: the host's reads fail from now on."""
         fds, self._fds = self._fds, None
         for fd in fds or ():
             os.close(fd)
-        if self._link is not None:
+        if self._link is not None and _target_of(self._link) == self._slave:
             with contextlib.suppress(OSError):
                 self._link.unlink(missing_ok=True)
 
@@ -89,3 +107,11 @@ class Terminal:
                 self.overruns += 1
         except OSError:
             self.overruns += 1
+
+
+def _target_of(link: Path) -> str:
+    """Where a link leads; empty where there is none."""
+    try:
+        return os.readlink(link)
+    except OSError:
+        return ""
