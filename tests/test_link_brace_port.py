@@ -2,6 +2,7 @@
 
 import contextlib
 import csv
+import math
 import tempfile
 import unittest
 from dataclasses import replace
@@ -10,11 +11,14 @@ from unittest import mock
 
 import numpy as np
 
+from brace_drake.core.errors import LinkError
 from brace_drake.devices.motions.library import SafeMotion
 from brace_drake.devices.motions.parts import ramp
 from brace_drake.link.device.limits_file import LoadLimits
 from brace_drake.link.emulator.brace_plant import BracePlant
+from brace_drake.link.emulator.describe import describe_device
 from brace_drake.link.operation.rows import columns_of
+from brace_drake.link.operation.station import CheckDevice
 from brace_drake.link.protocol.words import DeviceState
 from brace_drake.model.simulate import RecordBrace, SimulateBrace
 from brace_drake.recording import CheckCampaign, LoadCampaign
@@ -48,6 +52,21 @@ def emulated_brace(scenario):
         emulated(scenario=scenario, limits=limits) as device,
     ):
         yield device
+
+
+class TestRates(unittest.TestCase):
+    def test_a_rate_that_is_none_or_another_is_refused_before_any_other_use(
+        self,
+    ):
+        scenario = BraceScenario()
+        hello = describe_device(scenario)
+        own = hello.rate_hz
+        for rate in (math.nan, math.inf, -math.inf, 0.0, -own, 2.0 * own):
+            said = hello._replace(rate_hz=rate)
+            told = mock.Mock(path="port", hello=said)
+            with self.subTest(rate=rate):
+                with self.assertRaisesRegex(LinkError, "ticks at .* the scen"):
+                    CheckDevice(told, scenario)
 
 
 class TestPort(unittest.TestCase):

@@ -81,7 +81,8 @@ def CheckDevice(link: Link, scenario: BraceScenario) -> None:
         )
     if hello.units != mine.units:
         raise LinkError(f"{who} has units {hello.units!r}, not {mine.units!r}")
-    if abs(hello.rate_hz / mine.rate_hz - 1.0) > 1e-6:
+    # Written so that what is no number differs.
+    if not abs(hello.rate_hz / mine.rate_hz - 1.0) <= 1e-6:
         raise LinkError(
             f"{who} ticks at {hello.rate_hz:g} Hz, the scenario at"
             f" {mine.rate_hz:g}"
@@ -89,7 +90,6 @@ def CheckDevice(link: Link, scenario: BraceScenario) -> None:
     for name in ("rest", "lower", "upper"):
         here, there = getattr(mine, name), getattr(link.geometry, name)
         for i, (a, b) in enumerate(zip(here, there, strict=True)):
-            # Written so that what is no number differs.
             if not abs(a - b) <= _SAME_PLACE:
                 raise LinkError(
                     f"{who}: geometry differs: {name}[{i // 3}]"
