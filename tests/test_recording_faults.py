@@ -14,6 +14,7 @@ from brace_drake.recording_faults import (
 from brace_drake.recording_faults.finding import recording_verdict
 from brace_drake.recording_faults.relations.hypotheses import Hypothesis
 from brace_drake.recording_faults.relations.mismatch import LawChecker
+from brace_drake.recording_faults.relations.torso import answer_of
 from tests.synthetic_bench import record
 
 FORCE = "ring2_force_y_N"
@@ -217,6 +218,19 @@ class TestTorso(FaultCase):
             spoil(self.sound, change), "wrong_scale", (name,)
         )
         self.assertAlmostEqual(found.parameters["scale"], 3.94, delta=1.0)
+
+    def test_a_marker_that_stands_still_is_stiff_without_end(self):
+        run = next(r for r in self.sound.runs if is_push(r))
+        law = self.device.torso_law
+        # Some of them are rounded when they are averaged.
+        for value in (0.0, -0.007054, 0.1, 1.0 / 3.0, *np.arange(1, 9) * 1e-3):
+            still = np.full(len(run.time_s), value)
+            columns = {**run.channels, law.marker: still}
+            with self.subTest(value=value):
+                found = answer_of(
+                    replace(run, channels=columns), law, law.marker, 200.0
+                )
+                self.assertEqual(found, (np.inf, 0.0))
 
     def test_a_marker_of_noise_alone_is_told_where_it_is_pushed(self):
         def change(columns):
