@@ -26,9 +26,11 @@ MOST_NODES = 200_000  # Aliases count as what they stand for.
 LONGEST = 10_000  # characters of a word
 MOST_DIGITS = 18  # Longer ones are words.
 
-_WHOLE = re.compile(r"[-+]?(?:0|[1-9][0-9_]*)")
+# Between thousands alone may a line stand: 2_00 is a slip, not 200.
+_THOUSANDS = r"[0-9]{1,3}(?:_[0-9]{3})+"
+_WHOLE = re.compile(rf"[-+]?(?:0|(?=[1-9])(?:{_THOUSANDS}|[0-9]+))")
 _NUMBER = re.compile(
-    r"[-+]?(?:[0-9][0-9_]*\.[0-9_]*|\.[0-9][0-9_]*)(?:[eE][-+][0-9]+)?"
+    rf"[-+]?(?:(?:{_THOUSANDS}|[0-9]+)\.[0-9]*|\.[0-9]+)(?:[eE][-+][0-9]+)?"
 )
 _WORDS: dict[str, object] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
