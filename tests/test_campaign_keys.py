@@ -38,6 +38,32 @@ class TestUnknownKeys(unittest.TestCase):
         (line,) = told("date: 2026-01-12\nrecorded: 2026-01-12\n")
         self.assertIn("no key 'date': ignored", line)
 
+    def test_keys_of_other_devices_are_told(self):
+        (line,) = told(
+            "device: bench stage 2\nstages: [1, 2, 3]\n"
+            "nominal: {mass_kg: 1}\ncontrol: {kp_1_s: 1}\ndiagram: {}\n"
+        )
+        self.assertIn("'stages', 'nominal', 'control', 'diagram': ign", line)
+        for device, key in (
+            ("brace", "stages: [1, 2]"),
+            ("leg bench", "nominal: {mass_kg: 1, viscous_N_s_m: 1}"),
+            ("leg bench", "control: {kp_1_s: 1, kv_N_s_m: 1}"),
+            ("diagram", "diagram: {}"),
+        ):
+            with self.subTest(device, key=key):
+                self.assertEqual(told(f"device: {device}\n{key}\n"), [])
+
+    def test_a_file_of_many_runs_is_one_line(self):
+        run = "{file: a.csv, contact: true, motion: push, split: fit}"
+        for many, more in ((2, ""), (5000, ", and 4998 more")):
+            text = "runs:\n" + f"- {run}\n" * many
+            problems = parse_manifest(text.encode())[1]
+            told = [p for p in problems if "duplicate" in p.message]
+            self.assertEqual(
+                [p.message for p in told],
+                [f"duplicate file: runs 1 and 2 share it{more}"],
+            )
+
     def test_many_unknown_keys_are_one_line(self):
         text = "".join(f"zz{i}{i}: 1\n" for i in range(200))
         (line,) = told(text)

@@ -30,7 +30,6 @@ from brace_drake.recording.recording import Campaign, Run, ScenarioFile
 
 MANIFEST = "campaign.yaml"
 FORMAT = "brace-campaign/1"
-
 # Fields that every campaign has, and those of each run.
 _HEAD = {
     "format": Field(repr(FORMAT), lambda v: v == FORMAT),
@@ -57,7 +56,10 @@ _RUN = {
     "split": WHAT_FOR,
 }
 _NEEDED = ("file", "contact", "motion", "split")
-_KEYS = (*_HEAD, "nominal", "control", "stages", "diagram")
+# Keys of some devices, and what of a device's declaration makes it one.
+_OF = {name: name for name in ("nominal", "control", "stages")}
+_OF["diagram"] = "has_ports"
+_KEYS = (*_HEAD, *_OF)
 # What a recorder notes of a run beside.
 NOTES = (
     *("complete", "begun", "stopped", "lost_messages", "bad_frames"),
@@ -80,10 +82,10 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         content = parse_yaml(data)
     except ReadError as e:
         return None, [error(MANIFEST, str(e))]
-    problems = _unknown(content, _KEYS)
     head, faults = take(content, _HEAD)
     name = head.get("device", "")
     device = DEVICES.get(name, Device({}))
+    problems = _unknown(content, _keys_of(device) if name else _KEYS)
     numbers = {}
     for section in ("nominal", "control"):
         declared = getattr(device, section)
@@ -117,6 +119,11 @@ def parse_manifest(data: bytes) -> tuple[Campaign | None, list[Problem]]:
         **numbers,
     )
     return campaign, problems
+
+
+def _keys_of(device: Device) -> list[str]:
+    """Keys that are read of a campaign of a device."""
+    return [k for k in _KEYS if k not in _OF or getattr(device, _OF[k])]
 
 
 def _recorded(head: dict) -> dict:
@@ -260,27 +267,28 @@ def chained_text(repeated: str) -> str:
 
 def _check_runs(runs: list[Run], problems: list[Problem]) -> None:
     """What runs say of each other."""
-    first: dict[str, int] = {}
+    named: dict[str, list[int]] = {}
     for number, run in enumerate(runs, start=1):
-        if not run.file:
-            continue
-        if leaves_folder(run.file):
+        if run.file:
+            named.setdefault(normpath(run.file), []).append(number)
+    for path, (number, *others) in named.items():
+        if leaves_folder(path):
             message = "the path leaves the campaign's folder"
-            problems.append(error(run.file, message))
-        other = first.setdefault(normpath(run.file), number)
-        if other != number:
-            message = f"duplicate file: runs {other} and {number} share it"
-            problems.append(error(run.file, message))
+            problems.append(error(runs[number - 1].file, message))
+        if others:
+            message = f"duplicate file: runs {number} and {others[0]} share it"
+            message += f", and {len(others) - 1} more" if others[1:] else ""
+            problems.append(error(runs[others[0] - 1].file, message))
     for number, run in enumerate(runs, start=1):
         if run.repeat_of is None:
             continue
         place = f"run {number} ({run.file}): repeat_of"
-        if normpath(run.repeat_of) not in first:
+        if normpath(run.repeat_of) not in named:
             message = f"{place} names no run: {quoted(run.repeat_of)}"
             problems.append(error(MANIFEST, message))
         elif normpath(run.repeat_of) == normpath(run.file):
             problems.append(error(MANIFEST, f"{place} names the run itself"))
-        elif runs[first[normpath(run.repeat_of)] - 1].repeat_of is not None:
+        elif runs[named[normpath(run.repeat_of)][0] - 1].repeat_of is not None:
             message = f"{place} is {chained_text(run.repeat_of)}"
             problems.append(error(MANIFEST, message))
     splits = {run.split for run in runs}
