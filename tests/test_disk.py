@@ -275,8 +275,15 @@ class TestNoRoomForCompiledLaws(Folder):
             raise OSError(28, "No space left on device")
 
     def import_into(self, folder):
-        with mock.patch.object(laws, "_import_all", self.import_all):
+        said = io.StringIO()
+        with (
+            mock.patch.object(laws, "_import_all", self.import_all),
+            contextlib.redirect_stderr(said),
+        ):
             laws._import(str(folder))
+        self.assertRegex(
+            said.getvalue(), f"^brace-drake: {folder} takes no files.*\n$"
+        )
         private = Path(self.tried[-1])
         self.assertEqual(private.stat().st_mode & 0o777, 0o700)
         self.assertEqual(numba.config.CACHE_DIR, str(private))

@@ -7,8 +7,9 @@ controllers, in `loop` all of them put together, in `alone` a part by itself,
 and in `lanes` what lets several copies of a brace go side by side.
 
 They are kept in a folder for each state of their sources, see `kept`. Where
-that folder takes no files, as on a full disk or in a home that is
-read-only, they are compiled for this process alone.
+the user's cache takes no files, as on a full disk or in a home that is
+read-only, that is a temporary one; where that takes none either, they are
+compiled for this process alone.
 """
 
 import atexit
@@ -20,7 +21,8 @@ from pathlib import Path
 
 import numba
 
-from brace_drake.laws.kept import folder_of_sources, kept_in, takes_files
+from brace_drake.core.resources import takes_files, tell_note
+from brace_drake.laws.kept import folder_of_sources, kept_in
 
 
 def _import_all(folder: str) -> None:
@@ -29,8 +31,12 @@ def _import_all(folder: str) -> None:
             importlib.import_module(module.name)
 
 
-def _import_without_cache() -> None:
+def _import_without_cache(wanted: str) -> None:
     """Into a folder of this process, which nobody else can put code into."""
+    tell_note(
+        f"{wanted} takes no files: the laws are compiled for this process"
+        " alone, and again for the next; XDG_CACHE_HOME names another place"
+    )
     folder = tempfile.mkdtemp(prefix="brace-drake-laws-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     # For those compiled later on, too.
@@ -40,13 +46,13 @@ def _import_without_cache() -> None:
 
 def _import(folder: str) -> None:
     if not takes_files(Path(folder)):
-        _import_without_cache()
+        _import_without_cache(folder)
         return
     try:
         _import_all(folder)
     except OSError:
         # Its disk was full before all was compiled.
-        _import_without_cache()
+        _import_without_cache(folder)
 
 
 _import(numba.config.CACHE_DIR or str(folder_of_sources(Path(__file__).parent)))

@@ -8,7 +8,6 @@ starts a new one.
 
 import hashlib
 import inspect
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -16,7 +15,7 @@ from pathlib import Path
 
 import numba
 
-from brace_drake.core.resources import cache_path
+from brace_drake.core.resources import cache_path, takes_files
 
 
 def sources_of(folder: Path) -> list[Path]:
@@ -63,15 +62,3 @@ def keep_by_sources(compiler: Callable) -> Callable:
             return compiler(function)
 
     return compile_kept
-
-
-@cache
-def takes_files(folder: Path) -> bool:
-    """Whether a folder can be written to; it is made where there is none."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder) as file:
-            file.write(bytes(2**16))
-    except OSError:
-        return False
-    return True

@@ -19,7 +19,7 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
 from brace_drake.cli.options import AddCommand, AddJson, PrintJson
-from brace_drake.core.resources import cache_path
+from brace_drake.core.resources import wanted_cache_path
 
 _EPILOG = """\
 example:
@@ -213,8 +213,10 @@ def _serial_ports(ports: list[str]) -> Finding:
 
 
 def _law_cache() -> Finding:
-    """Where compiled laws are kept; without it each start compiles anew."""
-    base = folder = Path(os.environ.get("NUMBA_CACHE_DIR") or cache_path())
+    """Where compiled laws are kept; without it a temporary place is taken."""
+    base = folder = Path(
+        os.environ.get("NUMBA_CACHE_DIR") or wanted_cache_path()
+    )
     while not folder.exists():
         folder = folder.parent
     try:
