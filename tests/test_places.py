@@ -10,7 +10,7 @@ from unittest import mock
 from brace_drake.core.errors import OutputError, is_plain
 from brace_drake.core.output import MakeFolder, ReleaseFolders
 from brace_drake.core.places import check_file, check_folder, real_path
-from brace_drake.core.resources import scenario_path
+from brace_drake.core.resources import policy_path, scenario_path
 from brace_drake.recording import LoadCampaign, WriteCampaign
 from tests.commands import run_command
 from tests.shared_data import EXAMPLE
@@ -130,6 +130,8 @@ class TestCommands(PlaceCase):
             ("diagnose", EXAMPLE, EXAMPLE),
             ("fit", EXAMPLE),
             ("plan", "--motions", "push"),
+            ("predict", policy_path()),
+            ("personalize", "none.yaml"),
             (
                 "withheld",
                 "make",
@@ -181,6 +183,19 @@ class TestPictures(PlaceCase):
         self.assertIn("columns:", said)
         self.assertEqual(path.read_bytes()[: len(PNG)], PNG)
         self.assertNotIn(b"an older one", path.read_bytes())
+
+
+class TestNetworks(PlaceCase):
+    def test_a_policy_is_not_replaced_by_its_network(self):
+        policy = self.folder / "own.npz"
+        shutil.copyfile(policy_path(), policy)
+        named = self.folder / "own.onnx"
+        shutil.copyfile(policy, named)
+        before = policy.read_bytes()
+        for path, why in ((policy, "allowed: [*].onnx"), (named, "no network")):
+            told = self.refused("predict", policy, "--onnx", path)
+            self.assertRegex(told, why)
+            self.assertEqual(path.read_bytes(), before)
 
 
 class TestExports(PlaceCase):

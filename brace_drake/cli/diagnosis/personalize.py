@@ -7,6 +7,7 @@ from pathlib import Path
 
 from brace_drake.cli.options import AddCommand, AddScenario, finite
 from brace_drake.core.output import HoldFolder
+from brace_drake.core.places import check_folder
 
 _EPILOG = """\
 example:
@@ -88,6 +89,8 @@ def Run(args: argparse.Namespace) -> int:
     )
     from brace_drake.torso.scan import ScanFrame
 
+    out = Path(args.out)
+    check_folder(out)
     scenarios = _load_scenarios(args.scenario)
     frame = ScanFrame(args.unit, tuple(args.origin), args.axes)
     loft = LoadSurfaceOf(args.source, frame)
@@ -98,7 +101,7 @@ def Run(args: argparse.Namespace) -> int:
         personal = personalize(loft, scenarios, resolution, under_pads)
     except TorsoError as error:
         raise TorsoError(f"{args.source}: {error}") from error
-    WritePersonal(HoldFolder(Path(args.out)), personal)
+    WritePersonal(HoldFolder(out), personal)
     for line in describe(personal):
         print(line)
     print(f"torso, pads, scenario, picture: {args.out}")

@@ -52,9 +52,15 @@ def AddParser(subparsers: argparse._SubParsersAction) -> None:
 
 def Run(args: argparse.Namespace) -> int:
     """Prints the impedance; writes it where asked to."""
+    from brace_drake.core.places import check_folder, check_replaced
     from brace_drake.learning.policy import ExportOnnx, LoadPolicy
     from brace_drake.learning.predict import predict_impedance
 
+    if args.out is not None:
+        check_folder(Path(args.out))
+    if args.onnx is not None:
+        # A model begins with the version of its format.
+        check_replaced(Path(args.onnx), ".onnx", b"\x08", "network")
     policy = LoadPolicy(args.policy)
     factors = dict(_parse_factor(text) for text in args.subject)
     displacement = None
