@@ -15,6 +15,7 @@ import numpy as np
 from scipy.io import savemat
 
 from brace_drake.core.errors import CampaignError
+from brace_drake.recording.importing.formats import flatten
 from brace_drake.recording.importing.tables import LoadTable
 from tests.reader_fuzz import time_limit
 
@@ -126,6 +127,23 @@ class TestJson(RoomCase):
         self.assert_refused(
             "a.mcap", memory.getvalue(), f"{MANY + 1} values; allowed: 100000"
         )
+
+    @unittest.skipIf(Writer is None, "mcap is not installed: the extra mcap")
+    def test_topics_share_the_memory_that_is_meant_for_a_file(self):
+        memory = io.BytesIO()
+        writer = Writer(memory)
+        writer.start("", "x")
+        schema = writer.register_schema("x", "jsonschema", b"{}")
+        for topic in range(5):
+            channel = writer.register_channel(f"/{topic}", "json", schema)
+            for i in range(40):
+                writer.add_message(channel, i, b'{"a": 1}', i)
+        writer.finish()
+        # 40 samples of two columns each: one topic has room, five have not.
+        with mock.patch.object(flatten, "LARGEST", 4e-4):
+            self.assert_refused("a.mcap", memory.getvalue(), "more numbers")
+        with self.assertRaisesRegex(CampaignError, "options.group may be"):
+            self.read("a.mcap")
 
 
 class TestMatlab(RoomCase):

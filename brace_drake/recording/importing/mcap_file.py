@@ -30,7 +30,10 @@ from brace_drake.recording.importing.formats.cells import (
     Samples,
     Table,
 )
-from brace_drake.recording.importing.formats.flatten import cells_of
+from brace_drake.recording.importing.formats.flatten import (
+    cells_of,
+    check_room,
+)
 from brace_drake.recording.importing.rules import check_columns
 from brace_drake.recording.manifest import MANIFEST, parse_manifest
 from brace_drake.recording.recording import Campaign, Run
@@ -190,7 +193,7 @@ def _by_time(table: Table) -> Table:
 def _read_all(data: bytes) -> tuple[dict[str, Table], dict[str, dict]]:
     """Tables of all topics of JSON messages, and metadata by name."""
     topics: dict[str, Samples] = {}
-    channels, metadata = {}, {}
+    channels, metadata, cells = {}, {}, 0
     for record in _records(data):
         kind = type(record).__name__
         if kind == "Channel":
@@ -203,7 +206,12 @@ def _read_all(data: bytes) -> tuple[dict[str, Table], dict[str, dict]]:
                 value = parse_json(record.data, may_be_nan=True)
                 sample = cells_of(value)
                 sample[_LOG_TIME] = 1e-9 * record.log_time
-                topics.setdefault(channel.topic, Samples()).add(sample)
+                samples = topics.setdefault(channel.topic, Samples())
+                cells -= samples.size
+                samples.add(sample)
+                cells += samples.size
+                # Topics that all go far share the memory.
+                check_room(cells)
     tables = {name: _by_time(topic.table()) for name, topic in topics.items()}
     return tables, metadata
 

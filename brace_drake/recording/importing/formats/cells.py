@@ -106,7 +106,12 @@ class Samples:
             column.fill(self._count)
             column.add(cell)
         self._count += 1
-        check_room(self._count * len(self._columns))
+        check_room(self.size)
+
+    @property
+    def size(self) -> int:
+        """Cells of the table that they make, empty ones included."""
+        return self._count * len(self._columns)
 
     def table(self) -> Table:
         """What was added."""
