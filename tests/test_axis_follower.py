@@ -5,6 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from brace_drake.devices.axis.follower import Commanded, simulate_response
 from brace_drake.devices.device import MakeDevice
@@ -96,6 +98,39 @@ def make_servo(band, gain=22.0, lag=0.035) -> Campaign:
     return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
 
 
+def make_cascade(friction=0.0, loop=20.0, speed=80.0, rate=15.0, own=3.0):
+    """A campaign of a position loop around a speed loop with an integral.
+
+    v' = speed (u - v) + i - own v - friction, u = loop (r - y),
+    i' = rate speed (u - v).
+    """
+    time, runs = np.arange(1000) / RATE, []
+    for i, split in enumerate(("fit", "fit", "fit", "validation")):
+        generator = np.random.default_rng(70 + i)
+        tones = 2.0 * np.pi * generator.uniform(0.1, 1.5, (3, 1))
+        phase = generator.uniform(0.0, 6.0, (3, 1))
+        asked = np.sum(0.3 * np.sin(tones * time + phase), axis=0)
+        asked *= np.minimum(1.0, time) ** 2
+        y = v = held = 0.0
+        reading, h = [], 1.0 / RATE / FINE
+        for r in asked:
+            reading.append(y + NOISE * generator.standard_normal())
+            for _ in range(FINE):
+                error = speed * (loop * (r - y) - v)
+                push = error + held - own * v
+                after = v + h * push
+                after -= np.clip(after, -h * friction, h * friction)
+                y += 0.5 * h * (v + after)
+                held, v = held + h * rate * error, after
+        columns = {
+            "time_s": time,
+            "position_command_rad": asked,
+            "position_rad": np.array(reading),
+        }
+        runs.append(Run(f"run{i}.csv", False, f"{i}", None, split, columns))
+    return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
+
+
 class TestLaws(unittest.TestCase):
     def test_a_speed_command_is_followed_with_its_lag(self):
         time, lag, speed = np.arange(200) / RATE, 0.1, 0.7
@@ -104,6 +139,56 @@ class TestLaws(unittest.TestCase):
         log = simulate_response(law, motion, 1.0, 1e-3)
         wanted = speed * (1.0 - np.exp(-time / lag))
         np.testing.assert_allclose(log[:, 1], wanted, atol=1e-12)
+
+    def test_a_speed_controller_with_an_integral_follows_as_the_plane_does(
+        self,
+    ):
+        # v' = (r - v) / T + i - b v, i' = n (r - v) / T: a plane of two
+        # linear equations.
+        time, lag, rate, damping, speed = (
+            np.arange(200) / RATE,
+            0.1,
+            4.0,
+            2.0,
+            0.7,
+        )
+        motion = Commanded(time, np.full(200, speed), np.zeros(2))
+        law = [1.0 / lag, 1.0 / lag, 0.0, 0.0, 0.0, rate, 0.0, damping]
+        log = simulate_response(np.array(law), motion, 1.0, 1e-4)
+        plane = np.array(
+            [[-1.0 / lag - damping, 1.0, 1.0 / lag],
+             [-rate / lag, 0.0, rate / lag],
+             [0.0, 0.0, 0.0]]
+        )  # fmt: skip
+        state = np.array([0.0, 0.0, speed])
+        wanted = [(expm(plane * t) @ state)[0] for t in time]
+        np.testing.assert_allclose(log[:, 1], wanted, atol=1e-5)
+
+    def test_a_cascade_with_an_integral_follows_as_its_equations_do(self):
+        # y'' = w^2 (r - y) + 2 z w (f r' - y') + i - b y', r = t, and
+        # i' = n (w^2 (r - y) + 2 z w (f r' - y')).
+        time, w, z, forward, rate, b = (
+            np.arange(200) / RATE,
+            9.0,
+            0.8,
+            0.4,
+            5.0,
+            3.0,
+        )
+        d = 2.0 * z * w
+        motion = Commanded(time, time, np.zeros(2))
+        law = [w * w, d, w * w, 0.0, forward * d, rate, forward * d, b]
+        log = simulate_response(np.array(law), motion, 1.0, 2e-4, is_held=False)
+
+        def slopes(t, x):
+            asked = w * w * (t - x[0]) + d * (forward - x[1])
+            return [x[1], asked + x[2] - b * x[1], rate * asked]
+
+        wanted = solve_ivp(
+            slopes, (0.0, time[-1]), np.zeros(3), t_eval=time, rtol=1e-9,
+            atol=1e-12,
+        )  # fmt: skip
+        np.testing.assert_allclose(log[:, 0], wanted.y[0], atol=2e-6)
 
     def test_a_position_command_is_followed_as_by_an_oscillator(self):
         time, w, z = np.arange(300) / RATE, 8.0, 0.3
@@ -166,6 +251,12 @@ class TestAnswers(unittest.TestCase):
         self.assertEqual(lag.name, "lag_s")
         self.assertAlmostEqual(lag.value, 0.05, delta=0.001)
 
+    def test_a_cascade_with_an_integral_has_no_gap(self):
+        self.check(make_cascade(), "")
+
+    def test_friction_behind_an_integral_is_named(self):
+        self.check(make_cascade(friction=12.0), "coulomb_friction")
+
     def test_a_limit_of_acceleration_is_no_lag_and_no_dead_time(self):
         campaign = make_campaign(lambda r, v, a, h: np.clip(a, -6.0, 6.0))
         self.check(
@@ -223,7 +314,7 @@ class TestAnswers(unittest.TestCase):
         self.assertEqual(device.twin.channels, ("speed_rad_s",))
         effects = device.twin.effects()
         # No force is known: what acts as one is told for 1 kg m^2.
-        (friction,) = effects["coulomb_friction"].parameters
+        (friction,) = effects["coulomb_friction (that stops)"].parameters
         self.assertEqual(
             (friction.name, friction.unit), ("coulomb_rad_s2", "rad/s^2")
         )

@@ -41,6 +41,8 @@ class ReplayTwin(ABC):
     Attributes:
         channels: Names of the columns of what `simulate` returns.
         has_loop: Whether readings, with their noise, feed back to the motion.
+        finds_loop: Whether its numbers come from the runs themselves, beside
+            what may hide them.
         num_lanes: How many replays go side by side in `simulate_each`.
         device: That the twin is of.
         numbers: What the compiled laws take.
@@ -50,6 +52,7 @@ class ReplayTwin(ABC):
 
     channels: ClassVar[tuple[str, ...]]
     has_loop: ClassVar[bool]
+    finds_loop: ClassVar[bool] = False
     num_lanes: ClassVar[int] = 1
     device: str
     subject: tuple[SubjectParameter, ...]

@@ -44,7 +44,8 @@ PLACES = {
     },
     "pad bench": {"compression", "contact", "sensing", "force reading"},
     "axis under command": {
-        "drive of its own",
+        "sum of forces",
+        "presliding",
         "drive",
         "sensing",
         "length reading",
@@ -77,6 +78,7 @@ PLACES = {
         "joint position",
         "extra input",
         "imposed motion",
+        "presliding",
         "angle",
     },
     "joint of a plant": {
@@ -88,6 +90,7 @@ PLACES = {
     },
     "joint that is moved": {
         "imposed motion",
+        "presliding",
         "drive",
         "drive of its own",
         "one joint",

@@ -23,16 +23,25 @@ from brace_drake.devices.pad_bench.twin import steps_per_sample
 from brace_drake.devices.twin import ReplayTwin
 from brace_drake.effects.series import held_commands
 from brace_drake.effects.stack import Use, stack_effects
-from brace_drake.laws.alone.axis_response import BIAS, WORK, rollout_response
+from brace_drake.laws.alone.axis_response import (
+    BIAS,
+    NUMBERS,
+    WORK,
+    rollout_response,
+)
 from brace_drake.recording.columns import AXIS
 from brace_drake.recording.recording import Run
 from brace_drake.recording.ways import axis_columns, speed_column
 from brace_drake.scenario.axis import AxisScenario
-from brace_drake.scenario.pad_noise import white_noise
 
 # Samples from which the first position and speed are taken, and those in which
 # the machine does what it did before.
 _START, _FIRST = 20, 3
+# Samples at which the start has to be right.
+_EARLY = 5
+# Degree of the curve that the first samples lie on otherwise, and how many
+# times more than it the follower may leave of them.
+_BEND, _AS_WELL = 2, 1.5
 # That long the command was the same before, s.
 _BEFORE_S = 0.5
 
@@ -56,7 +65,7 @@ class Commanded:
 
 @dataclass(frozen=True)
 class FollowerNumbers:
-    """Law of a follower (5,), see `laws.alone.axis_response`, and the noise of
+    """Law of a follower (8,), see `laws.alone.axis_response`, and the noise of
     a position reading.
     """
 
@@ -69,6 +78,7 @@ class AxisFollower(ReplayTwin):
 
     device = AXIS
     has_loop = False
+    finds_loop = True
 
     def __init__(self, scenario: AxisScenario, time_step: float | None = None):
         self.is_speed = scenario.command == "speed"
@@ -129,7 +139,20 @@ class AxisFollower(ReplayTwin):
         )
         rest = y - positions(command, 0.0, 0.0, bias=1.0)
         size = np.maximum(np.linalg.norm(free, axis=0), 1e-30)
-        return np.linalg.lstsq(free / size, rest, rcond=None)[0] / size
+        state = np.linalg.lstsq(free / size, rest, rcond=None)[0] / size
+        # A machine that friction holds, or a command that comes late, is no
+        # such follower: then it rests, or the first samples lie on a curve.
+        curve = np.polynomial.Polynomial.fit(time, y, min(_BEND, len(y) - 1))
+        calm = np.array([np.mean(y[:_FIRST]), 0.0])
+        moving = np.array([curve(0.0), curve.deriv()(0.0)])
+        if self.has_speed:
+            calm, moving = calm[::-1], np.array([0.0, moving[0]])
+        left = np.array([rest - free @ state, y - np.mean(y[:_FIRST])])
+        left = np.vstack([left, y - curve(time)])[:, :_EARLY]
+        off = np.linalg.norm(left, axis=1)
+        enough = max(self.numbers.noise * np.sqrt(left.shape[1]), off.min())
+        place = int(np.argmax(off <= _AS_WELL * enough))
+        return (state, calm, moving)[place]
 
     def measured(self, run: Run) -> np.ndarray:
         """Recorded position, or its rate (N, 1)."""
@@ -180,16 +203,12 @@ class AxisFollower(ReplayTwin):
         arrived = held_commands(given, period, 1, sizes, {0: sent})
         return arrived[len(before) :, 0]
 
-    def estimate_noise(self, runs: Sequence[Run]) -> float:
-        """White noise of the position readings of recordings, m or rad; with
-        that of the motor's, which the load seems to follow.
-        """
-        read = [self.position, *[self._command] * (not self.is_commanded)]
-        found = [
-            np.hypot.reduce([white_noise(run.channels[n]) for n in read])
-            for run in runs
-        ]
-        return float(max(found, default=0.0))
+    def answer_noise(self, runs: Sequence[Run]) -> float:
+        """Deviation that noise of the readings makes of what is compared."""
+        time = runs[0].time_s
+        noise = np.random.default_rng(0).standard_normal(len(time))
+        ratio = float(np.std(self._answer(time, noise)))
+        return ratio * self.numbers.noise
 
 
 def simulate_response(
@@ -203,7 +222,8 @@ def simulate_response(
     """Simulates one run with the compiled rollout.
 
     Args:
-        law: See `laws.alone.axis_response` (5,).
+        law: See `laws.alone.axis_response` (8,), or its first numbers where
+            the others are 0.
         motion: The run.
         length: That lengths are counted in, m or rad.
         time_step: Longest plant step, s.
@@ -218,6 +238,7 @@ def simulate_response(
     """
     plugs = [stack_effects(uses)[point] for point in ("drive", "sensing")]
     log = np.zeros((len(motion.time), 2))
+    law = np.append(law, np.zeros(NUMBERS - len(law)))
     broke_at = rollout_response(
         steps_per_sample(motion.time, time_step),
         sum(effect.on_command for effect, _ in uses),
@@ -242,14 +263,17 @@ def simulate_response(
 
 
 def _pack(scenario: AxisScenario) -> FollowerNumbers:
+    forward = scenario.feed_forward
     if scenario.command == "speed":
         rate = 1.0 / scenario.lag
-        law = [rate, rate, 0.0, scenario.bias, 0.0]
+        law = [rate, rate, 0.0, scenario.bias, forward]
     else:
         w, z = scenario.frequency, scenario.damping_ratio
         square, damping = w * w, 2.0 * z * w
-        law = [square, damping, square, scenario.bias, 0.0]
+        law = [square, damping, square, scenario.bias, forward * damping]
         if scenario.command == "motor":
-            law[1] += scenario.viscous
             law[3:] = [square * scenario.offset, damping]
+    is_of_error = scenario.integrates == "error"
+    law += [scenario.integral, law[1] if is_of_error else law[4]]
+    law.append(scenario.viscous)
     return FollowerNumbers(np.array(law), scenario.position_noise)

@@ -7,24 +7,25 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import OptimizeResult, minimize
 
-from brace_drake.core.errors import BraceError
-from brace_drake.devices.axis.follower import AxisFollower
+from brace_drake.devices.axis.controller_numbers import (
+    LESS,
+    RATIOS,
+    find_controller,
+    set_loop,
+    squares_left,
+)
 from brace_drake.devices.axis.follower_subject import ELASTIC, FASTEST_RAD_S
-from brace_drake.effects.stack import Use
 from brace_drake.recording.recording import Run
 from brace_drake.recording.ways import axis_columns
 from brace_drake.scenario.axis import AxisScenario
 
-# Lags, s, and damping ratios that the search may begin with, and the longest
-# step of a follower, s.
+# Lags, s, that the search may begin with, and the longest step of a follower,
+# s.
 _LAGS_S = tuple(0.005 * 2.0**i for i in range(9))
-_RATIOS = (0.3, 0.7, 1.2)
 _STEP_S = 1e-3
 _ROUGH = {"maxfev": 60, "xatol": 1e-3, "fatol": 0.0}
 # Steps of a lag, as effects act on what a step begins with, and the shortest.
 _LAG_STEPS, _SHORTEST_STEP_S = 40.0, 2e-4
-# How much less than another a kind of follower leaves, in squares, to be taken.
-_LESS = 0.8
 # Logarithms of lag and damping ratio of a rigid one.
 _RIGID = (-np.log(FASTEST_RAD_S), 0.0)
 
@@ -33,35 +34,38 @@ def find_numbers(scenario: AxisScenario, runs: Sequence[Run]) -> None:
     """Sets lag, frequency, damping ratio, offset and step of a follower: the
     best of a few, as a fit goes on from there.
     """
-    scenario.time_step = min(scenario.time_step, _STEP_S)
+    time_step, scenario.time_step = scenario.time_step, _STEP_S
     if scenario.command == "motor":
         _find_spring(scenario, runs)
     else:
         _find_follower(scenario, runs)
-    step = scenario.lag / _LAG_STEPS
-    scenario.time_step = min(scenario.time_step, max(step, _SHORTEST_STEP_S))
+    step = min(scenario.lag / _LAG_STEPS, time_step)
+    scenario.time_step = min(_STEP_S, max(step, _SHORTEST_STEP_S))
 
 
 def _find_follower(scenario: AxisScenario, runs: Sequence[Run]) -> None:
-    """A lag or an oscillator, and whether its command is held."""
+    """A lag or an oscillator, whether its command is held, and what else its
+    controller has.
+    """
     # Of a speed the ratio is no number.
     is_speed = scenario.command == "speed"
-    ratios = (1.0,) if is_speed else _RATIOS
+    ratios = (1.0,) if is_speed else RATIOS
     begins = [np.log([lag, z]) for lag in _LAGS_S for z in ratios]
 
     def left(x):
-        _set(scenario, x)
-        return _left(scenario, runs)
+        set_loop(scenario, x)
+        return squares_left(scenario, runs)
 
     best = _nearest_least(left, begins)
     if not is_speed:
         scenario.is_held = False
         straight = _nearest_least(left, begins)
-        if straight.fun < _LESS * best.fun:
+        if straight.fun < LESS * best.fun:
             best = straight
         else:
             scenario.is_held = True
-    _set(scenario, best.x)
+    set_loop(scenario, best.x)
+    find_controller(scenario, runs)
 
 
 def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
@@ -78,30 +82,32 @@ def _find_spring(scenario: AxisScenario, runs: Sequence[Run]) -> None:
     friction, play = cards["coulomb_friction"], cards["backlash"]
 
     def elastic(x):
-        _set(scenario, x)
+        set_loop(scenario, x)
         wound = scenario.frequency**2 * twist * np.exp(x[2])
         most = friction.parameters[0].upper
-        return _left(scenario, runs, [(friction, np.array([min(wound, most)]))])
+        return squares_left(
+            scenario, runs, [(friction, np.array([min(wound, most)]))]
+        )
 
     def rigid(x):
-        _set(scenario, _RIGID)
+        set_loop(scenario, _RIGID)
         width = 2.0 * twist * np.exp(x[0])
-        return _left(scenario, runs, [(play, np.array([width]))])
+        return squares_left(scenario, runs, [(play, np.array([width]))])
 
     shares = np.log([0.01, 1.0])
     begins = [
         np.array([*np.log([lag, z]), share])
         for lag in _LAGS_S
-        for z in _RATIOS
+        for z in RATIOS
         for share in shares
     ]
     loose = _nearest_least(rigid, list(shares[:, None]))
     best = _nearest_least(elastic, begins)
-    if best.fun < _LESS * loose.fun:
+    if best.fun < LESS * loose.fun:
         scenario.fitted = list(ELASTIC)
-        _set(scenario, best.x)
+        set_loop(scenario, best.x)
     else:
-        _set(scenario, _RIGID)
+        set_loop(scenario, _RIGID)
     scenario.wound = scenario.frequency**2 * twist
 
 
@@ -109,28 +115,3 @@ def _nearest_least(left, begins) -> OptimizeResult:
     """From the best of a rough grid to the nearest least."""
     begin = min(begins, key=left)
     return minimize(left, begin, method="Nelder-Mead", options=_ROUGH)
-
-
-def _set(scenario: AxisScenario, x: np.ndarray) -> None:
-    scenario.lag, scenario.damping_ratio = map(float, np.exp(x[:2]))
-    scenario.frequency = 1.0 / scenario.lag
-    if scenario.command == "motor":
-        scenario.frequency = min(scenario.frequency, FASTEST_RAD_S)
-        ratio = min(scenario.damping_ratio, max(_RATIOS))
-        scenario.damping_ratio = ratio
-
-
-def _left(
-    scenario: AxisScenario, runs: Sequence[Run], uses: Sequence[Use] = ()
-) -> float:
-    """Squares that a follower leaves of its runs."""
-    twin = AxisFollower(scenario)
-    subject = np.array([p.nominal for p in twin.subject])
-    try:
-        rest = [
-            twin.measured(r) - twin.simulate(twin.motion(r), subject, uses)
-            for r in runs
-        ]
-    except BraceError:
-        return np.inf
-    return float(sum(np.sum(e**2) for e in rest))

@@ -8,6 +8,7 @@ from brace_drake.scenario.axis import AxisScenario
 
 # Numbers may be so many times less or more than nominal.
 _SPREAD = 20.0
+_FEED_FORWARD = 0.0, 4.0
 # A load that swings as fast behind its motor is as good as rigidly joined.
 FASTEST_RAD_S = 2000.0
 # What a load on a spring behind its motor is fitted by.
@@ -18,8 +19,6 @@ _OF_SPRING = {"frequency": (1.0, FASTEST_RAD_S), "damping_ratio": (0.0, 20.0)}
 
 def fitted_fields(scenario: AxisScenario) -> tuple[str, ...]:
     """Fields of the scenario that a machine is fitted by."""
-    if scenario.command == "speed":
-        return ("lag", "bias")
     if scenario.command == "motor":
         other = {*scenario.fitted} - {*ELASTIC}
         if other:
@@ -28,7 +27,12 @@ def fitted_fields(scenario: AxisScenario) -> tuple[str, ...]:
                 f" motor: {', '.join(ELASTIC)}"
             )
         return tuple(scenario.fitted)
-    return ("frequency", "damping_ratio", "bias")
+    is_speed = scenario.command == "speed"
+    loop = ("lag",) if is_speed else ("frequency", "damping_ratio")
+    optional = "integral", "viscous", "feed_forward"
+    more = [n for n in optional if getattr(scenario, n)]
+    # What is constant an integral takes by itself.
+    return (*loop, *more, *["bias"] * (not scenario.integral))
 
 
 def follower_subject(scenario: AxisScenario) -> tuple[SubjectParameter, ...]:
@@ -38,6 +42,8 @@ def follower_subject(scenario: AxisScenario) -> tuple[SubjectParameter, ...]:
         "lag": ("lag_s", "s"),
         "frequency": ("frequency_rad_s", "rad/s"),
         "damping_ratio": ("damping_ratio", "1"),
+        "integral": ("integral_1_s", "1/s"),
+        "feed_forward": ("feed_forward", "1"),
     }
     speed, acceleration = scenario.speed_scale, scenario.acceleration_scale
     shifts = {
@@ -57,6 +63,10 @@ def follower_subject(scenario: AxisScenario) -> tuple[SubjectParameter, ...]:
             continue
         name, unit = named[field]
         least, most = value / _SPREAD, value * _SPREAD
+        if field == "integral":
+            least = 0.0
+        if field == "feed_forward":
+            least, most = _FEED_FORWARD
         if scenario.command == "motor" or not value:
             least, most = _OF_SPRING[field]
             value = min(value, most)

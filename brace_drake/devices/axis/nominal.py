@@ -50,12 +50,16 @@ def MakeAxisScenario(campaign: Campaign) -> AxisScenario:
                 f"{campaign.path}: {name} shows no more than its noise in the"
                 " fit runs: nothing can be learned"
             )
-    sigma = estimate_white_noise([r.channels[position] for r in runs])
+    # Of two encoders both are in what is compared.
+    read = [position, *[moved_by] * (way.command == "motor")]
+    sigma = np.hypot.reduce(
+        [estimate_white_noise([r.channels[n] for r in runs]) for n in read]
+    )
     scenario = AxisScenario(
         kind=way.kind,
         command=way.command,
         answer=way.answer,
-        position_noise=sigma,
+        position_noise=float(sigma),
         time_step=1.0 / campaign.rate_hz / _STEP_PARTS,
     )
     if scenario.is_imposed:

@@ -176,4 +176,33 @@ OF_JOINT = replace(
     needs=("joint of a plant",),
 )
 
-CARDS = (CARD, WITHOUT_CREEP, OF_JOINT)
+
+@compiled_law
+def resisting(dt, speed, force, level):
+    """Dry friction of level N beside all other forces on 1 kg, N.
+
+    It stops what it can within a step, and holds it (Karnopp, J. Dyn. Syst.
+    Meas. Control 107, 1985).
+    """
+    return min(max(-speed / dt - force, -level), level)
+
+
+@plug("drive")
+def _law_that_stops(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    for k in range(f.shape[0]):
+        f[k] += resisting(dt, l_dot[k], f[k], p[0])
+
+
+THAT_STOPS = replace(
+    CARD,
+    form="that stops",
+    title="dry friction of a drive",
+    equation="F = F_c sign(y'), what is needed where y' = 0",
+    source="Karnopp, Computer simulation of stick-slip friction, J. Dyn. Syst."
+    " Meas. Control 107, 1985",
+    laws={"drive": _law_that_stops},
+    num_states={},
+    needs=("sum of forces",),
+)
+
+CARDS = (CARD, WITHOUT_CREEP, OF_JOINT, THAT_STOPS)

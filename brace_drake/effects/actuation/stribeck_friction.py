@@ -7,6 +7,7 @@ from brace_drake.effects.actuation.coulomb_friction import (
     STUCK,
     bristle_force,
     or_one,
+    resisting,
     sign_of,
 )
 from brace_drake.effects.card import Effect, EffectParameter
@@ -111,4 +112,23 @@ OF_JOINT = replace(
     needs=("joint of a plant",),
 )
 
-CARDS = (CARD, WITHOUT_CREEP, OF_JOINT)
+
+@plug("drive")
+def _law_that_stops(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
+    for k in range(f.shape[0]):
+        slow = math.exp(-((l_dot[k] / p[2]) ** 2))
+        f[k] += resisting(dt, l_dot[k], f[k], p[0] + p[1] * slow)
+
+
+# See the same form of Coulomb friction.
+THAT_STOPS = replace(
+    OF_JOINT,
+    form="that stops",
+    title="dry friction of a drive with a higher breakaway force",
+    source="Karnopp, Computer simulation of stick-slip friction, J. Dyn. Syst."
+    " Meas. Control 107, 1985",
+    laws={"drive": _law_that_stops},
+    needs=("sum of forces",),
+)
+
+CARDS = (CARD, WITHOUT_CREEP, OF_JOINT, THAT_STOPS)

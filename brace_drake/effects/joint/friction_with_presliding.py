@@ -73,6 +73,7 @@ GRADUAL = replace(
     source="Dahl, Solid friction damping of mechanical vibrations, AIAA Journal"
     " 14, 1976",
     laws={"drive": _gradual_law},
+    needs=("one joint", "presliding"),
 )
 
 CARDS = (CARD, GRADUAL)

@@ -18,8 +18,11 @@ from brace_drake.laws.hooks import (
 )
 
 # What the law's vector holds: gain of the command, damping, gain of position,
-# a constant acceleration, and gain of the command's rate.
-COMMAND, DAMPING, POSITION, BIAS, RATE = range(5)
+# a constant acceleration, gain of the command's rate; the rate of an integral
+# of what the controller asks for, and its own gain of the command's rate; and
+# the damping that is no part of that.
+COMMAND, DAMPING, POSITION, BIAS, RATE, INTEGRAL, INTEGRATED_RATE = range(7)
+VISCOUS, NUMBERS = 7, 8
 # Places that the rollout needs.
 WORK = 7
 
@@ -66,21 +69,25 @@ def rollout_response(
 ):
     """Follows a command and writes position and speed.
 
-    y'' = c r + e r' - k y - d y' + a_0 + effects; of a speed r with a lag T
-    c = d = 1 / T, k = 0, of a position c = k = w^2, d = 2 z w, above 0, and of
-    the position of a motor e = d as well. Half a step of the position, a whole
-    one of the speed, half a step of the position (Strang).
+    y'' = c r + e r' - k y - (d + b) y' + i + a_0 + effects,
+    i' = n (c r + g r' - k y - d y'); of a speed r with a lag T c = d = 1 / T,
+    k = 0, of a position c = k = w^2, d = 2 z w, above 0, and of the position
+    of a motor e = d as well. The integral i begins as after a long time at
+    the speed of the start.
+    Half a step of the position, a whole one of the speed, half a step of the
+    position (Strang).
 
     Args:
         steps_per_sample: Plant steps between two samples.
         num_commands: Effects, the first ones, that act on c r + a_0, before the
             position is fed back.
-        is_held: Whether the command is held between samples; else it goes on a
-            straight line from each to the next.
+        is_held: Whether the command is held between samples, its rate that of
+            the last step; else it goes on a straight line from each to the
+            next.
         time: Sample times from 0 (N,), s.
         command: r (N,).
         inputs: Extra inputs (N, J).
-        law: c, d, k, a_0, e (5,).
+        law: c, d, k, a_0, e, n, g, b (8,).
         drive, sensing: Laws of the effects; what is read is the position.
         parameters, drive_memory, sensing_memory: Their parameters and states.
         active: Whether an effect sits at drive and sensing (2, MAX_EFFECTS).
@@ -95,8 +102,11 @@ def rollout_response(
     f, u, more = work[0:1], work[1:2], inputs.shape[1]
     read, no_force = work[2:3], work[3:6]
     known = work[6 : 7 + more]
-    known[0] = law[DAMPING]
-    samples = time.shape[0]
+    damping = law[DAMPING] + law[VISCOUS]
+    known[0] = damping
+    samples, integral = time.shape[0], 0.0
+    if law[INTEGRAL] > 0.0:
+        integral = law[VISCOUS] * v[0] - law[BIAS]
     for i in range(samples):
         following = min(i + 1, samples - 1)
         h = time[following] - time[following - 1]
@@ -113,13 +123,19 @@ def rollout_response(
             break
         dt = h / steps_per_sample
         slope = 0.0 if is_held else (command[following] - command[i]) / h
+        rate = (command[i] - command[max(0, i - 1)]) / h if is_held else slope
         for j in range(more):
             known[1 + j] = inputs[i, j]
         for sub in range(steps_per_sample):
             y[0] += 0.5 * dt * v[0]
             r = command[i] + slope * (sub + 0.5) * dt
-            u[0] = law[COMMAND] * r + law[BIAS] + law[RATE] * slope
-            f[0] = u[0] - law[DAMPING] * v[0]
+            # What the controller integrates, but for the speed in it.
+            error = law[COMMAND] * r - law[POSITION] * y[0]
+            error += law[INTEGRATED_RATE] * rate
+            before, n = v[0], law[INTEGRAL] * dt
+            middle = integral + 0.5 * n * (error - law[DAMPING] * before)
+            u[0] = law[COMMAND] * r + law[BIAS] + law[RATE] * rate + middle
+            f[0] = u[0] - damping * v[0]
             for e in range(MAX_EFFECTS):
                 if e == num_commands:
                     f[0] -= law[POSITION] * y[0]
@@ -131,8 +147,10 @@ def rollout_response(
             if num_commands == MAX_EFFECTS:
                 f[0] -= law[POSITION] * y[0]
             # Of a constant command this is exact, whatever the lag.
-            damped = max(law[DAMPING] * dt, 1e-12)
+            damped = max(damping * dt, 1e-12)
             v[0] += dt * f[0] * (-math.expm1(-damped) / damped)
+            mean = 0.5 * (before + v[0])
+            integral += n * (error - law[DAMPING] * mean)
             y[0] += 0.5 * dt * v[0]
         if not abs(v[0]) < 1e9:
             return i

@@ -60,6 +60,7 @@ class OwnCard:
 def own_cards(
     device: str,
     units: AxisUnits,
+    ranges: AxisUnits,
     inputs: tuple[str, ...],
     sizes: tuple[float, ...],
     signal: tuple[str, float] = ("", 1.0),
@@ -69,6 +70,7 @@ def own_cards(
     Args:
         device: AXIS, COMMANDED or BEHIND_MOTOR.
         units: Of the axis.
+        ranges: Units with the sizes that limits and starts go by.
         inputs: Columns of its extra inputs.
         sizes: What each of these is counted in.
         signal: Column of the command that it follows, or of the load's
@@ -84,7 +86,7 @@ def own_cards(
                 card = card if limit is None else ramp_card(limit, card)
                 found[card.key] = OwnCard(card, unit)
             continue
-        card, unit = units.card(effect), scales(effect, units)
+        card, unit = ranges.card(effect), scales(effect, units)
         if device in (COMMANDED, BEHIND_MOTOR) and "drive" in card.laws:
             card = with_few_starts(card)
         if "angle" in effect.places:

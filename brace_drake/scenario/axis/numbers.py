@@ -29,10 +29,12 @@ class AxisScenario:
     """One axis: F = m a + b v + k y + F_0 + gains . extra inputs.
 
     A rotary axis has rad for m and N m for N in all numbers. Under a command of
-    speed r it is y'' = (r - y') / lag + bias, of position
-    y'' = w^2 (r - y) - 2 z w y' + bias. Behind a motor whose position r was
-    measured it is y'' = w^2 (r + offset - y) + 2 z w (r' - y') - b y'; its
-    offset is a length, and b for 1 kg.
+    speed r it is y'' = u + i - b y' + bias, u = (r - y') / lag + f r', of
+    position u = w^2 (r - y) + 2 z w (f r' - y'); i' = n u, or of position n
+    times w^2 (r - y) + 2 z w (r' - y'), which is an integral of the error.
+    Behind a motor whose position r was measured it is
+    y'' = w^2 (r + offset - y) + 2 z w (r' - y') - b y'; its offset is a length.
+    All of these are for 1 kg, b too.
     """
 
     device: str = AXIS
@@ -51,6 +53,12 @@ class AxisScenario:
     lag: float = number(0.05, "s", above=0.0)
     frequency: float = number(30.0, "rad/s", above=0.0)  # w
     damping_ratio: float = number(1.0, least=0.0)  # z
+    # Rate n of the controller's integral, a speed controller's gain K_i / K_p;
+    # 0 without. What it integrates: all that its loop asks for, as a cascade
+    # does, or the error of position alone.
+    integral: float = number(0.0, "1/s", least=0.0)
+    integrates: str = word("loop", "error")
+    feed_forward: float = number(0.0, least=0.0)  # f, of the command's rate
     # Whether a command stays as it is until the next sample, or goes on a
     # straight line to it, as the motion of a motor does.
     is_held: bool = True
@@ -86,10 +94,17 @@ class AxisScenario:
         """What the axis counts in; its forces under a command for 1 kg."""
         length, is_rotary = self.length_scale / LENGTH_M, self.kind == "rotary"
         if not self.is_imposed:
-            # Behind a motor forces wind up a joint, however stiff it is.
-            force = max(length, self.wound / FORCE_N)
-            return AxisUnits(length, force, is_rotary, per_mass=True)
+            return AxisUnits(length, length, is_rotary, per_mass=True)
         return AxisUnits(length, self.force_scale / FORCE_N, is_rotary)
+
+    @property
+    def ranges(self) -> AxisUnits:
+        """The same with the sizes that ranges of effects go by."""
+        if self.is_imposed:
+            return self.units
+        # Behind a motor forces wind up a joint, however stiff it is.
+        force = max(self.wound, self.acceleration_scale) / FORCE_N
+        return replace(self.units, force=force)
 
     @property
     def force_doubt(self) -> float:
@@ -118,7 +133,8 @@ class AxisScenario:
             device, column = BEHIND_MOTOR, position
         signal = column, self.command_size
         inputs = tuple(self.gains)
-        return own_cards(device, self.units, inputs, sizes, signal)
+        units = self.units, self.ranges
+        return own_cards(device, *units, inputs, sizes, signal)
 
     def of_reference(self, uses: Sequence[Use]) -> list[Use]:
         """Effects with the parameters of the machine of reference."""

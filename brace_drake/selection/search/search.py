@@ -186,7 +186,9 @@ def _beside(
         found += fit_beyond(evaluator, base, criterion)
         for start in starts_beside(evaluator, base):
             lines, done = Linearisation(evaluator, start), [*known, *found]
-            larger, told = _forward(lines, criterion, effects, done, say, most)
+            # What a start predicts that was not fitted is no bound.
+            limit = most if start.excess <= base.excess else math.inf
+            larger, told = _forward(lines, criterion, effects, done, say, limit)
             found += larger
             if told:
                 break

@@ -17,14 +17,19 @@ import numpy as np
 from brace_drake.devices.declaration import Nuisance
 from brace_drake.devices.linearise import linearise_tolerances
 from brace_drake.identification.evaluation import Evaluator
-from brace_drake.identification.fits import CandidateFit
+from brace_drake.identification.fits import CandidateFit, finish_fit
+from brace_drake.identification.least_squares import LeastSquaresSolution
 from brace_drake.identification.numbers.numbers_along import fit_numbers_along
 from brace_drake.identification.numbers.reweigh import noise_left, reweigh
+from brace_drake.identification.problem import CandidateProblem
+from brace_drake.identification.sensitivities import calc_sensitivities
 from brace_drake.selection import thresholds
 from brace_drake.selection.search.shortlist import try_refine
 
 # Linearisations of numbers that bend.
 _ROUNDS = 2
+# Largest steps of an iteration over which a number has hardly moved.
+_MOVED = 0.5
 
 
 def set_out(evaluator: Evaluator, fit: CandidateFit) -> None:
@@ -54,16 +59,41 @@ def starts_beside(
     evaluator: Evaluator, fit: CandidateFit
 ) -> Iterator[CandidateFit]:
     """A fit as searches set out from it, one after the other: with its
-    stretched numbers put back, and as it stands, where these stay off.
+    stretched numbers put back, and as it stands, where these stay off; last
+    a machine as its twin was made.
 
     An effect that takes a part of what others are stretched for shows from
     the first alone, one that takes what all of these leave from the second.
+    Where the numbers of the machine itself were bent to take an effect, it
+    shows from those that the twin was made with.
     """
     beside = search_beside(evaluator, fit)
     yield beside
     if beside is not fit:
         set_out(evaluator, fit)
         yield fit
+    made = None if fit.effects else _as_made(evaluator, fit)
+    if made is not None:
+        yield made
+
+
+def _as_made(evaluator: Evaluator, fit: CandidateFit) -> CandidateFit | None:
+    """The twin with the numbers that it was made with, not fitted; None where
+    these are stated, or the fit has hardly moved them.
+    """
+    twin = evaluator.twin
+    if not twin.finds_loop:
+        return None
+    problem = CandidateProblem(evaluator, ())
+    z = np.array([p.nominal for p in twin.subject]) / problem.scales
+    if np.all(np.abs(z - fit.solution.z) <= _MOVED * problem.radius):
+        return None
+    (residual,) = problem.batch([z], coarse=True)
+    if residual is None:
+        return None
+    jacobian = calc_sensitivities(problem, z, base=residual)
+    made = LeastSquaresSolution(z, residual, jacobian, 0, False)
+    return finish_fit(problem, made, coarse=True)
 
 
 def refit_alone(
