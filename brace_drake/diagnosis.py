@@ -25,7 +25,11 @@ from brace_drake.identification.fits import CandidateFit
 from brace_drake.identification.gap import RunComparison, compare_runs
 from brace_drake.identification.intervals import EstimateTable, estimate_table
 from brace_drake.identification.nominal_fit import fit_nominal
-from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.prepare import (
+    check_motion,
+    estimate_floors,
+    prepare_runs,
+)
 from brace_drake.isolation.block_tests import NUM_MACHINES, run_block_tests
 from brace_drake.isolation.decision import accused_blocks
 from brace_drake.isolation.locate import locate_gap
@@ -138,7 +142,8 @@ def diagnose(
         choice: Which effects are searched, and what of the subject is fitted.
 
     Raises:
-        CampaignError: The campaign has nothing to fit, or an unknown device.
+        CampaignError: The campaign has nothing to fit, no run of it moves, or
+            its device is unknown.
         EffectError, FitError: What was chosen is not there.
         ScenarioError: It carries as many effects as a twin can.
     """
@@ -161,6 +166,7 @@ def diagnose(
     usual = np.array([p.nominal for p in twin.subject])
     floors, ratios = estimate_floors(twin, campaign, usual, seed)
     runs = prepare_runs(twin, campaign.split("fit"), floors, rate, seed)
+    check_motion(campaign.path, runs)
     evaluator = Evaluator(twin, runs, jobs, effects)
 
     say("fit of the subject", 0.05)

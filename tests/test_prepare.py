@@ -5,8 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from brace_drake.core.errors import CampaignError
 from brace_drake.devices.device import MakeDevice
-from brace_drake.identification.prepare import estimate_floors, prepare_runs
+from brace_drake.identification.prepare import (
+    check_motion,
+    estimate_floors,
+    prepare_runs,
+)
 from brace_drake.recording import LoadCampaign
 from tests.shared_data import EXAMPLE
 
@@ -31,6 +36,30 @@ class TestMissing(unittest.TestCase):
         np.testing.assert_array_equal(
             part.weights[:, ~torso], whole.weights[:, ~torso]
         )
+
+
+class TestMotion(unittest.TestCase):
+    def test_runs_that_show_noise_alone_are_refused(self):
+        campaign = LoadCampaign(EXAMPLE)
+        twin = MakeDevice(campaign).twin
+        subject = np.array([p.nominal for p in twin.subject])
+        floors, _ = estimate_floors(twin, campaign, subject, 0)
+        fit = campaign.split("fit")
+        rate = campaign.rate_hz
+        moving = prepare_runs(twin, fit, floors, rate, 0)
+        check_motion("folder", moving)
+        noise = np.random.default_rng(0)
+        still = [
+            replace(
+                p, measured=noise.normal(0.0, p.floor.rms, p.measured.shape)
+            )
+            for p in moving
+        ]
+        # White noise of the floor's size is no more than coloured noise of it.
+        limit = [replace(p, weights=0.5 * p.weights) for p in still]
+        with self.assertRaisesRegex(CampaignError, "moves by more"):
+            check_motion("folder", limit)
+        check_motion("folder", [*limit[1:], moving[0]])
 
 
 def floors_of(campaign):

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from brace_drake.core.errors import CampaignError
 from brace_drake.devices.replays import is_dithered, simulate_noisy
 from brace_drake.devices.twin import HIGHEST_HZ, Request
 from brace_drake.effects.stack import Use
@@ -186,4 +187,26 @@ def prepare_run(
     weights = weights * twin.active(run) / _counted(twin, motion)
     return PreparedRun(
         run, motion, measured, weights, floor, seed + index, index
+    )
+
+
+def check_motion(path, runs: Sequence[PreparedRun]) -> None:
+    """Refuses fit runs of which none shows more than its noise: there any twin
+    would be right.
+
+    Args:
+        path: Of the campaign.
+        runs: Prepared.
+
+    Raises:
+        CampaignError: None does.
+    """
+    for run in runs:
+        rest = run.weigh(run.measured - run.measured.mean(axis=0))
+        error = np.sqrt(2.0 / max(1, run.count))
+        if run.count and np.mean(rest**2) > 1.0 + _SIGNIFICANT * error:
+            return
+    raise CampaignError(
+        f"{path}: no fit run moves by more than its noise: nothing can be"
+        " learned from them"
     )

@@ -11,7 +11,10 @@ from scipy.optimize import least_squares
 
 from brace_drake.core.errors import BraceError
 from brace_drake.devices.axis.follower import AxisFollower
-from brace_drake.devices.axis.follower_subject import FASTEST_RAD_S
+from brace_drake.devices.axis.follower_subject import (
+    FASTEST_RAD_S,
+    loop_damping,
+)
 from brace_drake.effects.card import Effect
 from brace_drake.effects.stack import Use
 from brace_drake.recording.recording import Run
@@ -21,12 +24,16 @@ from brace_drake.scenario.axis import AxisScenario
 LESS = 0.8
 # Damping ratios that a search may begin with.
 RATIOS = 0.3, 0.7, 1.2
-# Lags, s, and rates of an integral, 1/s, that a search begins with, and the
-# machine's own damping over the controller's.
+# Lags, s, and rates of an integral and the machine's own damping, both over the
+# controller's, that a search begins with.
 _LAGS_S = 0.01, 0.03, 0.1
-_INTEGRALS_1_S, _VISCOUS = (1.0, 5.0, 25.0, 100.0), 0.05
+_INTEGRALS, _VISCOUS = (0.02, 0.1, 0.3), 0.05
+# Both are at most this much of the controller's, a logarithm.
+_FASTEST = np.log(0.5)
 # Effects that hide what a controller is: it is searched beside them too.
 _HIDE = "coulomb_friction", "acceleration_limit", "speed_limit", "command_delay"
+# A feed-forward is none, or an integral at its fastest, within so much.
+_LITTLE = 1e-3
 # Squares over those of noise that leave nothing to be found.
 _AT_NOISE = 1.1
 # Steps of each search, and of a first look.
@@ -40,8 +47,8 @@ class _Form:
     """What a controller has, and which effect it is searched beside.
 
     Its numbers are logarithms, but for the feed-forward: lag and damping ratio;
-    then feed-forward, rate of the integral, the machine's own damping over the
-    controller's, and the effect's strength, each where it is there.
+    then feed-forward, rate of the integral and the machine's own damping over
+    the controller's, and the effect's strength, each where it is there.
     """
 
     has_forward: bool = False
@@ -61,24 +68,33 @@ class _Form:
             loops += [np.log([lag, RATIOS[1]]) for lag in _LAGS_S]
             forwards = [(0.0,), (1.0,)]
         if self.has_integral:
-            integrals = [np.log([n, _VISCOUS]) for n in _INTEGRALS_1_S]
+            integrals = [np.log([n, _VISCOUS]) for n in _INTEGRALS]
         if self.beside is not None:
             strengths = [np.log(v) for v in self.beside.starts()]
             strengths = [x[2:]] if len(x) > 2 else strengths
         for parts in product(loops, forwards, integrals, strengths):
             yield np.concatenate(parts)
 
+    def is_within(self, x: np.ndarray) -> bool:
+        """Whether an integral is none of the fastest that a search allows."""
+        at = 2 + self.has_forward
+        return not self.has_integral or bool(
+            np.all(x[at : at + 2] < _FASTEST - _LITTLE)
+        )
+
     def take(self, scenario: AxisScenario, x: np.ndarray) -> list[Use]:
         """Gives a scenario the numbers, and returns the effect with its own."""
         set_loop(scenario, x)
         more = [float(v) for v in x[2:]]
-        scenario.feed_forward = more.pop(0) if self.has_forward else 0.0
+        forward = more.pop(0) if self.has_forward else 0.0
+        scenario.feed_forward = forward if forward > _LITTLE else 0.0
         scenario.integral = scenario.viscous = 0.0
         scenario.integrates = self.integrates
         if self.has_integral:
             # Without one its own damping is no other than the controller's.
-            scenario.integral = float(np.exp(more.pop(0)))
-            scenario.viscous = float(np.exp(more.pop(0))) * _damping(scenario)
+            damping = loop_damping(scenario)
+            scenario.integral = float(np.exp(more.pop(0))) * damping
+            scenario.viscous = float(np.exp(more.pop(0))) * damping
         if self.beside is None:
             return []
         lower, upper = (
@@ -131,7 +147,7 @@ def find_controller(scenario: AxisScenario, runs: Sequence[Run]) -> None:
         for card, start in [(None, loop), *[hidden] * (hidden is not None)]:
             mine = replace(other, beside=card)
             x, cost = search(mine, start, _STEPS)
-            if cost < LESS * least:
+            if cost < LESS * least and mine.is_within(x):
                 best, least, form = x, cost, mine
     form.take(scenario, best)
 
@@ -145,14 +161,16 @@ def _search(
         return _rest(scenario, data, form.take(scenario, x))
 
     begin = min(form.begins(start), key=lambda x: float(np.sum(rest(x) ** 2)))
-    # No controller sends less the faster its command changes: that would be
-    # a dead time.
-    least = np.full(len(begin), -np.inf)
-    least[2:3] = 0.0 if form.has_forward else -np.inf
+    # No controller sends less the faster its command changes, and none has an
+    # integral as fast as its loop: those would be dead times.
+    least, most = np.full((2, len(begin)), [[-np.inf], [np.inf]])
+    at = 2 + form.has_forward
+    least[2:at] = 0.0
+    most[at : at + 2 * form.has_integral] = _FASTEST
     found = least_squares(
         rest,
-        np.maximum(begin, least),
-        bounds=(least, np.inf),
+        begin,
+        bounds=(least, most),
         x_scale=0.1,
         diff_step=1e-4,
         max_nfev=steps,
@@ -167,13 +185,6 @@ def set_loop(scenario: AxisScenario, x: np.ndarray) -> None:
     if scenario.command == "motor":
         scenario.frequency = min(scenario.frequency, FASTEST_RAD_S)
         scenario.damping_ratio = min(scenario.damping_ratio, max(RATIOS))
-
-
-def _damping(scenario: AxisScenario) -> float:
-    """Of the controller, 1/s."""
-    if scenario.command == "speed":
-        return 1.0 / scenario.lag
-    return 2.0 * scenario.damping_ratio * scenario.frequency
 
 
 def squares_left(

@@ -9,12 +9,21 @@ from brace_drake.scenario.axis import AxisScenario
 # Numbers may be so many times less or more than nominal.
 _SPREAD = 20.0
 _FEED_FORWARD = 0.0, 4.0
+# So many times its loop's damping an integral's rate is at most.
+_INTEGRAL = 1.0
 # A load that swings as fast behind its motor is as good as rigidly joined.
 FASTEST_RAD_S = 2000.0
 # What a load on a spring behind its motor is fitted by.
 ELASTIC = ("frequency", "damping_ratio", "viscous", "offset")
 # Limits of the numbers of a spring between motor and load.
 _OF_SPRING = {"frequency": (1.0, FASTEST_RAD_S), "damping_ratio": (0.0, 20.0)}
+
+
+def loop_damping(scenario: AxisScenario) -> float:
+    """Of the controller, 1/s."""
+    if scenario.command == "speed":
+        return 1.0 / scenario.lag
+    return 2.0 * scenario.damping_ratio * scenario.frequency
 
 
 def fitted_fields(scenario: AxisScenario) -> tuple[str, ...]:
@@ -64,7 +73,7 @@ def follower_subject(scenario: AxisScenario) -> tuple[SubjectParameter, ...]:
         name, unit = named[field]
         least, most = value / _SPREAD, value * _SPREAD
         if field == "integral":
-            least = 0.0
+            least, most = 0.0, _INTEGRAL * loop_damping(scenario)
         if field == "feed_forward":
             least, most = _FEED_FORWARD
         if scenario.command == "motor" or not value:
