@@ -32,8 +32,9 @@ _INTEGRALS, _VISCOUS = (0.02, 0.1, 0.3), 0.05
 _FASTEST = np.log(0.5)
 # Effects that hide what a controller is: it is searched beside them too.
 _HIDE = "coulomb_friction", "acceleration_limit", "speed_limit", "command_delay"
-# A feed-forward is none, or an integral at its fastest, within so much.
-_LITTLE = 1e-3
+# A feed-forward below the one is none; an integral is at its fastest within the
+# other.
+_LITTLE, _NEAR = 1e-3, 0.05
 # Squares over those of noise that leave nothing to be found.
 _AT_NOISE = 1.1
 # Steps of each search, and of a first look.
@@ -48,7 +49,7 @@ class _Form:
 
     Its numbers are logarithms, but for the feed-forward: lag and damping ratio;
     then feed-forward, rate of the integral and the machine's own damping over
-    the controller's, and the effect's strength, each where it is there.
+    the controller's, and those of the effect, each where it is there.
     """
 
     has_forward: bool = False
@@ -60,26 +61,25 @@ class _Form:
         """Numbers that a search may begin with.
 
         Args:
-            x: Of the loop, and beside an effect its strength (2,) or (3,).
+            x: Of the loop, and then of the effect where they are known.
         """
-        loops, forwards, integrals, strengths = [x[:2]], [()], [()], [()]
+        loops, forwards, integrals, effects = [x[:2]], [()], [()], [x[2:]]
         if self.has_forward:
             # A command that is followed at once hides how fast the loop is.
             loops += [np.log([lag, RATIOS[1]]) for lag in _LAGS_S]
             forwards = [(0.0,), (1.0,)]
         if self.has_integral:
             integrals = [np.log([n, _VISCOUS]) for n in _INTEGRALS]
-        if self.beside is not None:
-            strengths = [np.log(v) for v in self.beside.starts()]
-            strengths = [x[2:]] if len(x) > 2 else strengths
-        for parts in product(loops, forwards, integrals, strengths):
+        if self.beside is not None and len(x) == 2:
+            effects = [np.log(v) for v in self.beside.starts()]
+        for parts in product(loops, forwards, integrals, effects):
             yield np.concatenate(parts)
 
     def is_within(self, x: np.ndarray) -> bool:
         """Whether an integral is none of the fastest that a search allows."""
         at = 2 + self.has_forward
         return not self.has_integral or bool(
-            np.all(x[at : at + 2] < _FASTEST - _LITTLE)
+            np.all(x[at : at + 2] < _FASTEST - _NEAR)
         )
 
     def take(self, scenario: AxisScenario, x: np.ndarray) -> list[Use]:
@@ -97,12 +97,8 @@ class _Form:
             scenario.viscous = float(np.exp(more.pop(0))) * damping
         if self.beside is None:
             return []
-        lower, upper = (
-            self.beside.parameters[0].lower,
-            self.beside.parameters[0].upper,
-        )
-        strength = float(np.clip(np.exp(more.pop(0)), lower, upper))
-        return [(self.beside, np.array([strength]))]
+        limits = [(p.lower, p.upper) for p in self.beside.parameters]
+        return [(self.beside, np.clip(np.exp(more), *np.transpose(limits)))]
 
 
 def find_controller(scenario: AxisScenario, runs: Sequence[Run]) -> None:
