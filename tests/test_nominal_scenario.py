@@ -173,7 +173,8 @@ class TestNamedScenario(unittest.TestCase):
         twin = MakeDevice(LoadCampaign(out)).twin
         self.assertEqual(twin.scenario.lag, 2.2)
         map_file.write_text(head.replace("own.yaml", "none.yaml"))
-        status, _, errors = run_command("import", map_file, "--out", out)
+        other = self.folder / "other"
+        status, _, errors = run_command("import", map_file, "--out", other)
         self.assertEqual((status, errors.count("\n")), (2, 1))
         self.assertIn("scenario: none.yaml: cannot be read", errors)
 

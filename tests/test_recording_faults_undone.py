@@ -232,6 +232,16 @@ class TestUndone(unittest.TestCase):
         self.assertIn("in fast.csv", found.sentence())
         self.assertIn("as in kgf", found.sentence())
 
+    def test_an_encoder_that_settles_by_single_steps_has_lost_nothing(self):
+        # Most of the record rests: its noise is 0, its steps are not.
+        t = np.arange(3000) / 500.0
+        way = np.exp(-np.clip(t - 2.0, 0.0, None) / 0.02)
+        read = 7.67e-4 * np.round(2.0 * way / 7.67e-4)
+        np.testing.assert_array_equal(jumps_of(read), [])
+        lost = np.delete(np.sin(t), np.arange(300, 340))
+        read = 7.67e-4 * np.round(lost / 7.67e-4)
+        np.testing.assert_array_equal(jumps_of(read), [299])
+
     def test_a_way_jumps_where_rows_are_lost_not_where_it_turns(self):
         t = np.arange(1000) / 100.0
         corners = np.abs((t % 4.0) - 2.0)

@@ -215,9 +215,11 @@ class Effect:
 
     def is_richer_than(self, other: Effect) -> bool:
         """Whether the other one is a special case, in the same form at the
-        same place.
+        same place; of forms for single inputs in the same but for these.
         """
-        return other.name in self.generalises and other.variant == self.variant
+        form, of_input = self.variant, self.variant.partition(", ")[0]
+        is_same = other.variant in (form, of_input)
+        return other.name in self.generalises and is_same
 
     def in_run(self, values: np.ndarray, index: int) -> np.ndarray:
         """The law's vector p in one run.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,7 +27,6 @@ from brace_drake.scenario.axis import (
     input_unit,
     pack_axis,
 )
-from brace_drake.scenario.pad_noise import white_noise
 
 # Plug points that an axis has.
 POINTS = ("drive", "sensing")
@@ -119,11 +117,6 @@ class AxisTwin(ReplayTwin):
         out[:3] = law[:3] / inertia
         out[GAINS:] *= [self.scenario.input_scales[n] for n in self.inputs]
         return out
-
-    def estimate_noise(self, runs: Sequence[Run]) -> float:
-        """White noise of the force readings of recordings, N or N m."""
-        forces = [run.channels[self.channels[0]] for run in runs]
-        return max((white_noise(f) for f in forces), default=0.0)
 
 
 def simulate_axis(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,6 @@ from brace_drake.recording.recording import Run
 from brace_drake.scenario.leg_bench import (
     LegBenchNumbers,
     LegBenchScenario,
-    estimate_position_noise,
     pack_leg_bench,
 )
 
@@ -234,10 +233,6 @@ class LegBenchTwin(ReplayTwin):
             noise = draws * numbers.noise_sigma[0]
         plug_ins = stack_effects(uses)
         return simulate_leg(numbers, motion, self.time_step, plug_ins, noise)
-
-    def estimate_noise(self, runs: Sequence[Run]) -> float:
-        """Standard deviation of the position readings of recordings, m."""
-        return estimate_position_noise(runs)
 
 
 def leg_subject(numbers: LegBenchNumbers) -> tuple[SubjectParameter, ...]:

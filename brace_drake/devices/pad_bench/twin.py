@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from brace_drake.scenario.pad_bench import (
     PadBenchScenario,
     pack_pad_bench,
 )
-from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ, white_noise
+from brace_drake.scenario.pad_noise import NOISE_EDGES_HZ
 
 CHANNELS = ("force_N",)
 # Plug points that a pad has.
@@ -151,11 +151,6 @@ class PadBenchTwin(ReplayTwin):
     def corner_share(self, values: np.ndarray) -> float:
         """What a specimen's `corner_share` is, 0 where nothing tells it."""
         return float(values[3]) if len(self.subject) > 3 else 0.0
-
-    def estimate_noise(self, runs: Sequence[Run]) -> float:
-        """White noise of the force readings of recordings, N."""
-        forces = [run.channels["force_N"] for run in runs]
-        return max((white_noise(f) for f in forces), default=0.0)
 
 
 def pad_subject(

@@ -30,6 +30,15 @@ def _gradual_law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
     x[n] = 1.0
 
 
+PRESLIDING = EffectParameter(
+    "presliding_m",
+    "m",
+    1e-7,
+    0.01,
+    (1e-5, 5e-4),
+    "way w over which the force builds up",
+    off=None,
+)
 CARD = Effect(
     name="coulomb_friction",
     form="with presliding",
@@ -42,15 +51,7 @@ CARD = Effect(
         EffectParameter(
             "coulomb_N", "N", 0.0, 60.0, (0.5, 8.0), "dry friction F_c"
         ),
-        EffectParameter(
-            "presliding_m",
-            "m",
-            1e-7,
-            0.01,
-            (1e-5, 5e-4),
-            "way w over which the force builds up",
-            off=None,
-        ),
+        PRESLIDING,
     ),
     laws={"drive": _law},
     num_states={"drive": 7},

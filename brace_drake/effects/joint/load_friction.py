@@ -8,6 +8,10 @@ from brace_drake.effects.joint.friction_behind_play import (
     gradual_force,
     held_force,
 )
+from brace_drake.effects.joint.friction_with_presliding import (
+    GRADUAL as GRADUAL_FRICTION,
+)
+from brace_drake.effects.joint.friction_with_presliding import PRESLIDING
 from brace_drake.laws.compiled import compiled_law
 from brace_drake.laws.hooks import plug
 
@@ -31,7 +35,8 @@ def _law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741 (l: position)
 def _gradual_law(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
     n = f.shape[0]
     for k in range(n):
-        f[k] -= gradual_force(l[k], _level(law, p, n), p[2], k, n, x)
+        level = _level(law, p, n)
+        f[k] -= gradual_force(l[k], level, level / p[2], k, n, x)
     x[n] = 1.0
 
 
@@ -72,9 +77,9 @@ GRADUAL = replace(
     CARD,
     form="gradual",
     title="dry friction that builds up bit by bit and grows with a load",
-    equation="dF / dy = k (1 - F sign(y') / (F_c + g |i|)), i an extra input",
-    source="Dahl, Solid friction damping of mechanical vibrations, AIAA Journal"
-    " 14, 1976",
+    equation="dF / dy = (F_c + g |i| - F sign(y')) / w, i an extra input",
+    source=GRADUAL_FRICTION.source,
+    parameters=(*CARD.parameters[:2], PRESLIDING),
     laws={"drive": _gradual_law},
 )
 

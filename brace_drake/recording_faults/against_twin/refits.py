@@ -147,7 +147,8 @@ def _tried(refitter: Refitter, new: Sequence[PreparedRun] = ()) -> list[_Tried]:
     readings = refitter.readings() if refitter.sound else None
     if readings is not None:
         suspects += of_channels(runs, refitter.names, *readings)
-    tried = [(refitter.misfit(s), s) for s in suspects]
+    told = (s for s in suspects if refitter.shows(s))
+    tried = [(refitter.misfit(s), s) for s in told]
     finer = refined_best(
         time_faults(runs[0]),
         [(misfit, s.hypothesis) for misfit, s in tried],

@@ -29,6 +29,8 @@ from brace_drake.recording_faults.against_twin.undone import (
 
 # No misfit is told from less, in noise variances.
 LEAST = 0.05
+# Squares of noise beyond which a run shows something.
+_SHOWN = 10.0
 # Trust in a sample's motion from which on its difference tells a zero.
 _KNOWN = 0.5
 
@@ -101,6 +103,18 @@ class Refitter:
             return ()
         pairs = zip(self.accused, runs, strict=True)
         return tuple(self._prepared(p, run) for p, run in pairs)
+
+    def shows(self, suspect: Suspect) -> bool:
+        """Whether a scale, undone, leaves more than noise of what is compared:
+        of next to nothing any twin would be right.
+        """
+        if "scale" not in suspect.hypothesis.parameters:
+            return True
+        powers = [
+            np.mean(p.weigh(p.measured - p.measured.mean(axis=0)) ** 2)
+            for p in self.undone(suspect)
+        ]
+        return max(powers, default=0.0) > _SHOWN
 
     def fit(self, runs: Sequence[PreparedRun]) -> SubjectFit | None:
         """The subject of some runs; None where the twin breaks down."""

@@ -34,26 +34,30 @@ def richer_starts(
     not, half of that part is taken off those that it has.
     """
     known = dict(zip(special.parameter_names, values, strict=False))
-    strength = max(abs(v) for v in known.values())
-    axes = []
+    first = special.parameters[int(np.argmax(special.is_strength))]
+    strength, axes = max(abs(v) for v in known.values()), []
     for p in effect.parameters:
         if p.name in known:
             axes.append([None])
         elif p.off == 0.0:
-            axes.append([s * strength for s in thresholds.NESTED_SHARES])
+            axes.append(list(thresholds.NESTED_SHARES))
         else:
             axes.append([t * p.starts[0] for t in thresholds.NESTED_SHAPES])
     for chosen in itertools.product(*axes):
-        added = sum(
-            v
-            for p, v in zip(effect.parameters, chosen, strict=True)
-            if v is not None and p.off == 0.0
-        )
-        less = 1.0 - 0.5 * added / strength
+        out, added = [], 0.0
+        for p, v in zip(effect.parameters, chosen, strict=True):
+            if v is not None and p.off == 0.0:
+                added += v
+                # What is small in its unit is in that of its starts.
+                v = v * strength * p.starts[0] / first.starts[0]
+            out.append(v)
+        less = 1.0 - 0.5 * added
         yield np.clip(
             [
-                known[p.name] * less if v is None else v
-                for p, v in zip(effect.parameters, chosen, strict=True)
+                known[p.name] * (less if p.off == 0.0 else 1.0)
+                if v is None
+                else v
+                for p, v in zip(effect.parameters, out, strict=True)
             ],
             effect.lower,
             effect.upper,
