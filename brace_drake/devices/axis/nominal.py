@@ -23,8 +23,8 @@ from brace_drake.scenario.pad_noise import (
 _TERMS = ("mass", "viscous", "stiffness", "offset")
 # A number counts where it is this many times what scatter alone makes of it.
 _SHOWN = 2.0
-# Over these parts of half the travel dry friction may build up; over longer ones
-# it is a spring.
+# Over these parts of half the travel dry friction may build up; over longer
+# ones it is a spring.
 _WAYS = np.geomspace(1e-3, 0.03, 3)
 # Steps of an effect between two samples.
 _STEP_PARTS = 4.0

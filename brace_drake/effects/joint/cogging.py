@@ -1,7 +1,6 @@
 """A force that is periodic in position."""
 
 import math
-from dataclasses import replace
 
 from brace_drake.effects.card import Effect, EffectParameter
 from brace_drake.laws.compiled import compiled_law
@@ -59,35 +58,3 @@ CARD = Effect(
     " a bent screw, a worn tooth or magnets",
     experiment="slow strokes over the whole travel, both ways",
 )
-
-
-@plug("drive")
-def _law_of_two(t, dt, u, l, l_dot, law, f, p, x):  # noqa: E741
-    for k in range(f.shape[0]):
-        f[k] -= periodic(p[0], p[1], p[2], l[k])
-        f[k] -= periodic(p[3], p[4], 0.5 * p[2], l[k])
-
-
-# Found from one wave: so few lengths begin it.
-_FEW = tuple(2.0 * _TRAVEL_M / n for n in (4, 12, 36))
-HARMONICS = replace(
-    CARD,
-    name="cogging_harmonics",
-    title="a force that is periodic in position, of two waves",
-    equation="F = a cos(2 pi y / L) + b sin(2 pi y / L) + c cos(4 pi y / L)"
-    " + d sin(4 pi y / L)",
-    parameters=(
-        *CARD.parameters[:2],
-        replace(PITCH, starts=_FEW),
-        EffectParameter(
-            "cosine2_N", "N", -60.0, 60.0, (0.2,), "part c, of half the length"
-        ),
-        EffectParameter(
-            "sine2_N", "N", -60.0, 60.0, (0.2,), "part d, of half the length"
-        ),
-    ),
-    laws={"drive": _law_of_two},
-    generalises=("cogging",),
-)
-
-CARDS = (CARD, HARMONICS)

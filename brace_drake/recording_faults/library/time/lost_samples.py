@@ -16,12 +16,12 @@ from brace_drake.recording_faults.statistics import noise_deviation
 
 def jumps_of(way: np.ndarray) -> np.ndarray:
     """Rows after which a way goes on elsewhere (J,), by its own noise, and by
-    the step of its readings, of which a slow way may take one more or less.
+    the step of its readings, half of which each is off by.
     """
     steps = np.abs(np.diff(way))
     least = float(np.min(steps, where=steps > 0.0, initial=np.inf))
     noise = noise_deviation(way)
-    return jumps_in(way, max(noise, least) if np.isfinite(least) else noise)
+    return jumps_in(way, max(noise, 0.5 * least) if least < np.inf else noise)
 
 
 def find_lost(run: Run, known: Mapping[str, Channel]) -> list[Finding]:
