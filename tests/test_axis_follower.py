@@ -75,6 +75,16 @@ def make_campaign(
     return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
 
 
+def servo_run(i: int, split: str, time, asked, reading) -> Run:
+    """A run of a commanded position and its reading, rad (N,)."""
+    columns = {
+        "time_s": time,
+        "position_command_rad": asked,
+        "position_rad": np.array(reading),
+    }
+    return Run(f"run{i}.csv", False, f"{i}", None, split, columns)
+
+
 def make_servo(band, gain=22.0, lag=0.035) -> Campaign:
     """A campaign of a servo with a gain inside and a dead band, rad."""
     time, runs = np.arange(900) / RATE, []
@@ -89,12 +99,7 @@ def make_servo(band, gain=22.0, lag=0.035) -> Campaign:
                 error = r - y if abs(r - y) >= band else 0.0
                 v += (gain * error - v) / lag / RATE / FINE
                 y += v / RATE / FINE
-        columns = {
-            "time_s": time,
-            "position_command_rad": asked,
-            "position_rad": np.array(reading),
-        }
-        runs.append(Run(f"run{i}.csv", False, f"{i}", None, split, columns))
+        runs.append(servo_run(i, split, time, asked, reading))
     return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
 
 
@@ -122,12 +127,7 @@ def make_cascade(friction=0.0, loop=20.0, speed=80.0, rate=15.0, own=3.0):
                 after -= np.clip(after, -h * friction, h * friction)
                 y += 0.5 * h * (v + after)
                 held, v = held + h * rate * error, after
-        columns = {
-            "time_s": time,
-            "position_command_rad": asked,
-            "position_rad": np.array(reading),
-        }
-        runs.append(Run(f"run{i}.csv", False, f"{i}", None, split, columns))
+        runs.append(servo_run(i, split, time, asked, reading))
     return Campaign(Path("synthetic"), "axis", RATE, "", tuple(runs))
 
 

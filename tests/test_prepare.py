@@ -20,8 +20,7 @@ class TestMissing(unittest.TestCase):
     def test_a_marker_that_was_not_recorded_weighs_nothing(self):
         campaign = LoadCampaign(EXAMPLE)
         twin = MakeDevice(campaign).twin
-        subject = np.array([p.nominal for p in twin.subject])
-        floors, _ = estimate_floors(twin, campaign, subject, 0)
+        floors, _ = floors_of(campaign)
         run = next(r for r in campaign.runs if r.contact)
         kept = {
             name: values
@@ -41,12 +40,9 @@ class TestMissing(unittest.TestCase):
 class TestMotion(unittest.TestCase):
     def test_runs_that_show_noise_alone_are_refused(self):
         campaign = LoadCampaign(EXAMPLE)
-        twin = MakeDevice(campaign).twin
-        subject = np.array([p.nominal for p in twin.subject])
-        floors, _ = estimate_floors(twin, campaign, subject, 0)
-        fit = campaign.split("fit")
-        rate = campaign.rate_hz
-        moving = prepare_runs(twin, fit, floors, rate, 0)
+        floors, _ = floors_of(campaign)
+        twin, fit = MakeDevice(campaign).twin, campaign.split("fit")
+        moving = prepare_runs(twin, fit, floors, campaign.rate_hz, 0)
         check_motion("folder", moving)
         noise = np.random.default_rng(0)
         still = [

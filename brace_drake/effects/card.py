@@ -217,9 +217,9 @@ class Effect:
         """Whether the other one is a special case, in the same form at the
         same place; of forms for single inputs in the same but for these.
         """
-        form, of_input = self.variant, self.variant.partition(", ")[0]
-        is_same = other.variant in (form, of_input)
-        return other.name in self.generalises and is_same
+        is_there = other.at == self.at
+        is_same = other.form in (self.form, self.form.partition(", ")[0])
+        return other.name in self.generalises and is_there and is_same
 
     def in_run(self, values: np.ndarray, index: int) -> np.ndarray:
         """The law's vector p in one run.

@@ -114,13 +114,13 @@ def find_controller(scenario: AxisScenario, runs: Sequence[Run]) -> None:
     """
     twin = AxisFollower(scenario)
     # Where runs begin depends little on what is searched.
-    data = [(twin.motion(run), twin.measured(run)) for run in runs]
+    data = _compared(twin, runs)
     loop = np.log([scenario.lag, scenario.damping_ratio])
 
     def search(form, start, steps):
         return _search(scenario, data, form, start, steps)
 
-    rest = _rest(scenario, data, [])
+    rest = _rest(twin, data, [])
     best, least, form = loop, float(rest @ rest), _Form()
     if least < _AT_NOISE * len(rest) * twin.answer_noise(runs) ** 2:
         return
@@ -154,7 +154,8 @@ def _search(
     """Numbers of least squares, from the best of a form's begins, and these."""
 
     def rest(x):
-        return _rest(scenario, data, form.take(scenario, x))
+        uses = form.take(scenario, x)
+        return _rest(AxisFollower(scenario), data, uses)
 
     begin = min(form.begins(start), key=lambda x: float(np.sum(rest(x) ** 2)))
     # No controller sends less the faster its command changes, and none has an
@@ -188,16 +189,19 @@ def squares_left(
 ) -> float:
     """Squares that a follower leaves of its runs."""
     twin = AxisFollower(scenario)
-    data = [(twin.motion(run), twin.measured(run)) for run in runs]
-    rest = _rest(scenario, data, uses)
+    rest = _rest(twin, _compared(twin, runs), uses)
     return float(rest @ rest)
 
 
-def _rest(scenario, data, uses: Sequence[Use]) -> np.ndarray:
-    """What a follower leaves of motions and what was measured of them, one
-    after the other; beyond all bounds where it breaks down.
+def _compared(twin: AxisFollower, runs: Sequence[Run]) -> list[tuple]:
+    """Motions of runs, and what was measured of them."""
+    return [(twin.motion(run), twin.measured(run)) for run in runs]
+
+
+def _rest(twin: AxisFollower, data, uses: Sequence[Use]) -> np.ndarray:
+    """What a follower leaves of what is compared, run after run; beyond all
+    bounds where it breaks down.
     """
-    twin = AxisFollower(scenario)
     subject = np.array([p.nominal for p in twin.subject])
     try:
         rest = [
