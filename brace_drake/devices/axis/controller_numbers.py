@@ -39,6 +39,8 @@ _LITTLE, _NEAR = 1e-3, 0.05
 _AT_NOISE = 1.1
 # Steps of each search, and of a first look.
 _STEPS, _FEW_STEPS = 20, 8
+# Beyond this logarithm no lag is one.
+_FARTHEST = 50.0
 # What a follower that breaks down leaves of each reading.
 _BROKEN = 1e9
 
@@ -177,7 +179,9 @@ def _search(
 
 def set_loop(scenario: AxisScenario, x: np.ndarray) -> None:
     """Gives a follower the logarithms of lag and damping ratio, x[:2]."""
-    scenario.lag, scenario.damping_ratio = map(float, np.exp(x[:2]))
+    # Of a speed the ratio is no number, and may go anywhere.
+    loop = np.clip(x[:2], -_FARTHEST, _FARTHEST)
+    scenario.lag, scenario.damping_ratio = map(float, np.exp(loop))
     scenario.frequency = 1.0 / scenario.lag
     if scenario.command == "motor":
         scenario.frequency = min(scenario.frequency, FASTEST_RAD_S)
